@@ -1,0 +1,149 @@
+"""Curves over the coil number: the laws of wire diameter, coil diameter and pitch along a spring.
+
+A curve answers three questions at any coil number ``u`` (turns from the lower wire tip): its value, its
+derivative per turn and its integral from zero. One class per kind; a new kind is one more small class.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from valvetrain.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+@runtime_checkable
+class Curve(Protocol):
+    """A scalar law over the coil number, in SI units of its quantity."""
+
+    def value(self, coil: ArrayLike) -> Array: ...
+
+    def derivative(self, coil: ArrayLike) -> Array: ...
+
+    def integral(self, coil: ArrayLike) -> Array: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """The same value at every coil number."""
+
+    level: float
+
+    def value(self, coil: ArrayLike) -> Array:
+        return np.full_like(np.asarray(coil, dtype=float), self.level)
+
+    def derivative(self, coil: ArrayLike) -> Array:
+        return np.zeros_like(np.asarray(coil, dtype=float))
+
+    def integral(self, coil: ArrayLike) -> Array:
+        return self.level * np.asarray(coil, dtype=float)
+
+
+@dataclass(frozen=True, slots=True)
+class PiecewiseLinear:
+    """Straight lines between (coil, value) knots, held constant beyond the first and last knot.
+
+    Raises :class:`InputError` when fewer than two knots are given or the coils do not increase.
+    """
+
+    coils: tuple[float, ...]
+    values: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        _check_knots(self.coils, self.values)
+
+    def value(self, coil: ArrayLike) -> Array:
+        return np.interp(np.asarray(coil, dtype=float), self.coils, self.values)
+
+    def derivative(self, coil: ArrayLike) -> Array:
+        knots, values = np.asarray(self.coils), np.asarray(self.values)
+        slopes = np.concatenate(([0.0], np.diff(values) / np.diff(knots), [0.0]))
+        return slopes[np.searchsorted(knots, np.asarray(coil, dtype=float), side="right")]
+
+    def integral(self, coil: ArrayLike) -> Array:
+        return self._primitive(np.asarray(coil, dtype=float)) - self._primitive(np.asarray(0.0))
+
+    def _primitive(self, coil: Array) -> Array:
+        knots, values = np.asarray(self.coils), np.asarray(self.values)
+        areas = np.concatenate(([0.0], np.cumsum(np.diff(knots) * (values[1:] + values[:-1]) / 2)))
+        inside = np.clip(coil, knots[0], knots[-1])
+        segment = np.clip(np.searchsorted(knots, inside, side="right") - 1, 0, len(knots) - 2)
+        step = inside - knots[segment]
+        slope = (np.diff(values) / np.diff(knots))[segment]
+        area = areas[segment] + values[segment] * step + slope * step**2 / 2
+        return area + np.minimum(coil - knots[0], 0) * values[0] + np.maximum(coil - knots[-1], 0) * values[-1]
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A measured or drawn table, interpolated by a shape-preserving cubic (PCHIP): C1, no overshoot."""
+
+    coils: tuple[float, ...]
+    values: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        _check_knots(self.coils, self.values)
+
+    def _interpolant(self):
+        from scipy.interpolate import PchipInterpolator
+
+        return PchipInterpolator(self.coils, self.values, extrapolate=False)
+
+    def value(self, coil: ArrayLike) -> Array:
+        return self._interpolant()(np.clip(coil, self.coils[0], self.coils[-1]))
+
+    def derivative(self, coil: ArrayLike) -> Array:
+        return np.nan_to_num(self._interpolant().derivative()(np.asarray(coil, dtype=float)))
+
+    def integral(self, coil: ArrayLike) -> Array:
+        coil = np.asarray(coil, dtype=float)
+        first, last = self.coils[0], self.coils[-1]
+        primitive = self._interpolant().antiderivative()
+
+        def area(point: Array) -> Array:
+            beyond = np.minimum(point - first, 0) * self.values[0] + np.maximum(point - last, 0) * self.values[-1]
+            return primitive(np.clip(point, first, last)) + beyond
+
+        return area(coil) - area(np.asarray(0.0))
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionCurve:
+    """Any callable of the coil number; derivative and integral are taken numerically."""
+
+    function: Callable[[Array], ArrayLike]
+
+    def value(self, coil: ArrayLike) -> Array:
+        coil = np.asarray(coil, dtype=float)
+        return np.broadcast_to(np.asarray(self.function(coil), dtype=float), coil.shape).copy()
+
+    def derivative(self, coil: ArrayLike) -> Array:
+        coil, step = np.asarray(coil, dtype=float), 1e-5
+        return (self.value(coil + step) - self.value(coil - step)) / (2 * step)
+
+    def integral(self, coil: ArrayLike) -> Array:
+        coil = np.asarray(coil, dtype=float)
+        # Gauss-Legendre in panels of at most a quarter turn resolves any smooth pitch law.
+        nodes, weights = np.polynomial.legendre.leggauss(8)
+        panels = max(4, int(np.ceil(4 * np.max(np.abs(coil), initial=1.0))))
+        edges = np.linspace(0.0, 1.0, panels + 1)
+        points = (edges[:-1, None] + np.diff(edges)[:, None] * (nodes + 1) / 2).ravel()
+        scale = (np.diff(edges)[:, None] * weights / 2).ravel()
+        return coil * (self.value(np.multiply.outer(coil, points)) @ scale)
+
+
+def _check_knots(coils: tuple[float, ...], values: tuple[float, ...]) -> None:
+    if len(coils) != len(values):
+        raise InputError(f"a curve has {len(coils)} coil numbers but {len(values)} values; give one value per coil number")
+    if len(coils) < 2:
+        raise InputError("a curve needs at least two knots; give a constant for one value")
+    if not (np.all(np.isfinite(coils)) and np.all(np.isfinite(values))):
+        raise InputError("a curve holds a value that is not a finite number; replace it")
+    if np.any(np.diff(coils) <= 0):
+        raise InputError("the coil numbers of a curve must increase; sort them and remove repeats")

@@ -1,0 +1,181 @@
+"""The one definition of a coil spring, from which every spring model is derived."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.curves import Array, Curve
+from valvetrain.parameters.material import Material
+
+EndKind = Literal["closed-ground", "closed", "open"]
+
+
+@dataclass(frozen=True, slots=True)
+class EndCoil:
+    """How one end of the spring meets its seat.
+
+    ``held_coils``: turns of wire bonded to the seat (they move with it; the rod starts where they end).
+    ``ground_coils``: turns over which the wire is ground flat; the seat plane touches the full wire there.
+    """
+
+    kind: EndKind = "closed-ground"
+    held_coils: float = 0.75
+    ground_coils: float = 0.75
+
+    def __post_init__(self) -> None:
+        if self.kind not in ("closed-ground", "closed", "open"):
+            raise InputError(f"end coil kind '{self.kind}' is unknown; use closed-ground, closed or open")
+        if not (0 <= self.held_coils <= 3 and 0 <= self.ground_coils <= 3):
+            raise InputError("held_coils and ground_coils of an end must lie between 0 and 3 turns")
+
+
+OPEN_END = EndCoil("open", 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class SpringDefinition:
+    """A coil spring: laws over the coil number ``u`` in [0, total_coils], counted from the lower wire tip.
+
+    ``wire_diameter`` and ``mean_diameter`` in m, ``pitch`` = rise of the wire axis per turn dz/du in m.
+    The pitch must be continuous (its slope may jump). Raises :class:`InputError` with the reason for a
+    spring that cannot exist.
+    """
+
+    wire_diameter: Curve
+    mean_diameter: Curve
+    pitch: Curve
+    total_coils: float
+    material: Material
+    lower_end: EndCoil = EndCoil()
+    upper_end: EndCoil = EndCoil()
+    hand: Literal["right", "left"] = "right"
+    name: str = "spring"
+
+    def __post_init__(self) -> None:
+        from valvetrain.parameters.spring_checks import check_spring
+
+        check_spring(self)
+
+    def replace(self, **changes: Any) -> SpringDefinition:
+        """A copy with the named fields changed."""
+        return replace(self, **changes)
+
+    def axial_position(self, coil: ArrayLike) -> Array:
+        """Height z (m) of the wire axis above its lower tip at coil number ``coil``."""
+        return self.pitch.integral(coil)
+
+    def centreline(self, coil: ArrayLike) -> Array:
+        """Wire axis, shape (..., 3), in m; z runs from seat to retainer and z = 0 at the lower tip."""
+        coil = np.asarray(coil, dtype=float)
+        radius, angle = self.mean_diameter.value(coil) / 2, 2 * np.pi * coil
+        sign = 1.0 if self.hand == "right" else -1.0
+        return np.stack([radius * np.cos(angle), sign * radius * np.sin(angle), self.axial_position(coil)], axis=-1)
+
+    def line_speed(self, coil: ArrayLike) -> Array:
+        """Arc length per turn ds/du (m)."""
+        coil = np.asarray(coil, dtype=float)
+        radius, growth = self.mean_diameter.value(coil) / 2, self.mean_diameter.derivative(coil) / 2
+        return np.sqrt((2 * np.pi * radius) ** 2 + growth**2 + self.pitch.value(coil) ** 2)
+
+    def integrate_along_wire(self, weight: Curve | None = None, power: int = 0, between: tuple[float, float] | None = None) -> float:
+        """Integral of ``weight(u)**power`` ds over the wire (or ``between`` two coil numbers), in SI units."""
+        first, last = between or (0.0, self.total_coils)
+        panels = max(4, int(np.ceil((last - first) * 16)))
+        nodes, weights = np.polynomial.legendre.leggauss(4)
+        edges = np.linspace(first, last, panels + 1)
+        coil = (edges[:-1, None] + np.diff(edges)[:, None] * (nodes + 1) / 2).ravel()
+        scale = (np.diff(edges)[:, None] * weights / 2).ravel()
+        density = self.line_speed(coil)
+        if weight is not None:
+            density = density * weight.value(coil) ** power
+        return float(scale @ density)
+
+    @cached_property
+    def wire_length(self) -> float:
+        """Length of the wire axis, tip to tip (m)."""
+        return self.integrate_along_wire()
+
+    @cached_property
+    def mass(self) -> float:
+        """Mass of the whole wire (kg), the ground-off part of the end coils included."""
+        return float(np.pi / 4 * self.material.density * self.integrate_along_wire(self.wire_diameter, 2))
+
+    @property
+    def free_coils(self) -> tuple[float, float]:
+        """First and last coil number of the wire that is free to move (between the held ends)."""
+        return self.lower_end.held_coils, self.total_coils - self.upper_end.held_coils
+
+    @cached_property
+    def active_coils(self) -> float:
+        """Turns that deform: total turns less those lying closed on their neighbour at either end."""
+        coil = np.linspace(*self.free_coils, 2001)
+        above, below = self.coil_gap(coil + 1.0) > 1e-6, self.coil_gap(coil) > 1e-6
+        return float((coil[-1] - coil[0]) * np.mean(above | below))
+
+    @property
+    def active_mass(self) -> float:
+        """Mass of the wire between the held ends (kg)."""
+        squares = self.integrate_along_wire(self.wire_diameter, 2, self.free_coils)
+        return float(np.pi / 4 * self.material.density * squares)
+
+    def index(self, coil: ArrayLike) -> Array:
+        """Spring index, mean coil diameter over wire diameter."""
+        return self.mean_diameter.value(coil) / self.wire_diameter.value(coil)
+
+    def helix_angle(self, coil: ArrayLike) -> Array:
+        """Angle of the wire axis to the coil plane (rad)."""
+        return np.arctan2(self.pitch.value(coil), np.pi * self.mean_diameter.value(coil))
+
+    def outer_diameter(self, coil: ArrayLike) -> Array:
+        """Mean diameter plus wire diameter (m)."""
+        return self.mean_diameter.value(coil) + self.wire_diameter.value(coil)
+
+    def coil_gap(self, coil: ArrayLike) -> Array:
+        """Free-state gap (m) between the wire at ``coil`` and one turn below; infinite where there is none."""
+        coil = np.asarray(coil, dtype=float)
+        inside = (coil >= 1.0) & (coil <= self.total_coils)
+        upper = np.clip(coil, 1.0, max(self.total_coils, 1.0))
+        rise = self.axial_position(upper) - self.axial_position(upper - 1)
+        shift = (self.mean_diameter.value(upper) - self.mean_diameter.value(upper - 1)) / 2
+        wire = (self.wire_diameter.value(upper) + self.wire_diameter.value(upper - 1)) / 2
+        return np.where(inside, np.hypot(rise, shift) - wire, np.inf)
+
+    @property
+    def lower_seat_height(self) -> float:
+        """Height z (m) of the lower seat plane: it touches the underside of the wire where grinding ends."""
+        end = self.lower_end.ground_coils
+        return float(self.axial_position(end) - self.wire_diameter.value(end) / 2)
+
+    @property
+    def upper_seat_height(self) -> float:
+        """Height z (m) of the retainer plane in the free state."""
+        end = self.total_coils - self.upper_end.ground_coils
+        return float(self.axial_position(end) + self.wire_diameter.value(end) / 2)
+
+    @property
+    def free_length(self) -> float:
+        """Unloaded length between the seat planes (m)."""
+        return self.upper_seat_height - self.lower_seat_height
+
+    @cached_property
+    def solid_height(self) -> float:
+        """Length between the seat planes (m) when every coil lies on the one below (nested coils counted)."""
+        coil = np.linspace(0.0, self.total_coils, 64 * int(np.ceil(self.total_coils)) + 1)
+        height = self._solid_axis(coil)
+        lower, upper = self.lower_end.ground_coils, self.total_coils - self.upper_end.ground_coils
+        wire = (self.wire_diameter.value(lower) + self.wire_diameter.value(upper)) / 2
+        return float(np.interp(upper, coil, height) - np.interp(lower, coil, height) + wire)
+
+    def _solid_axis(self, coil: Array) -> Array:
+        wire = self.wire_diameter.value(coil)
+        radius = self.mean_diameter.value(coil) / 2
+        shift = np.interp(coil + 0.5, coil, radius) - np.interp(coil - 0.5, coil, radius)
+        rise = np.sqrt(np.maximum(wire**2 - shift**2, 0.0))
+        rise = np.minimum(rise, np.maximum(self.pitch.value(coil), 0.0))
+        return np.concatenate(([0.0], np.cumsum(np.diff(coil) * (rise[1:] + rise[:-1]) / 2)))

@@ -1,0 +1,62 @@
+"""Refuses springs that cannot exist, each with the reason and the place along the wire."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from valvetrain.errors import InputError
+
+if TYPE_CHECKING:
+    from valvetrain.parameters.spring import SpringDefinition
+
+#: Depth, as a share of the wire diameter, up to which free coils may overlap (drawing and rounding slack).
+OVERLAP_SLACK = 0.02
+
+
+def check_spring(spring: SpringDefinition) -> None:
+    """Raise :class:`InputError` when ``spring`` is impossible."""
+    if not np.isfinite(spring.total_coils) or spring.total_coils <= 0:
+        raise InputError(f"spring '{spring.name}' has {spring.total_coils} turns; give a positive number of total_coils")
+    if spring.hand not in ("right", "left"):
+        raise InputError(f"hand '{spring.hand}' of spring '{spring.name}' is unknown; use right or left")
+    first, last = spring.free_coils
+    if last - first < 0.5:
+        raise InputError(
+            f"spring '{spring.name}' has {spring.total_coils:g} turns of which {spring.total_coils - (last - first):g} are held; "
+            "at least half a turn must be free: add turns or hold less"
+        )
+    coil = np.linspace(0.0, spring.total_coils, max(64, int(64 * spring.total_coils)) + 1)
+    for law, label in ((spring.wire_diameter, "wire diameter"), (spring.mean_diameter, "mean coil diameter")):
+        values = law.value(coil)
+        _refuse(~(values > 0), coil, spring, f"{label} is not positive; give a positive length")
+    _refuse(~np.isfinite(spring.pitch.value(coil)), coil, spring, "pitch is not a finite number")
+    _refuse(spring.pitch.value(coil) < 0, coil, spring, "pitch is negative, so the wire runs back through itself; make it positive")
+    _refuse(spring.index(coil) <= 1.0, coil, spring, "mean coil diameter does not exceed the wire diameter (index at most 1); widen the coil")
+    _refuse_jumps(spring, coil)
+    gap = spring.coil_gap(coil)
+    _refuse(
+        gap < -OVERLAP_SLACK * spring.wire_diameter.value(coil),
+        coil,
+        spring,
+        "coil overlaps the one below it in the free state; raise the pitch or thin the wire",
+    )
+
+
+def _refuse(bad: np.ndarray, coil: np.ndarray, spring: SpringDefinition, reason: str) -> None:
+    if np.any(bad):
+        raise InputError(f"at coil {coil[np.argmax(bad)]:.2f} of spring '{spring.name}' the {reason}")
+
+
+def _refuse_jumps(spring: SpringDefinition, coil: np.ndarray) -> None:
+    """A jump of the pitch would be a kink of the wire, smeared over one element by every mesh."""
+    fine = np.linspace(0.0, spring.total_coils, 4000 * int(np.ceil(spring.total_coils)) + 1)
+    pitch = spring.pitch.value(fine)
+    scale = max(float(np.max(spring.wire_diameter.value(coil))), float(np.max(np.abs(pitch))))
+    _refuse(
+        np.abs(np.diff(pitch, append=pitch[-1])) > 0.05 * scale,
+        fine,
+        spring,
+        "pitch jumps, which would kink the wire; ramp it over a quarter turn or more",
+    )
