@@ -1,0 +1,72 @@
+"""Names, dimensions, units and words of the channels of a spring run, and the one way to build the dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from valvetrain.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray
+
+#: channel -> (dimension after ``sample`` or None, SI unit, words)
+SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
+    "valve_lift": (None, "m", "valve lift"),
+    "retainer_velocity": (None, "m/s", "retainer velocity, opening positive"),
+    "retainer_acceleration": (None, "m/s2", "retainer acceleration, opening positive"),
+    "seat_force": (None, "N", "force on the lower seat, compressive positive"),
+    "retainer_force": (None, "N", "force on the retainer, compressive positive"),
+    "axial_displacement": ("wire_point", "m", "axial displacement from the installed state, seat to retainer positive"),
+    "axial_velocity": ("wire_point", "m/s", "axial velocity, seat to retainer positive"),
+    "axial_acceleration": ("wire_point", "m/s2", "axial acceleration, seat to retainer positive"),
+    "axial_position": ("wire_point", "m", "height of the wire axis above the lower seat"),
+    "torsional_moment": ("wire_point", "N m", "torsional moment of the wire"),
+    "bending_moment": ("wire_point", "N m", "bending moment of the wire in the coil plane"),
+    "binormal_moment": ("wire_point", "N m", "bending moment of the wire about the binormal"),
+    "normal_force": ("wire_point", "N", "normal force of the wire, tension positive"),
+    "shear_force": ("wire_point", "N", "shear force of the wire"),
+    "coil_gap": ("coil_pair", "m", "gap between a coil and the one below, negative when pressed together"),
+    "coil_contact_force": ("coil_pair", "N", "contact force between a coil and the one below"),
+    "contact_status": ("coil_pair", "1", "0 open, 1 near, 2 touching, 3 sliding"),
+    "kinetic_energy": (None, "J", "kinetic energy of the wire"),
+    "elastic_energy": (None, "J", "elastic energy of the wire"),
+    "contact_energy": (None, "J", "energy stored in contacts"),
+    "work_done": (None, "J", "work done on the spring by the retainer since the start"),
+    "energy_dissipated": (None, "J", "energy turned to heat since the start"),
+}
+
+
+def spring_channels(
+    time: ArrayLike, cam_angle: ArrayLike, values: Mapping[str, ArrayLike], *,
+    coil_number: ArrayLike | None = None, upper_coil: ArrayLike | None = None,
+    extra: Mapping[str, tuple[tuple[str, ...], str, str]] | None = None,
+) -> xarray.Dataset:  # fmt: skip
+    """The channels dataset of a spring run from plain arrays.
+
+    ``values``: channel name -> array (sample,) or (sample, wire_point / coil_pair), SI. ``extra`` declares further channels
+    as name -> (dims after ``sample``, unit, words). Raises :class:`InputError` for a name that is not declared.
+    """
+    import xarray
+
+    declared = {name: ((extra_dim,) if extra_dim else (), unit, words) for name, (extra_dim, unit, words) in SPRING_CHANNELS.items()}
+    declared.update(extra or {})
+    variables = {}
+    for name, array in values.items():
+        if name not in declared:
+            raise InputError(f"channel '{name}' is not declared; name it in SPRING_CHANNELS or pass it in extra")
+        dims, unit, words = declared[name]
+        kind = np.int64 if name == "contact_status" else np.float64
+        variables[name] = (("sample", *dims), np.asarray(array, dtype=kind), {"units": unit, "long_name": words})
+    coords: dict[str, tuple] = {
+        "time": (("sample",), np.asarray(time, dtype=float), {"units": "s", "long_name": "time"}),
+        "cam_angle": (("sample",), np.asarray(cam_angle, dtype=float), {"units": "rad", "long_name": "cam angle, unwrapped"}),
+    }
+    if coil_number is not None:
+        coords["coil_number"] = (("wire_point",), np.asarray(coil_number, dtype=float), {"units": "1", "long_name": "turns from the lower wire tip"})
+    if upper_coil is not None:
+        coords["upper_coil"] = (("coil_pair",), np.asarray(upper_coil, dtype=float), {"units": "1", "long_name": "coil number of the upper partner"})
+    return xarray.Dataset(variables, coords=coords)

@@ -1,0 +1,35 @@
+"""One computed value beside one published value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A row of the table computed / published / difference.
+
+    ``engine_speed`` in rad/s of the crank (None where none applies); ``published``, ``computed``, ``difference`` and
+    ``tolerance`` in ``unit``; ``computed`` None when no run gave the quantity; ``tolerance`` None when the source or
+    the task names none. ``origin`` is the published value's (FE, AN, EX), ``role`` calibration or prediction.
+    """
+
+    quantity: str
+    engine_speed: float | None
+    model: str
+    origin: str
+    unit: str
+    published: float
+    computed: float | None
+    difference: float | None
+    role: str
+    tolerance: float | None
+    verdict: str
+    source: str = ""
+
+    @property
+    def relative_difference(self) -> float | None:
+        """Difference over the published value; None where either is missing or the published value is zero."""
+        if self.difference is None or self.published == 0:
+            return None
+        return self.difference / abs(self.published)

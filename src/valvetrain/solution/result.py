@@ -1,0 +1,96 @@
+"""The one result object of a run: labelled channels, events, status, statistics, provenance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.solution.event import Event
+from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.status import COMPLETED, Status
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What one run computed; see docs/architecture.md for channel names.
+
+    ``channels`` is an :class:`xarray.Dataset` whose variables all start with dimension ``sample`` and carry ``units`` and
+    ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad, unwrapped) along it. Raises :class:`InputError`
+    when a channel breaks that rule.
+    """
+
+    channels: xarray.Dataset
+    events: tuple[Event, ...] = ()
+    status: Status = COMPLETED
+    statistics: Mapping[str, float | int | str | bool] = field(default_factory=dict)
+    provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
+
+    def __post_init__(self) -> None:
+        _check_channels(self.channels)
+        object.__setattr__(self, "events", tuple(self.events))
+        object.__setattr__(self, "statistics", MappingProxyType(dict(self.statistics)))
+
+    def __reduce__(self):
+        return Solution, (self.channels, self.events, self.status, dict(self.statistics), self.provenance)
+
+    @property
+    def model(self) -> str:
+        """Name of the spring model that ran."""
+        return self.provenance.model
+
+    @property
+    def engine_speed(self) -> float:
+        """Crank speed (rad/s)."""
+        return self.provenance.engine_speed
+
+    @property
+    def cam_angle(self) -> Array:
+        """Cam angle (rad, unwrapped) of every sample."""
+        return np.asarray(self.channels["cam_angle"].values)
+
+    @property
+    def time(self) -> Array:
+        """Time (s) of every sample."""
+        return np.asarray(self.channels["time"].values)
+
+    def has(self, *names: str) -> bool:
+        """True when every named channel was computed."""
+        return all(name in self.channels.data_vars for name in names)
+
+    def channel(self, name: str) -> Array:
+        """Values of one channel, first axis ``sample``, SI; :class:`InputError` names those that exist."""
+        if name not in self.channels.data_vars:
+            raise InputError(f"this {self.model or 'unnamed'} run has no channel '{name}'; it has {', '.join(map(str, self.channels.data_vars))}")
+        return np.asarray(self.channels[name].values)
+
+    def identical(self, other: Solution) -> bool:
+        """True when every value, label, attribute, event and word of ``other`` is the same."""
+        same = (self.events, self.status, self.statistics, self.provenance) == (other.events, other.status, other.statistics, other.provenance)
+        return same and self.channels.identical(other.channels)
+
+    def cite(self) -> tuple[str, ...]:
+        """References behind this run, the papers to cite with it."""
+        return self.provenance.citations
+
+
+def _check_channels(channels: xarray.Dataset) -> None:
+    for name in ("time", "cam_angle"):
+        if name not in channels.coords or channels[name].dims != ("sample",):
+            raise InputError(f"a solution needs the coordinate '{name}' along its dimension 'sample'; add it")
+    for name, values in channels.data_vars.items():
+        if not values.dims or values.dims[0] != "sample":
+            raise InputError(f"channel '{name}' of a solution must have 'sample' as its first dimension; it has {values.dims}")
+        for key in ("units", "long_name"):
+            if key not in values.attrs:
+                raise InputError(f"channel '{name}' of a solution lacks the attribute '{key}'; give it")
