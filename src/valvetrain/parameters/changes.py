@@ -1,0 +1,67 @@
+"""Copies of frozen parameter sets with values changed by key path, and the differences between two of them."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+from valvetrain.errors import InputError
+
+
+def nearest(name: str, valid: list[str] | tuple[str, ...]) -> str:
+    """A clause that names the valid name(s) nearest to ``name``, or lists them all when none is near."""
+    close = difflib.get_close_matches(name, valid, n=3, cutoff=0.6)
+    if close:
+        return "did you mean " + " or ".join(close) + "?"
+    return "valid names are " + ", ".join(sorted(valid)) if valid else "there are no valid names here"
+
+
+def changed(target: Any, changes: Mapping[str, Any], where: str = "") -> Any:
+    """A copy of the dataclass ``target`` with the dotted paths in ``changes`` set; raises :class:`InputError` for unknown paths."""
+    direct: dict[str, Any] = {}
+    nested: dict[str, dict[str, Any]] = {}
+    for path, value in changes.items():
+        head, _, rest = path.partition(".")
+        _check_name(target, head, where)
+        if rest:
+            nested.setdefault(head, {})[rest] = value
+        else:
+            direct[head] = value
+    for head, inner in nested.items():
+        base = direct.get(head, getattr(target, head, None))
+        if not is_dataclass(base):
+            raise InputError(f"{where}{head} has no parts to set; it is {base!r}")
+        direct[head] = changed(base, inner, f"{where}{head}.")
+    own = getattr(target, "replace", None)
+    # Case.replace comes back here, so only parts use their own replace.
+    return own(**direct) if own is not None and where else replace(target, **direct)
+
+
+def _check_name(target: Any, name: str, where: str) -> None:
+    names = [field.name for field in fields(target)]
+    values = getattr(target, "values", None)
+    names += list(values) if isinstance(values, Mapping) else []
+    if name not in names:
+        raise InputError(f"there is no value '{where}{name}'; {nearest(name, names)}")
+
+
+def differences(first: Any, second: Any, path: str = "") -> dict[str, tuple[Any, Any]]:
+    """Key path -> (value in ``first``, value in ``second``) of everything that differs."""
+    if is_dataclass(first) and type(first) is type(second):
+        names = [field.name for field in fields(first)]
+        parts = [differences(getattr(first, name), getattr(second, name), f"{path}.{name}".lstrip(".")) for name in names]
+        return {key: value for part in parts for key, value in part.items()}
+    if isinstance(first, Mapping) and isinstance(second, Mapping):
+        names = list(dict.fromkeys([*first, *second]))
+        parts = [differences(first.get(name), second.get(name), f"{path}.{name}") for name in names]
+        return {key: value for part in parts for key, value in part.items()}
+    return {} if _same(first, second) else {path: (first, second)}
+
+
+def _same(first: Any, second: Any) -> bool:
+    try:
+        return bool(first == second)
+    except ValueError:  # arrays
+        return False

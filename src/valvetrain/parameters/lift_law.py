@@ -1,0 +1,57 @@
+"""What a case says of its lift law; `valvetrain.cam.build_lift_law` turns it into a law that can be evaluated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+
+class FrozenMapping(Mapping[str, Any]):
+    """A small read-only mapping that can be hashed, compared and sent to another process."""
+
+    __slots__ = ("_items",)
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        self._items = dict(*args, **kwargs)
+
+    def __getitem__(self, key: str) -> Any:
+        return self._items[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self._items.items()))
+
+    def __repr__(self) -> str:
+        return f"FrozenMapping({self._items!r})"
+
+
+@dataclass(frozen=True)
+class LiftLawParameters:
+    """Kind of a lift law and its numbers.
+
+    ``kind``: spline, polynomial, polydyne, cycloidal, modified-sine, harmonic, sine-power, table or zero.
+    ``values``: the keyword arguments of that law's class in `valvetrain.cam`, SI (m, cam rad).
+    ``lift_of``: whose lift it is, the tappet's (cam) or the valve's.
+    ``zero_of_angle``: what the zero of the cam angle means, printed on every plot.
+    """
+
+    kind: str
+    values: Mapping[str, Any] = field(default_factory=FrozenMapping)
+    lift_of: Literal["valve", "tappet"] = "valve"
+    zero_of_angle: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", FrozenMapping(self.values))
+
+    def replace(self, **changes: Any) -> LiftLawParameters:
+        """A copy with fields changed; a name that is no field is looked up among ``values``."""
+        own = {key: changes.pop(key) for key in list(changes) if key in ("kind", "values", "lift_of", "zero_of_angle")}
+        values = {**own.pop("values", self.values), **changes}
+        merged = {"kind": self.kind, "lift_of": self.lift_of, "zero_of_angle": self.zero_of_angle} | own
+        return LiftLawParameters(values=values, **merged)
