@@ -1,0 +1,1 @@
+"""Contact laws: penetration and its rate to force, tangent and dissipated power."""

@@ -1,0 +1,1 @@
+"""Spring models of every fidelity behind one contract (`contract.SpringModel`)."""

@@ -1,0 +1,143 @@
+"""The one contract of all spring models that stand between seat and retainer.
+
+Written for the finite-element rod (a large internal state); the massless spring is the case with no unknown.
+A model is a frozen object; its values travel in one flat ``state`` array. Objects build flat arrays once, then the train's
+compiled loop calls ``kernel`` at every step and never sees the object.
+
+Stepping (explicit leapfrog shared by everything that moves in a train)::
+
+    retainer_force, seat_force = kernel(parameters, integers, state, retainer_displacement, retainer_velocity, time_step)
+
+* ``retainer_displacement`` (m) at t_n, measured from the INSTALLED position, compressive positive (= valve lift when the
+  retainer rides on the valve); ``retainer_velocity`` (m/s) is the best value known at the call (the half-step velocity of the
+  leapfrog is good enough; it enters damping and rubbing only).
+* The kernel computes both end forces at t_n (N, compressive positive, preload included) from the internal positions at t_n,
+  then kicks and drifts its unknowns in place to t_(n+1). ``time_step == 0``: forces only, ``state`` untouched.
+* ``state[:unknowns]`` are positions at t_n, ``state[unknowns:2 * unknowns]`` velocities at t_(n-1/2); what follows
+  (histories, the dissipated energy) is bookkeeping of the model and no part of a periodicity test.
+* A train with step h first asks ``model.with_time_step(h)`` for the model adapted to that step (a wave rod chooses its grid; all
+  others answer themselves), then uses THAT model's arrays.
+* The spring's share of mass that rides on the retainer (``retainer_mass``) is carried by the train, never by the kernel:
+  the force on a retainer with acceleration A is ``retainer_force + retainer_mass() * A``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Kernel = Callable[[Array, NDArray[np.int64], Array, float, float, float], tuple[float, float]]
+
+
+class EndForces(NamedTuple):
+    """Forces (N, compressive positive, preload included) on the retainer and on the seat."""
+
+    retainer: float
+    seat: float
+
+
+class SpringEnergy(NamedTuple):
+    """Energies (J); ``elastic`` counts from the model's own zero, so only differences matter between models."""
+
+    kinetic: float
+    elastic: float
+    contact: float
+    dissipated: float = 0.0
+
+    @property
+    def potential(self) -> float:
+        """Elastic plus contact energy (J); its derivative by the retainer displacement is the retainer force."""
+        return self.elastic + self.contact
+
+    @property
+    def total(self) -> float:
+        """Kinetic plus potential energy (J); dissipated energy not counted."""
+        return self.kinetic + self.elastic + self.contact
+
+
+def _empty() -> Array:
+    return np.zeros(0)
+
+
+@dataclass(frozen=True)
+class SpringOutputs:
+    """What a spring shows at one instant; SI units.
+
+    ``coil_number`` (n,): turns from the lower wire tip of each section; ``axial_displacement`` (n,): motion of the section from the
+    installed state along z (seat to retainer, so compression is negative). ``upper_coil`` (p,), ``coil_gap`` (p,),
+    ``coil_contact_force`` (p,): coil pairs by the coil number of the upper partner. Empty where the model has none.
+    """
+
+    retainer_force: float
+    seat_force: float
+    coil_number: Array = field(default_factory=_empty)
+    axial_displacement: Array = field(default_factory=_empty)
+    axial_velocity: Array = field(default_factory=_empty)
+    upper_coil: Array = field(default_factory=_empty)
+    coil_gap: Array = field(default_factory=_empty)
+    coil_contact_force: Array = field(default_factory=_empty)
+
+
+@runtime_checkable
+class SpringModel(Protocol):
+    """One fidelity of a spring. All quantities SI; see the module text for the stepping rules."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def unknowns(self) -> int:
+        """Internal degrees of freedom (0 for a massless spring)."""
+        ...
+
+    @property
+    def kernel(self) -> Any:
+        """Compiled function with the signature of :data:`Kernel`."""
+        ...
+
+    def parameters(self) -> Array:
+        """Flat float64 array for the kernel."""
+        ...
+
+    def integers(self) -> NDArray[np.int64]:
+        """Flat int64 array for the kernel."""
+        ...
+
+    def with_time_step(self, time_step: float) -> SpringModel:
+        """The model adapted to the train's step (s); most answer themselves."""
+        ...
+
+    def initial_state(self, retainer_displacement: float) -> Array:
+        """State of static equilibrium (at rest) at ``retainer_displacement`` (m)."""
+        ...
+
+    def stable_time_step(self) -> float:
+        """Largest stable leapfrog step (s) of the model between held ends, contacts closed; infinite where there is none."""
+        ...
+
+    def energy(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
+    ) -> SpringEnergy:
+        """Energies (J); ``time_step`` > 0 brings the half-step velocities to the time of the positions (second order)."""
+        ...
+
+    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+        """Both end forces (N); at zero velocities the retainer force is the derivative of the potential energy."""
+        ...
+
+    def tangent(self, state: Array, retainer_displacement: float) -> float:
+        """Derivative (N/m) of the retainer force by the retainer displacement, internal positions held."""
+        ...
+
+    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+        """Section motion, coil gaps and forces of this instant."""
+        ...
+
+    def retainer_mass(self) -> float:
+        """Mass (kg) of the spring that rides on the retainer; the train adds it to the valve."""
+        ...

@@ -1,0 +1,172 @@
+"""Springs without inner motion: linear, and a force table k(x) taken from a static curve.
+
+Their inertia is a stated share of the wire's mass that rides on the retainer: one third in the static shape (Rayleigh).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.springs import massless_kernels
+from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+
+RAYLEIGH_FRACTION = 1.0 / 3.0
+
+
+@dataclass(frozen=True)
+class MasslessSpring:
+    """Force = preload + rate * displacement (N, N/m); ``effective_mass_fraction`` of ``active_mass`` rides on the retainer.
+
+    ``held_mass`` (kg): end coils bonded to the retainer. Raises :class:`InputError` for impossible values.
+    """
+
+    rate: float
+    preload: float
+    active_mass: float = 0.0
+    effective_mass_fraction: float = RAYLEIGH_FRACTION
+    held_mass: float = 0.0
+    name: str = "massless"
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.rate) and self.rate > 0):
+            raise InputError(f"rate of spring '{self.name}' is {self.rate} N/m; give a positive rate")
+        check_masses(self.name, self.preload, self.active_mass, self.effective_mass_fraction, self.held_mass)
+
+    @property
+    def unknowns(self) -> int:
+        return 0
+
+    @property
+    def kernel(self) -> Any:
+        return massless_kernels.advance_linear
+
+    def parameters(self) -> Array:
+        return np.array([self.preload, self.rate])
+
+    def integers(self) -> NDArray[np.int64]:
+        return np.zeros(1, dtype=np.int64)
+
+    def with_time_step(self, time_step: float) -> MasslessSpring:
+        return self
+
+    def initial_state(self, retainer_displacement: float) -> Array:
+        return np.zeros(1)
+
+    def stable_time_step(self) -> float:
+        return float("inf")
+
+    def energy(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
+    ) -> SpringEnergy:
+        """Elastic energy counted from the installed position."""
+        return SpringEnergy(0.0, self.preload * retainer_displacement + self.rate * retainer_displacement**2 / 2, 0.0)
+
+    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+        force = self.preload + self.rate * retainer_displacement
+        return EndForces(force, force)
+
+    def tangent(self, state: Array, retainer_displacement: float) -> float:
+        return self.rate
+
+    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+        return SpringOutputs(*self.force(state, retainer_displacement))
+
+    def retainer_mass(self) -> float:
+        """``effective_mass_fraction`` of the active mass plus the held end coils (kg)."""
+        return self.effective_mass_fraction * self.active_mass + self.held_mass
+
+
+@dataclass(frozen=True)
+class MasslessTable:
+    """Static curve as a spring: force (N) over displacement from the installed position (m), joined by straight lines.
+
+    Straight lines keep the force continuous and the energy exact; beyond the table the last slopes go on.
+    """
+
+    displacements: tuple[float, ...]
+    forces: tuple[float, ...]
+    active_mass: float = 0.0
+    effective_mass_fraction: float = RAYLEIGH_FRACTION
+    held_mass: float = 0.0
+    name: str = "massless-table"
+
+    def __post_init__(self) -> None:
+        if len(self.displacements) != len(self.forces) or len(self.forces) < 2:
+            raise InputError(f"static curve of spring '{self.name}' needs at least two points, each with displacement and force")
+        if not (np.all(np.isfinite(self.displacements)) and np.all(np.isfinite(self.forces))):
+            raise InputError(f"static curve of spring '{self.name}' holds a value that is not a finite number; replace it")
+        if np.any(np.diff(self.displacements) <= 0) or np.any(np.diff(self.forces) <= 0):
+            raise InputError(f"static curve of spring '{self.name}' must rise in displacement and force; sort it and remove repeats")
+        preload = float(np.interp(0.0, self.displacements, self.forces))
+        check_masses(self.name, preload, self.active_mass, self.effective_mass_fraction, self.held_mass)
+
+    @property
+    def unknowns(self) -> int:
+        return 0
+
+    @property
+    def kernel(self) -> Any:
+        return massless_kernels.advance_table
+
+    def parameters(self) -> Array:
+        return np.concatenate((self.displacements, self.forces)).astype(np.float64)
+
+    def integers(self) -> NDArray[np.int64]:
+        return np.array([len(self.forces)], dtype=np.int64)
+
+    def with_time_step(self, time_step: float) -> MasslessTable:
+        return self
+
+    def initial_state(self, retainer_displacement: float) -> Array:
+        return np.zeros(1)
+
+    def stable_time_step(self) -> float:
+        return float("inf")
+
+    def _segment(self, displacement: float) -> tuple[int, float]:
+        index = int(np.clip(np.searchsorted(self.displacements, displacement, side="right") - 1, 0, len(self.forces) - 2))
+        rise = self.forces[index + 1] - self.forces[index]
+        return index, rise / (self.displacements[index + 1] - self.displacements[index])
+
+    def _work(self, displacement: float) -> float:
+        x, f = np.asarray(self.displacements), np.asarray(self.forces)
+        areas = np.concatenate(([0.0], np.cumsum(np.diff(x) * (f[1:] + f[:-1]) / 2)))
+        index, slope = self._segment(displacement)
+        step = displacement - x[index]
+        return float(areas[index] + f[index] * step + slope * step**2 / 2)
+
+    def energy(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
+    ) -> SpringEnergy:
+        """Elastic energy counted from the installed position: the area under the curve."""
+        return SpringEnergy(0.0, self._work(retainer_displacement) - self._work(0.0), 0.0)
+
+    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+        index, slope = self._segment(retainer_displacement)
+        force = self.forces[index] + slope * (retainer_displacement - self.displacements[index])
+        return EndForces(force, force)
+
+    def tangent(self, state: Array, retainer_displacement: float) -> float:
+        return self._segment(retainer_displacement)[1]
+
+    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+        return SpringOutputs(*self.force(state, retainer_displacement))
+
+    def retainer_mass(self) -> float:
+        """``effective_mass_fraction`` of the active mass plus the held end coils (kg)."""
+        return self.effective_mass_fraction * self.active_mass + self.held_mass
+
+
+def check_masses(name: str, preload: float, active_mass: float, fraction: float, held_mass: float) -> None:
+    """Raise :class:`InputError` for a preload or mass no spring has."""
+    if not np.isfinite(preload) or preload < 0:
+        raise InputError(f"preload of spring '{name}' is {preload} N; give zero or a positive force")
+    if not (np.isfinite(active_mass) and np.isfinite(held_mass) and active_mass >= 0 and held_mass >= 0):
+        raise InputError(f"mass of spring '{name}' is {active_mass} kg (held ends {held_mass} kg); give zero or positive masses")
+    if not 0 <= fraction <= 1:
+        raise InputError(f"effective_mass_fraction of spring '{name}' is {fraction}; it must lie between 0 and 1 (one third is usual)")

@@ -1,0 +1,28 @@
+"""Compiled steps of the massless springs (no unknowns, so nothing is advanced)."""
+
+from __future__ import annotations
+
+from numba import njit
+
+
+@njit(cache=True)
+def advance_linear(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
+    """``parameters`` = preload (N), rate (N/m)."""
+    force = parameters[0] + parameters[1] * retainer_displacement
+    return force, force
+
+
+@njit(cache=True)
+def advance_table(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
+    """``parameters`` = displacements (m) then forces (N); ``integers[0]`` = number of points. Bisection on the table."""
+    points = integers[0]
+    low, high = 0, points - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if parameters[middle] <= retainer_displacement:
+            low = middle
+        else:
+            high = middle
+    slope = (parameters[points + low + 1] - parameters[points + low]) / (parameters[low + 1] - parameters[low])
+    force = parameters[points + low] + slope * (retainer_displacement - parameters[low])
+    return force, force
