@@ -136,7 +136,7 @@ class Case:
     spring_card: SpringCard | None = None
     lift_law: LiftLawParameters | None = None
     installation: Installation = Installation()
-    damping: DampingParameters = DampingParameters()
+    damping: DampingParameters = field(default_factory=DampingParameters)
     operation: Operation = Operation()
     rod: RodOptions = RodOptions()
     train: Any = None
