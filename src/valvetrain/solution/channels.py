@@ -52,7 +52,9 @@ def spring_channels(
     """
     import xarray
 
-    declared = {name: ((extra_dim,) if extra_dim else (), unit, words) for name, (extra_dim, unit, words) in SPRING_CHANNELS.items()}
+    declared: dict[str, tuple[tuple[str, ...], str, str]] = {
+        name: ((second,) if second else (), unit, words) for name, (second, unit, words) in SPRING_CHANNELS.items()
+    }
     declared.update(extra or {})
     variables = {}
     for name, array in values.items():

@@ -88,9 +88,9 @@ def _check_channels(channels: xarray.Dataset) -> None:
     for name in ("time", "cam_angle"):
         if name not in channels.coords or channels[name].dims != ("sample",):
             raise InputError(f"a solution needs the coordinate '{name}' along its dimension 'sample'; add it")
-    for name, values in channels.data_vars.items():
+    for label, values in channels.data_vars.items():
         if not values.dims or values.dims[0] != "sample":
-            raise InputError(f"channel '{name}' of a solution must have 'sample' as its first dimension; it has {values.dims}")
+            raise InputError(f"channel '{label}' of a solution must have 'sample' as its first dimension; it has {values.dims}")
         for key in ("units", "long_name"):
             if key not in values.attrs:
-                raise InputError(f"channel '{name}' of a solution lacks the attribute '{key}'; give it")
+                raise InputError(f"channel '{label}' of a solution lacks the attribute '{key}'; give it")

@@ -1,0 +1,137 @@
+"""Results as NetCDF-4 files, one self-contained file each, read back without loss."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.solution import metadata
+from valvetrain.solution.atomic import atomic_path
+from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import StaticCurve
+
+if TYPE_CHECKING:
+    import xarray
+
+_METADATA = "valvetrain_metadata"
+_PathLike = str | os.PathLike[str]
+
+
+def save_netcdf(solution: Solution, path: _PathLike) -> Path:
+    """Write a solution with its events, status, statistics and provenance; whole or not at all."""
+    text = metadata.pack(
+        "solution", status=solution.status, provenance=solution.provenance, events=solution.events, statistics=dict(solution.statistics)
+    )
+    return _write(solution.channels, text, path)
+
+
+def load_netcdf(path: _PathLike) -> Solution:
+    """Read what :func:`save_netcdf` wrote; :class:`InputError` for a file that is not one, or is truncated."""
+    dataset, content = _read(path, "solution")
+    return Solution(dataset, content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", ""))
+
+
+def save_static_curve(curve: StaticCurve, path: _PathLike, provenance: Provenance | None = None) -> Path:
+    """Write a static curve; whole or not at all."""
+    return _write(static_dataset(curve), metadata.pack("static-curve", status=curve.status, provenance=provenance), path)
+
+
+def load_static_curve(path: _PathLike) -> StaticCurve:
+    """Read what :func:`save_static_curve` wrote; :class:`InputError` for any other file."""
+    dataset, content = _read(path, "static-curve")
+    names = ("compression", "force", "stiffness", "coil_gap", "coil_contact_force", "upper_coil", "axial_position", "coil_number")
+    arrays = {name: np.asarray(dataset[name].values) for name in names}
+    return StaticCurve(**arrays, status=content["status"])
+
+
+def save_modal_result(result: ModalResult, path: _PathLike, provenance: Provenance | None = None) -> Path:
+    """Write a modal result; whole or not at all."""
+    text = metadata.pack(
+        "modal-result", status=result.status, provenance=provenance, compression=result.compression, axial_modes=result.axial_modes
+    )
+    return _write(modal_dataset(result), text, path)
+
+
+def load_modal_result(path: _PathLike) -> ModalResult:
+    """Read what :func:`save_modal_result` wrote; :class:`InputError` for any other file."""
+    dataset, content = _read(path, "modal-result")
+    names = ("natural_frequency", "shape", "coil_number", "axial_transmission")
+    arrays = {name: np.asarray(dataset[name].values) for name in names}
+    return ModalResult(compression=content["compression"], **arrays, axial_modes=tuple(content["axial_modes"]), status=content["status"])
+
+
+def static_dataset(curve: StaticCurve) -> xarray.Dataset:
+    """A static curve as labelled arrays with units."""
+    import xarray
+
+    return xarray.Dataset(
+        {
+            "force": (("step",), curve.force, {"units": "N", "long_name": "spring force"}),
+            "stiffness": (("step",), curve.stiffness, {"units": "N/m", "long_name": "tangent stiffness"}),
+            "coil_gap": (("step", "coil_pair"), curve.coil_gap, {"units": "m", "long_name": "gap between a coil and the one below"}),
+            "coil_contact_force": (("step", "coil_pair"), curve.coil_contact_force, {"units": "N", "long_name": "coil contact force"}),
+            "axial_position": (("step", "wire_point"), curve.axial_position, {"units": "m", "long_name": "height above the lower seat"}),
+        },
+        coords={
+            "compression": (("step",), curve.compression, {"units": "m", "long_name": "compression from the free length"}),
+            "upper_coil": (("coil_pair",), curve.upper_coil, {"units": "1", "long_name": "coil number of the upper partner"}),
+            "coil_number": (("wire_point",), curve.coil_number, {"units": "1", "long_name": "turns from the lower wire tip"}),
+        },
+    )
+
+
+def modal_dataset(result: ModalResult) -> xarray.Dataset:
+    """A modal result as labelled arrays with units."""
+    import xarray
+
+    return xarray.Dataset(
+        {
+            "natural_frequency": (("mode",), result.natural_frequency, {"units": "Hz", "long_name": "natural frequency"}),
+            "shape": (("mode", "wire_point", "axis"), result.shape, {"units": "1", "long_name": "mode shape, x y z"}),
+            "axial_transmission": (("mode",), result.axial_transmission, {"units": "1", "long_name": "axial force transmission residue"}),
+        },
+        coords={"coil_number": (("wire_point",), result.coil_number, {"units": "1", "long_name": "turns from the lower wire tip"})},
+    )
+
+
+def _write(dataset: xarray.Dataset, text: str, path: _PathLike) -> Path:
+    import xarray
+
+    stored = dataset.assign({_METADATA: xarray.DataArray(np.array(text, dtype=object))})
+    # A fill value would turn one legal number into "missing"; every number is data here.
+    encoding = {name: {"_FillValue": None} for name in stored.variables if stored[name].dtype.kind == "f"}
+    with atomic_path(path) as temporary:
+        stored.to_netcdf(temporary, engine="h5netcdf", encoding=encoding)
+    return Path(path)
+
+
+def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict]:
+    import xarray
+
+    where = str(path)
+    if not Path(path).is_file():
+        raise InputError("no such file; check the path", where)
+    try:
+        with xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened:
+            dataset = opened.load()
+    except (OSError, ValueError, KeyError, RuntimeError, EOFError) as error:
+        raise InputError("cannot be read as NetCDF, it is another kind of file or was cut short; write it again", where) from error
+    if _METADATA not in dataset.variables:
+        raise InputError(f"is not a valvetrain {kind} file; give one that this package wrote", where)
+    text = dataset[_METADATA].values.item()
+    content = metadata.unpack(text if isinstance(text, str) else bytes(text).decode(), kind, where)
+    return _plain_attributes(dataset.drop_vars(_METADATA)), content
+
+
+def _plain_attributes(dataset: xarray.Dataset) -> xarray.Dataset:
+    """With decoding off the list of coordinates stays an attribute; make them coordinates again."""
+    named = str(dataset.attrs.pop("coordinates", "")).split()
+    for variable in dataset.variables.values():
+        named += str(variable.attrs.pop("coordinates", "")).split()
+    return dataset.set_coords([name for name in dict.fromkeys(named) if name in dataset.variables])

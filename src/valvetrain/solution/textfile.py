@@ -1,0 +1,108 @@
+"""Solutions as CSV text: a description, a header with units, one row per sample, a closing line; read back without loss."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.solution import metadata
+from valvetrain.solution.atomic import atomic_path
+from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.result import Solution
+
+if TYPE_CHECKING:
+    import xarray
+
+_MARK = "# valvetrain solution as CSV; the next line describes it, the one after names the columns with their units"
+
+
+def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
+    """Write a solution as one wide table; whole or not at all.
+
+    Channels with a second dimension take one column per wire point or coil pair, named with its coil number. Floats are
+    written with as many digits as it takes to read the same number back.
+    """
+    dataset = solution.channels
+    names = [*dataset.coords, *dataset.data_vars]
+    rows = [str(name) for name in names if dataset[name].dims[:1] == ("sample",)]
+    layout = [_layout(dataset, name) for name in rows]
+    still = {str(name): _variable(dataset[name]) for name in names if str(name) not in rows}
+    text = metadata.pack(
+        "solution", status=solution.status, provenance=solution.provenance, events=solution.events,
+        statistics=dict(solution.statistics), columns=layout, constants=still, attributes=dict(dataset.attrs),
+    )  # fmt: skip
+    header = [label for name in rows for label in column_labels(dataset, name)]
+    blocks = [_rows_of(np.asarray(dataset[name].values)) for name in rows]
+    count = dataset.sizes["sample"]
+    with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
+        stream.write(f"{_MARK}\n# {text}\n{','.join(header)}\n")
+        stream.writelines(",".join([value for block in blocks for value in map(repr, block[row])]) + "\n" for row in range(count))
+        stream.write(f"# end of {count} rows\n")
+    return Path(path)
+
+
+def load_csv(path: str | os.PathLike[str]) -> Solution:
+    """Read what :func:`save_csv` wrote; :class:`InputError` for a file that is not one, or is truncated."""
+    where = str(path)
+    if not Path(path).is_file():
+        raise InputError("no such file; check the path", where)
+    try:
+        lines = Path(path).read_text(encoding="utf-8").split("\n")
+    except UnicodeDecodeError as error:
+        raise InputError("is not a text file; give a CSV file that this package wrote", where) from error
+    if lines[0] != _MARK or len(lines) < 3:
+        raise InputError("is not a valvetrain solution in CSV; give one that this package wrote", where)
+    if lines[-1] != "" or lines[-2] != f"# end of {len(lines) - 5} rows":
+        raise InputError("was cut short: its closing line is missing; write it again", where)
+    content = metadata.unpack(lines[1][2:], "solution", where)
+    try:
+        dataset = _dataset(content, lines[3:-2])
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"is damaged: its rows do not fit its description ({error}); write it again", where) from error
+    return Solution(dataset, content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", ""))
+
+
+def column_labels(dataset: xarray.Dataset, name: str) -> list[str]:
+    """Column names of one channel, with unit and, where there is a second dimension, the coil number."""
+    values = dataset[name]
+    unit = values.attrs.get("units", "1")
+    if values.ndim == 1:
+        return [f"{name} [{unit}]"]
+    dimension = str(values.dims[1])
+    coil = {"wire_point": "coil_number", "coil_pair": "upper_coil"}.get(dimension, dimension)
+    places = dataset[coil].values if coil in dataset.coords else np.arange(values.shape[1])
+    return [f"{name} at {dimension.replace('_', ' ')} {place:.6g} [{unit}]" for place in places]
+
+
+def _layout(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
+    return {**_variable(dataset[name], with_values=False), "name": name, "shape": list(dataset[name].shape[1:]), "coord": name in dataset.coords}
+
+
+def _variable(values: xarray.DataArray, with_values: bool = True) -> dict[str, Any]:
+    kept = {"dims": list(values.dims), "type": str(values.dtype), "attributes": dict(values.attrs)}
+    return {**kept, "values": values.values.tolist()} if with_values else kept
+
+
+def _rows_of(values: np.ndarray) -> list[list[float]]:
+    return values.reshape(values.shape[0], int(np.prod(values.shape[1:]))).tolist()
+
+
+def _dataset(content: dict[str, Any], lines: list[str]) -> xarray.Dataset:
+    import xarray
+
+    columns = content["columns"]
+    widths = [int(np.prod(column["shape"])) for column in columns]
+    table = np.array(",".join(lines).split(",") if lines else [], dtype=float).reshape(len(lines), sum(widths))
+    variables: dict[str, tuple] = {}
+    coords: dict[str, tuple] = {}
+    for column, block in zip(columns, np.split(table, np.cumsum(widths)[:-1], axis=1), strict=True):
+        array = block.reshape(len(lines), *column["shape"]).astype(column["type"])
+        (coords if column["coord"] else variables)[column["name"]] = (column["dims"], array, column["attributes"])
+    for name, entry in content["constants"].items():
+        coords[name] = (entry["dims"], np.array(entry["values"], dtype=entry["type"]), entry["attributes"])
+    return xarray.Dataset(variables, coords=coords, attrs=content["attributes"])
+

@@ -1,0 +1,75 @@
+"""The result objects refuse what would mislead their readers."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+from valvetrain.errors import InputError
+from valvetrain.solution.channels import spring_channels
+from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.event import Event
+from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.status import Status
+
+
+def test_status_speaks_one_sentence():
+    status = Status("diverged", "Newton found no equilibrium", 0.0123, "coil 2.5", "shorten the step")
+    assert not status.completed
+    assert status.sentence() == "diverged: Newton found no equilibrium, at time 0.0123 s at coil 2.5; shorten the step"
+    assert Status().sentence() == "completed"
+    with pytest.raises(ValueError, match="unknown"):
+        Status("fine")
+
+
+def test_undeclared_channel_and_missing_label_are_refused():
+    with pytest.raises(InputError, match="not declared"):
+        spring_channels([0.0], [0.0], {"force": [1.0]})
+    channels = spring_channels([0.0], [0.0], {"seat_force": [1.0]})
+    del channels["seat_force"].attrs["units"]
+    with pytest.raises(InputError, match="units"):
+        Solution(channels)
+    with pytest.raises(InputError, match="cam_angle"):
+        Solution(channels.drop_vars("cam_angle"))
+
+
+def test_missing_channel_is_named_with_those_that_exist():
+    solution = Solution(spring_channels([0.0], [0.0], {"seat_force": [1.0]}))
+    assert solution.has("seat_force") and not solution.has("seat_force", "coil_gap")
+    with pytest.raises(InputError, match="seat_force"):
+        solution.channel("coil_gap")
+
+
+def test_objects_travel_between_processes():
+    event = Event("clash", 1.0, 0.1, 1e-4, 5.0, "N", "", {"impulse": 1.0})
+    solution = Solution(spring_channels([0.0], [0.0], {"seat_force": [1.0]}), (event,), statistics={"steps": 1})
+    assert pickle.loads(pickle.dumps(solution)).identical(solution)
+
+
+def test_static_curve_interpolates_inside_only():
+    steps = np.linspace(0, 8e-3, 9)
+    empty = np.zeros((9, 0))
+    curve = StaticCurve(steps, steps * 4e4, np.full(9, 4e4), empty, empty, np.zeros(0), empty, np.zeros(0))
+    assert curve.force_at(7.5e-3) == pytest.approx(300.0)
+    assert curve.stiffness_at(8e-3) == pytest.approx(4e4)
+    with pytest.raises(InputError, match="outside"):
+        curve.force_at(9e-3)
+    with pytest.raises(InputError, match="shape"):
+        StaticCurve(steps, steps[1:], steps, empty, empty, np.zeros(0), empty, np.zeros(0))
+
+
+def test_modal_result_refuses_wrong_shapes_and_indices():
+    good = dict(compression=0.0, natural_frequency=np.ones(2), shape=np.zeros((2, 3, 3)), coil_number=np.arange(3.0), axial_transmission=np.ones(2))
+    with pytest.raises(InputError, match="axial_modes"):
+        ModalResult(**good, axial_modes=(2,))
+    with pytest.raises(InputError, match="shape"):
+        ModalResult(**{**good, "shape": np.zeros((2, 3))}, axial_modes=())
+
+
+def test_relative_difference_is_absent_without_a_base():
+    row = Comparison("a", None, "m", "FE", "N", 0.0, 1.0, 1.0, "prediction", None, "")
+    assert row.relative_difference is None
