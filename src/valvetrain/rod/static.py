@@ -1,0 +1,196 @@
+"""Static equilibrium of the rod by Newton iteration under prescribed retainer displacement."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_banded
+from scipy.sparse import coo_matrix, csc_matrix, dia_matrix
+from scipy.sparse.linalg import splu
+
+from valvetrain.rod import energy_kernels as kern
+from valvetrain.rod.mesh import RodMesh
+from valvetrain.rod.state import RodState, advance, free_state
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class NewtonOptions:
+    """``tolerance``: largest residual (N and N m over the coil radius) allowed; ``largest_increment`` of travel (m)."""
+
+    tolerance: float = 1e-5
+    iterations: int = 40
+    largest_increment: float = 2e-3
+    smallest_increment: float = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Equilibrium:
+    """A static equilibrium: state, forces at both ends (N, compressive positive), energy (J), Newton record."""
+
+    state: RodState
+    retainer_force: float
+    seat_force: float
+    energy: float
+    converged: bool
+    residual: float
+    iterations: int
+
+
+class RodStatics:
+    """Assembles residual and tangent of one mesh and solves for equilibrium; holds no state of its own."""
+
+    def __init__(self, mesh: RodMesh, contact_stiffness: float = 2e10, options: NewtonOptions | None = None) -> None:
+        self.mesh = mesh
+        self.contact_stiffness = contact_stiffness
+        self.options = options or NewtonOptions()
+        slots = np.zeros((mesh.vertices, 6), dtype=bool)
+        slots[mesh.first + 1 : mesh.last, :3] = True
+        slots[mesh.first : mesh.last, 3:] = True
+        #: Mask of the free unknowns; they are contiguous.
+        self.free = slots.ravel()
+        self._span = slice(int(np.argmax(self.free)), int(len(self.free) - np.argmax(self.free[::-1])))
+        self._has_contact = bool(mesh.contact.points.any())
+        self._radius = float(np.max(np.hypot(mesh.position[:, 0], mesh.position[:, 1])))
+
+    def assemble(self, state: RodState, with_tangent: bool = True) -> tuple[float, Array, Array, csc_matrix | None]:
+        """Energy (J), residual (6 nv,), banded tangent and sparse contact tangent (None when no coils touch)."""
+        mesh, size = self.mesh, 6 * self.mesh.vertices
+        residual = np.zeros(size)
+        band = np.zeros((2 * kern.HALF_BAND + 1, size if with_tangent else 1))
+        x, q = state.position, state.frame
+        energy = kern.stretch_terms(
+            mesh.first, mesh.last, x, q, mesh.edge_length, mesh.stretch_stiffness, mesh.rest_stretch, residual, band, with_tangent
+        )
+        energy += kern.bend_terms(mesh.first, mesh.last, q, mesh.bend_stiffness, mesh.rest_bend, residual, band, with_tangent)
+        energy += kern.seat_terms(
+            x, mesh.lower_seat_limit, mesh.upper_seat_limit - state.compression, mesh.node_length,
+            self.contact_stiffness, residual, band, with_tangent,
+        )  # fmt: skip
+        contact = None
+        if self._has_contact:
+            more, contact = self._contact(x, residual, with_tangent)
+            energy += more
+        return energy, residual, band, contact
+
+    def _contact(self, x: Array, residual: Array, with_tangent: bool) -> tuple[float, csc_matrix | None]:
+        line = self.mesh.contact
+        active = int(np.count_nonzero(self.gaps(x) < 0.0)) if with_tangent else 0
+        rows, columns = np.empty(324 * active, np.int64), np.empty(324 * active, np.int64)
+        values = np.empty(324 * active)
+        energy, used = kern.contact_terms(
+            x, line.offset, line.upper_place, line.lower_place, line.distance, line.length, self.contact_stiffness, residual, rows, columns, values
+        )
+        if not used:
+            return energy, None
+        size = 6 * self.mesh.vertices
+        return energy, coo_matrix((values, (rows, columns)), shape=(size, size)).tocsc()
+
+    def gaps(self, position: Array) -> Array:
+        """Gap (groups, nv) in m between each contact point and its partner, infinite where there is none."""
+        line, gaps = self.mesh.contact, np.empty_like(self.mesh.contact.length)
+        kern.contact_state(position, line.offset, line.upper_place, line.lower_place, line.distance, line.length, gaps)
+        return gaps
+
+    def tangent(self, state: RodState) -> csc_matrix:
+        """Whole tangent stiffness (6 nv, 6 nv), held unknowns included."""
+        _, _, band, contact = self.assemble(state)
+        matrix = _sparse(band)
+        return matrix if contact is None else (matrix + contact).tocsc()
+
+    def solve(self, state: RodState, compression: float) -> Equilibrium:
+        """Equilibrium at a retainer displacement (m), from a nearby equilibrium ``state``; one increment."""
+        state = self._predict(state, compression)
+        energy, residual, band, contact = self.assemble(state)
+        size = self._norm(residual)
+        count = 0
+        while size > self.options.tolerance and count < self.options.iterations:
+            count += 1
+            step = np.zeros_like(residual)
+            step[self._span] = self._solve_linear(band, contact, -residual[self._span])
+            scale, best = 1.0, None
+            while True:
+                trial = advance(state, scale * step, compression)
+                trial_energy, trial_residual, trial_band, trial_contact = self.assemble(trial)
+                trial_size = self._norm(trial_residual)
+                best = (trial, trial_energy, trial_residual, trial_band, trial_contact, trial_size)
+                if trial_size < size or trial_energy < energy - 1e-12 * abs(energy) or scale < 0.02:
+                    break
+                scale *= 0.5
+            state, energy, residual, band, contact, size = best
+            if not np.isfinite(size):
+                break
+        retainer, seat = self.end_forces(state, residual)
+        return Equilibrium(state, retainer, seat, energy, bool(size <= self.options.tolerance), size, count)
+
+    def end_forces(self, state: RodState, residual: Array) -> tuple[float, float]:
+        """Retainer and seat force (N, compressive positive) from the residual of the held vertices and the seats."""
+        mesh, x = self.mesh, state.position
+        axial = residual.reshape(-1, 6)[:, 2]
+        lower = np.maximum(mesh.lower_seat_limit - x[:, 2], 0.0)
+        upper = np.maximum(x[:, 2] - (mesh.upper_seat_limit - state.compression), 0.0)
+        seats = self.contact_stiffness * mesh.node_length
+        return float(-np.sum(axial[mesh.last :]) + upper @ seats), float(np.sum(axial[: mesh.first + 1]) + lower @ seats)
+
+    def _predict(self, state: RodState, compression: float) -> RodState:
+        """Move the retainer and let the wire follow by the tangent: the increment spreads along the wire."""
+        travel = compression - state.compression
+        moved = np.zeros((self.mesh.vertices, 6))
+        moved[self.mesh.last :, 2] = -travel
+        if travel == 0.0:
+            return state
+        _, residual, band, contact = self.assemble(state)
+        matrix = _sparse(band) if contact is None else _sparse(band) + contact
+        load = (matrix @ moved.ravel())[self._span] + residual[self._span]
+        change = moved.ravel()
+        change[self._span] = self._solve_linear(band, contact, -load)
+        return advance(state, change, compression)
+
+    def _solve_linear(self, band: Array, contact: csc_matrix | None, right: Array) -> Array:
+        half = kern.HALF_BAND
+        if contact is None:
+            return solve_banded((half, half), band[:, self._span], right, check_finite=False)
+        matrix = (_sparse(band) + contact).tocsc()[self._span, self._span]
+        return splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
+
+    def _norm(self, residual: Array) -> float:
+        steps = (residual * self.free).reshape(-1, 6)
+        return float(max(np.abs(steps[:, :3]).max(), np.abs(steps[:, 3:]).max() / self._radius))
+
+
+def _sparse(band: Array) -> csc_matrix:
+    half, size = kern.HALF_BAND, band.shape[1]
+    return dia_matrix((band, np.arange(half, -half - 1, -1)), shape=(size, size)).tocsc()
+
+
+def compress(
+    statics: RodStatics, targets: Sequence[float], start: RodState | None = None, visit: Callable[[Equilibrium], None] | None = None
+) -> list[Equilibrium]:
+    """Equilibria at increasing retainer displacements (m); increments are halved when Newton fails.
+
+    Returns the equilibria reached; the last one has ``converged`` False when the path ended early.
+    """
+    state, found = start or free_state(statics.mesh), []
+    options = statics.options
+    for target in targets:
+        increment = options.largest_increment
+        while True:
+            remaining = target - state.compression
+            step = np.sign(remaining) * min(abs(remaining), increment)
+            result = statics.solve(state, state.compression + step)
+            if not result.converged:
+                increment /= 2
+                if increment < options.smallest_increment:
+                    return [*found, result]
+                continue
+            state, increment = result.state, min(2 * increment, options.largest_increment)
+            if abs(target - state.compression) < 1e-12:
+                break
+        found.append(result)
+        if visit:
+            visit(result)
+    return found
