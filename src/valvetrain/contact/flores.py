@@ -1,0 +1,55 @@
+"""Flores, Machado, Silva and Martins (2011): Hunt-Crossley damping valid over the range of restitution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from valvetrain.contact import kernels
+from valvetrain.contact.law import SLOWEST_IMPACT, Array, require_exponent, require_positive, require_restitution, row
+from valvetrain.contact.power import damped_power_force, damped_power_loss, damped_power_tangent
+
+
+@dataclass(frozen=True, slots=True)
+class Flores:
+    """F = K d**n (1 + 8 (1 - e) d' / (5 e v)) with v the approach velocity (m/s) of this impact.
+
+    ``contact_stiffness`` K in N/m**n, ``restitution`` e in (0, 1].
+    """
+
+    contact_stiffness: float
+    restitution: float
+    exponent: float = 1.5
+    name: str = "flores"
+
+    def __post_init__(self) -> None:
+        require_positive(self.name, contact_stiffness=self.contact_stiffness)
+        require_restitution(self.name, self.restitution, lowest_open=True)
+        require_exponent(self.name, self.exponent)
+
+    @property
+    def code(self) -> int:
+        return kernels.FLORES
+
+    def parameters(self) -> Array:
+        return row(self.contact_stiffness, self.exponent, restitution=self.restitution)
+
+    def damping_factor(self, impact_rate: float) -> float:
+        """Factor (s/m) of the rate in F = K d**n (1 + factor d')."""
+        return 1.6 * (1 - self.restitution) / (self.restitution * max(impact_rate, SLOWEST_IMPACT))
+
+    def force(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
+        factor = self.damping_factor(impact_rate)
+        return damped_power_force(self.contact_stiffness, self.exponent, factor, penetration, penetration_rate)
+
+    def tangent(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
+        factor = self.damping_factor(impact_rate)
+        return damped_power_tangent(self.contact_stiffness, self.exponent, factor, penetration, penetration_rate)
+
+    def dissipated_power(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
+        factor = self.damping_factor(impact_rate)
+        return damped_power_loss(self.contact_stiffness, self.exponent, factor, penetration, penetration_rate)
+
+    def stiffness(self, penetration: float) -> float:
+        return float(damped_power_tangent(self.contact_stiffness, self.exponent, 0.0, penetration, 0.0))
