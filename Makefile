@@ -1,0 +1,56 @@
+# Two commands matter: `make run` and `make test`. Each works alone on a fresh clone.
+CASE ?= gu2021-beehive
+VENV := .venv
+BIN  := $(VENV)/bin
+# One thread per worker: runs are parallel over cases and tests, never inside one.
+ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1
+PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadfile
+
+export PYTHON
+
+.PHONY: help run test validate bench identify lint pins clean environment-run environment-test parts
+
+help:
+	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
+	@echo "make test      set up, then run all tests"
+	@echo "make validate  the tests against published and closed-form values only"
+	@echo "make bench     measure the speed of the main parts"
+	@echo "make identify  re-run the identification of the published case's unpublished numbers"
+	@echo "make lint      ruff and mypy"
+	@echo "make pins      resolve the pinned versions anew (needs a network)"
+	@echo "make clean     remove the environment, caches and results"
+
+environment-run:
+	@bash scripts/environment.sh run
+
+environment-test:
+	@bash scripts/environment.sh test
+
+parts:
+	@bash scripts/system_parts.sh
+
+run: environment-run
+	$(BIN)/valvetrain run $(CASE)
+
+test: environment-test parts
+	$(PYTEST) $(ARGS)
+
+validate: environment-test parts
+	$(PYTEST) tests/published tests/limits tests/order $(ARGS)
+
+bench: environment-run
+	$(ONE_THREAD) $(BIN)/python -m benchmarks $(ARGS)
+
+identify: environment-run
+	$(BIN)/python -m valvetrain.studies.identify_beehive $(ARGS)
+
+lint: environment-test
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+pins:
+	@bash scripts/pins.sh
+
+clean:
+	rm -rf $(VENV) build dist runs src/valvetrain.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .numba_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

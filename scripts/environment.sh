@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# Makes, completes or mends the environment in .venv from the pinned versions.
+# Usage: scripts/environment.sh run|test     (PYTHON=... chooses the interpreter)
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+kind=${1:-run}
+venv=.venv
+unfinished=$venv/.unfinished
+case $kind in
+    run) pins=requirements.txt ;;
+    test) pins=requirements-dev.txt ;;
+    *) echo "scripts/environment.sh: '$kind' is unknown; say run or test" >&2; exit 2 ;;
+esac
+
+say() { printf '%s\n' "$*" >&2; }
+recent_enough() { "$1" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1; }
+version_of() { "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])'; }
+key() { printf '%s %s %s\n' "$(cat requirements.txt "$pins" pyproject.toml scripts/environment.sh | cksum)" "$PWD" "$(version_of "$venv/bin/python")"; }
+
+choose_python() {
+    local candidate
+    for candidate in ${PYTHON:-python3 python3.13 python3.12 python3.11}; do
+        if recent_enough "$candidate"; then printf '%s' "$candidate"; return; fi
+    done
+    say "valvetrain needs Python 3.11 or newer, and ${PYTHON:-python3} is not one; install it, or name one with 'make $kind PYTHON=/path/to/python3.11'."
+    exit 1
+}
+
+make_venv() {
+    local python
+    python=$(choose_python)
+    rm -rf "$venv"
+    if ! "$python" -c 'import ensurepip' >/dev/null 2>&1 && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+        say "Installing python3-venv, which this Python lacks."
+        { apt-get install -y -q python3-venv || { apt-get update -q && apt-get install -y -q python3-venv; }; } >/dev/null 2>&1 || true
+    fi
+    say "Making the environment $venv with Python $(version_of "$python")."
+    if ! "$python" -m venv "$venv"; then
+        rm -rf "$venv"
+        say "This Python cannot make an environment; install its venv module (Debian: apt-get install python3-venv) and try again."
+        exit 1
+    fi
+}
+
+usable() {
+    [ ! -e "$unfinished" ] && recent_enough "$venv/bin/python" && "$venv/bin/python" -m pip --version >/dev/null 2>&1 || return 1
+    # An interpreter that was asked for by name must be the one inside.
+    [ -z "${PYTHON:-}" ] || [ "$(version_of "$PYTHON" 2>/dev/null)" = "$(version_of "$venv/bin/python")" ]
+}
+
+complete() {
+    local stamp=$venv/.stamp-$1
+    [ -f "$stamp" ] && [ "$(cat "$stamp")" = "$(pins=$2 key)" ]
+}
+
+install() {
+    local pip=("$venv/bin/python" -m pip --disable-pip-version-check install --quiet --no-input)
+    touch "$unfinished"
+    say "Installing the versions pinned in $pins (a minute or two the first time)."
+    if ! "${pip[@]}" --require-hashes -r "$pins" || ! "${pip[@]}" --no-deps --no-build-isolation -e .; then
+        say "The environment could not be installed (see above); mend the cause, often the network, and repeat 'make $kind'."
+        exit 1
+    fi
+    key > "$venv/.stamp-$kind"
+    if [ "$kind" = test ]; then (pins=requirements.txt; key) > "$venv/.stamp-run"; fi
+    rm -f "$unfinished"
+}
+
+# Two commands started at once must not install over each other.
+if command -v flock >/dev/null; then exec 9<pyproject.toml; flock 9; fi
+
+if ! usable; then make_venv; fi
+if complete "$kind" "$pins"; then exit 0; fi
+install
