@@ -1,0 +1,144 @@
+"""Fills the flat buffer of the time march from a mesh, a static state and the damping; finds the stable step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import diags
+from scipy.sparse.linalg import eigsh
+
+from valvetrain.rod import quaternion as quat
+from valvetrain.rod.layout import SIZE, row
+from valvetrain.rod.mesh import RodMesh
+from valvetrain.rod.state import RodState
+from valvetrain.rod.static import RodStatics
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class RodDynamics:
+    """What the march needs beside the mesh: ``mass_damping`` (1/s), ``stiffness_damping`` (s), contact constants.
+
+    Stiffness damping acts through a Maxwell branch of ``relaxation_time`` (s) on bending and torsion, since plain
+    Kelvin-Voigt damping would cut the explicit step to a few per cent. ``contact_stiffness`` in N/m per m of wire.
+    """
+
+    mass_damping: float = 0.0
+    stiffness_damping: float = 0.0
+    relaxation_time: float = 4e-6
+    contact_stiffness: float = 2e10
+    contact_damping_time: float = 1e-6
+    step_safety: float = 0.94
+
+    @property
+    def branch_stiffness(self) -> float:
+        """Stiffness of the Maxwell branch over that of the wire."""
+        return self.stiffness_damping / self.relaxation_time
+
+
+def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
+    """Largest stable step of the leapfrog (s), ``step_safety`` included: 2 / largest natural angular frequency.
+
+    The Maxwell branch counts with its full stiffness; contact adds the bound 4 k / m of its stiffest vertex.
+    """
+    loaded = RodStatics(_with_branch(mesh, dynamics.branch_stiffness), dynamics.contact_stiffness)
+    free = loaded.free
+    stiffness = loaded.tangent(RodState(mesh.position, mesh.frame))[free][:, free]
+    scale = 1.0 / np.sqrt(inertia_of(mesh)[free])
+    scaled = diags(scale) @ stiffness @ diags(scale)
+    start = np.linspace(1.0, 2.0, scaled.shape[0])
+    top = float(eigsh(scaled, k=1, which="LA", tol=1e-3, v0=start, return_eigenvectors=False)[0])
+    moving = slice(mesh.first + 1, mesh.last)
+    contact = 4 * dynamics.contact_stiffness * float(np.max((mesh.contact.length.max(axis=0) / mesh.node_mass)[moving], initial=0.0))
+    return dynamics.step_safety * 2.0 / np.sqrt(1.001 * top + contact)
+
+
+def inertia_of(mesh: RodMesh) -> Array:
+    """Diagonal of the lumped mass matrix (6 nv,) in the order of the unknowns."""
+    return np.concatenate([np.repeat(mesh.node_mass[:, None], 3, axis=1), mesh.edge_inertia[1:]], axis=1).ravel()
+
+
+def _with_branch(mesh: RodMesh, share: float) -> RodMesh:
+    from dataclasses import replace
+
+    return replace(mesh, bend_stiffness=mesh.bend_stiffness * (1 + share))
+
+
+def fill_buffer(mesh: RodMesh, state: RodState, dynamics: RodDynamics, time_step: float) -> Array:
+    """The flat buffer of a rod at rest in ``state``, ready to march with ``time_step`` (s)."""
+    b = np.zeros(SIZE)
+    nv, first, last = mesh.vertices, mesh.first, mesh.last
+    for names, values in (("X Y Z", state.position.T), ("Q0 Q1 Q2 Q3", state.frame.T)):
+        for name, value in zip(names.split(), values, strict=True):
+            row(b, name, len(value))[:] = value
+    edges = slice(first + 1, last + 1)
+    inverse = np.zeros(nv + 1)
+    inverse[edges] = 1.0 / mesh.edge_length[edges]
+    _put(b, INVH=inverse, GA=mesh.stretch_stiffness[:, 0], EA=mesh.stretch_stiffness[:, 2], H=mesh.edge_length)
+    _put(b, U1=mesh.rest_stretch[:, 0], U2=mesh.rest_stretch[:, 1], U3=mesh.rest_stretch[:, 2])
+    _put(b, K1=mesh.bend_stiffness[:, 0], K2=mesh.bend_stiffness[:, 1], K3=mesh.bend_stiffness[:, 2])
+    _put(b, R1=mesh.rest_bend[:, 0], R2=mesh.rest_bend[:, 1], R3=mesh.rest_bend[:, 2])
+    row(b, "INVH", nv + 4)[: first + 1] = 1.0
+    row(b, "INVH", nv + 4)[last + 1 :] = 1.0
+    moving = np.zeros(nv)
+    moving[first + 1 : last] = 1.0 / mesh.node_mass[first + 1 : last]
+    spin = np.zeros((nv + 1, 3))
+    spin[edges] = 1.0 / mesh.edge_inertia[edges]
+    _put(b, IM=moving, IJ1=spin[:, 0], IJ3=spin[:, 2], MASS=np.where(moving > 0, mesh.node_mass, 0.0))
+    _put(b, LOWER=np.maximum(mesh.lower_seat_limit, -1e6), UPPER=np.minimum(mesh.upper_seat_limit, 1e6))
+    _put(b, SEAT=dynamics.contact_stiffness * mesh.node_length)
+    _fill_contact(b, mesh, dynamics)
+    _, vector = quat.relative_vector(state.frame[:-1], state.frame[1:])
+    settled = (1 - branch_gains(dynamics, time_step)[2]) * (2 * vector - mesh.rest_bend)
+    settled[:first], settled[last + 1 :] = 0.0, 0.0
+    _put(b, L1=settled[:, 0], L2=settled[:, 1], L3=settled[:, 2])
+    return b
+
+
+def _put(b: Array, **rows: Array) -> None:
+    for name, values in rows.items():
+        row(b, name, len(values))[:] = values
+
+
+def _fill_contact(b: Array, mesh: RodMesh, dynamics: RodDynamics) -> None:
+    line = mesh.contact
+    for group in range(line.groups):
+        mask, suffix = line.points[group], "b" if group else ""
+        index = np.flatnonzero(mask)
+        below = index - line.offset
+        before, centre, after = (mesh.position[below + k] for k in (-1, 0, 1))
+        slope = (after - before) / 2 + line.lower_place[group] * (after - 2 * centre + before)
+        values = {name: np.zeros(mesh.vertices) for name in ("D0", "DH", "KC", "IS")}
+        values["D0"][index] = 1.0 / line.distance[group, index] ** 2
+        values["DH"][index] = line.distance[group, index] / 2
+        values["KC"][index] = dynamics.contact_stiffness * line.length[group, index]
+        values["IS"][index] = 1.0 / np.sum(slope**2, axis=1)
+        _put(b, **{name + suffix: value for name, value in values.items()})
+
+
+def branch_gains(dynamics: RodDynamics, time_step: float) -> tuple[float, float, float]:
+    """Decay and the two gains of the low pass, exact for a strain that is linear over the step."""
+    x = time_step / dynamics.relaxation_time
+    decay = float(np.exp(-x))
+    mean = (1 - decay) / x
+    return decay, mean - decay, 1 - mean
+
+
+def march_numbers(mesh: RodMesh, dynamics: RodDynamics, time_step: float) -> tuple[NDArray[np.int64], Array, Array]:
+    """Integers, numbers and contact places that travel with a buffer (order: constants in ``march``)."""
+    decay, gain_old, gain_new = branch_gains(dynamics, time_step)
+    half = 0.5 * dynamics.mass_damping * time_step
+    numbers = np.array([
+        time_step, (1 - half) / (1 + half), time_step / (1 + half), decay, gain_old, gain_new, dynamics.branch_stiffness,
+        dynamics.contact_damping_time, dynamics.mass_damping, dynamics.relaxation_time,
+    ])  # fmt: skip
+    low = np.flatnonzero(np.isfinite(mesh.lower_seat_limit))
+    high = np.flatnonzero(np.isfinite(mesh.upper_seat_limit))
+    integers = np.array([
+        mesh.first, mesh.last, mesh.contact.offset, mesh.contact.groups, mesh.vertices,
+        low.max(initial=-1) + 1, high.min(initial=mesh.vertices),
+    ], dtype=np.int64)  # fmt: skip
+    return integers, numbers, np.stack([mesh.contact.upper_place, mesh.contact.lower_place], axis=1)

@@ -1,0 +1,215 @@
+"""March of the rod through time: one compiled loop over steps, with the contact watch list and the records."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from valvetrain.rod.layout import GROUP as _GROUP
+from valvetrain.rod.layout import STRIDE as _STRIDE
+from valvetrain.rod.layout import ROW
+from valvetrain.rod.step_kernels import (
+    bending_torques,
+    contact_forces,
+    contact_forces_second,
+    copy_lower_wire,
+    move_vertices,
+    return_contact,
+    seat_contact,
+    section_forces,
+    spread_contact,
+    spread_contact_second,
+    turn_edges,
+)
+
+X, Y, Z, VX, VY, VZ, FZ = (ROW[n] for n in ("X", "Y", "Z", "VX", "VY", "VZ", "FZ"))
+CX, CY, CZ, GX, GY, GZ = (ROW[n] for n in ("CX", "CY", "CZ", "GX", "GY", "GZ"))
+PX, PY, PZ, DH, KC, IMPULSE, PEAK, LOSS = (ROW[n] for n in ("PX", "PY", "PZ", "DH", "KC", "IMPULSE", "PEAK", "LOSS"))
+GROUP, ONE, STRIDE = _GROUP, np.uint64(1), np.uint64(_STRIDE)
+
+#: Steps between two looks for coils that come near, and most separate stretches of wire watched at once.
+WATCH_STEPS, STRETCHES = 32, 12
+
+# Places in the ``numbers`` and ``integers`` that travel with a buffer.
+DT, KEEP, KICK, DECAY, GAIN_OLD, GAIN_NEW, VISCOUS, CONTACT_TIME, MASS_DAMPING, RELAXATION = range(10)
+FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START = range(7)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def clear_contact(b, vertices):
+    """Zero all point forces, so that points leaving the watch list leave nothing behind."""
+    for row in (PX, PY, PZ, PX + GROUP, PY + GROUP, PZ + GROUP):
+        for j in range(np.uint64(0), vertices + ONE):
+            b[row + j] = 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def watch_contacts(b, integers, reach, stretches):
+    """List the stretches of contact points whose gap may close within ``reach`` (m); returns their number."""
+    vertices, offset = np.uint64(integers[VERTICES]), np.uint64(integers[OFFSET])
+    clear_contact(b, vertices)
+    count, start, inside = 0, offset + ONE, False
+    for j in range(offset + ONE, vertices - ONE):
+        k = j - offset
+        near = False
+        if b[KC + j] > 0.0:
+            dx, dy, dz = b[X + j] - b[X + k], b[Y + j] - b[Y + k], b[Z + j] - b[Z + k]
+            sx, sy, sz = b[X + k + ONE] - b[X + k - ONE], b[Y + k + ONE] - b[Y + k - ONE], b[Z + k + ONE] - b[Z + k - ONE]
+            along = dx * sx + dy * sy + dz * sz
+            limit = 2.0 * b[DH + j] + reach
+            near = dx * dx + dy * dy + dz * dz - along * along / (sx * sx + sy * sy + sz * sz) < limit * limit
+        if near and not inside:
+            start, inside = j, True
+        if inside and not near and count < STRETCHES - 1:
+            stretches[count, 0], stretches[count, 1] = start, j
+            count, inside = count + 1, False
+    if inside:
+        stretches[count, 0], stretches[count, 1] = start, vertices - ONE
+        count += 1
+    return count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def all_contact(b, offset, groups, places, stretches, count, first, last, damping_time, dt):
+    """Contact forces of all watched stretches on the vertices (rows C)."""
+    for j in range(first, last):
+        b[CX + j] = 0.0
+    for j in range(first, last):
+        b[CY + j] = 0.0
+    for j in range(first, last):
+        b[CZ + j] = 0.0
+    for n in range(count):
+        start, end = stretches[n, 0], stretches[n, 1]
+        copy_lower_wire(b, start - ONE, end + ONE, offset)
+        for j in range(start - ONE, end + ONE):
+            b[GX + j] = 0.0
+            b[GY + j] = 0.0
+            b[GZ + j] = 0.0
+        contact_forces(b, start, end, places[0, 0], places[0, 1], damping_time, dt)
+        spread_contact(b, start - ONE, end + ONE, places[0, 0])
+        if groups > 1:
+            contact_forces_second(b, start, end, places[1, 0], places[1, 1], damping_time, dt)
+            spread_contact_second(b, start - ONE, end + ONE, places[1, 0])
+        return_contact(b, start - ONE, end + ONE, offset)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fastest_vertex(b, first, last):
+    """Largest speed (m/s) of any vertex; NaN passes through as infinity."""
+    top = 0.0
+    for i in range(first, last):
+        square = b[VX + i] ** 2 + b[VY + i] ** 2 + b[VZ + i] ** 2
+        if not square < 1e12:
+            return np.inf
+        top = max(top, square)
+    return np.sqrt(top)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def forces_now(b, integers, numbers, places, stretches, count, displacement):
+    """All forces at the present positions; returns (retainer force, seat force), N, compressive positive."""
+    first, last, vertices = np.uint64(integers[FIRST]), np.uint64(integers[LAST]), np.uint64(integers[VERTICES])
+    all_contact(
+        b, np.uint64(integers[OFFSET]), integers[GROUPS], places, stretches, count, np.uint64(0), vertices, numbers[CONTACT_TIME], numbers[DT]
+    )
+    lower_down, _ = seat_contact(b, np.uint64(0), np.uint64(integers[LOWER_END]), displacement)
+    _, upper_up = seat_contact(b, np.uint64(integers[UPPER_START]), vertices, displacement)
+    section_forces(b, first + ONE, last + ONE)
+    seat = lower_down - b[FZ + first + ONE]
+    retainer = upper_up - b[FZ + last]
+    for i in range(np.uint64(0), first + ONE):
+        seat -= b[CZ + i]
+    for i in range(last, vertices):
+        retainer += b[CZ + i]
+    return retainer, seat
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def kick_and_drift(b, integers, numbers):
+    """Advance all free unknowns by one step from the forces of ``forces_now``; returns the energy dissipated (J)."""
+    first, last = np.uint64(integers[FIRST]), np.uint64(integers[LAST])
+    dt, keep, kick = numbers[DT], numbers[KEEP], numbers[KICK]
+    branch = bending_torques(b, first, last + ONE, numbers[DECAY], numbers[GAIN_OLD], numbers[GAIN_NEW], numbers[VISCOUS])
+    turn_edges(b, first + ONE, last + ONE, dt, keep, kick)
+    motion = move_vertices(b, first + ONE, last, dt, keep, kick)
+    return dt * (numbers[VISCOUS] / numbers[RELAXATION] * branch + 0.25 * numbers[MASS_DAMPING] * motion)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def place_retainer(b, integers, travel, velocity):
+    """Lower the vertices held by the retainer by ``travel`` (m) and give them its closing velocity."""
+    for i in range(np.uint64(integers[LAST]), np.uint64(integers[VERTICES])):
+        b[Z + i] -= travel
+        b[VZ + i] = -velocity
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def march(b, integers, numbers, places, displacement, clock, snapshots, contacts, dense):
+    """March over ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
+
+    ``clock`` = (steps per dense record, dense records per sample). Fills ``snapshots`` (samples, 13, nv + 1) with
+    positions, mid-step velocities, frames and spins, ``contacts`` (samples, 3, groups, nv) with mean force, peak force and
+    loss since the last sample, ``dense`` (records, 4) with retainer force, seat force, work done and dissipated energy.
+    Returns (steps done, largest vertex speed); a run that diverged stops early.
+    """
+    steps, vertices = len(displacement) - 1, np.uint64(integers[VERTICES])
+    stretches = np.zeros((STRETCHES, 2), np.uint64)
+    count, work, lost, before, fastest = 0, 0.0, 0.0, 0.0, 0.0
+    dt = numbers[DT]
+    for n in range(steps + 1):
+        if n % WATCH_STEPS == 0:
+            speed = fastest_vertex(b, np.uint64(0), vertices)
+            fastest = max(fastest, speed)
+            if speed == np.inf:
+                return n, fastest
+            reach = 2.0 * (speed + 2.0) * WATCH_STEPS * dt + 2e-5
+            count = watch_contacts(b, integers, reach, stretches)
+        retainer, seat = forces_now(b, integers, numbers, places, stretches, count, displacement[n])
+        if n > 0:
+            work += 0.5 * (retainer + before) * (displacement[n] - displacement[n - 1])
+        before = retainer
+        sample = n % (clock[0] * clock[1]) == 0
+        if n % clock[0] == 0:
+            record = n // clock[0]
+            dense[record, 0], dense[record, 1], dense[record, 2], dense[record, 3] = retainer, seat, work, lost
+        if sample:
+            take_snapshot(b, integers, snapshots[n // (clock[0] * clock[1])], 0.5)
+            take_contacts(b, integers, contacts[n // (clock[0] * clock[1])], dt * clock[0] * clock[1])
+        lost += kick_and_drift(b, integers, numbers)
+        if sample:
+            finish_snapshot(b, integers, snapshots[n // (clock[0] * clock[1])], 0.5)
+        if n < steps:
+            travel = displacement[n + 1] - displacement[n]
+            place_retainer(b, integers, travel, travel / dt)
+    return steps + 1, fastest
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def take_snapshot(b, integers, out, share):
+    """Positions and frames at the step, and ``share`` of the velocities and spins of the half step before."""
+    for r in range(10):
+        factor = share if 3 <= r < 6 else 1.0
+        for i in range(integers[VERTICES] + 1):
+            out[r, i] = factor * b[X + np.uint64(r) * STRIDE + np.uint64(i)]
+    for r in range(10, 13):
+        for i in range(integers[VERTICES] + 1):
+            out[r, i] = share * b[X + np.uint64(r) * STRIDE + np.uint64(i)]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def finish_snapshot(b, integers, out, share):
+    """Add ``share`` of the velocities and spins of the half step after."""
+    for r in (3, 4, 5, 10, 11, 12):
+        for i in range(integers[VERTICES] + 1):
+            out[r, i] += share * b[X + np.uint64(r) * STRIDE + np.uint64(i)]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def take_contacts(b, integers, out, interval):
+    """Mean and peak force and energy loss of each contact point since the last sample; resets the counters."""
+    for g in range(integers[GROUPS]):
+        shift = GROUP * np.uint64(g)
+        for i in range(integers[VERTICES]):
+            j = np.uint64(i)
+            out[0, g, i], out[1, g, i], out[2, g, i] = b[IMPULSE + shift + j] / interval, b[PEAK + shift + j], b[LOSS + shift + j]
+            b[IMPULSE + shift + j] = b[PEAK + shift + j] = b[LOSS + shift + j] = 0.0

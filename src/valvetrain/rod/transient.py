@@ -1,0 +1,96 @@
+"""Transient response of the rod to a prescribed retainer motion, with raw records that others turn into channels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.rod.buffer import RodDynamics, fill_buffer, march_numbers, stable_time_step
+from valvetrain.rod.march import march
+from valvetrain.rod.mesh import RodMesh
+from valvetrain.rod.state import RodState
+
+Array = NDArray[np.float64]
+
+#: Target spacing of the dense force record (s): 250 kHz resolves spikes filtered at 20 kHz.
+DENSE_INTERVAL = 4e-6
+
+
+@dataclass(frozen=True)
+class RodTransient:
+    """Raw records of a march: ns samples, nd dense records, nv vertices; SI units.
+
+    ``position``, ``velocity`` (ns, nv, 3); ``frame`` (ns, nv + 1, 4); ``spin`` (ns, nv + 1, 3, body frame);
+    ``contact_force`` and ``contact_peak`` (ns, groups, nv) mean and peak since the last sample; ``contact_loss`` (ns,);
+    ``dense_*`` (nd,). ``steps_done`` < ``steps`` when the run diverged.
+    """
+
+    time: Array
+    displacement: Array
+    position: Array
+    velocity: Array
+    frame: Array
+    spin: Array
+    contact_force: Array
+    contact_peak: Array
+    contact_loss: Array
+    retainer_force: Array
+    seat_force: Array
+    work_done: Array
+    energy_dissipated: Array
+    dense_time: Array
+    dense_retainer_force: Array
+    dense_seat_force: Array
+    time_step: float
+    steps: int
+    steps_done: int
+    fastest: float
+
+    @property
+    def completed(self) -> bool:
+        """Whether the march reached its end."""
+        return self.steps_done > self.steps
+
+
+def simulate(
+    mesh: RodMesh, start: RodState, motion: Callable[[Array], ArrayLike], sample_interval: float, samples: int,
+    dynamics: RodDynamics, time_step: float | None = None, discard: int = 0,
+) -> RodTransient:  # fmt: skip
+    """March ``samples`` intervals of ``sample_interval`` (s) under ``motion(time) -> retainer displacement`` (m).
+
+    The displacement counts from the free state; ``start`` is the equilibrium at ``motion(0)``. ``discard`` samples at
+    the beginning are not kept. Raises :class:`InputError` when a given ``time_step`` is not positive.
+    """
+    if time_step is not None and not time_step > 0:
+        raise InputError(f"the time step must be positive; it is {time_step}")
+    limit = stable_time_step(mesh, dynamics) if time_step is None else time_step
+    dense = max(1, round(sample_interval / DENSE_INTERVAL))
+    sub = max(1, int(np.ceil(sample_interval / dense / limit * (1 - 1e-9))))
+    step = sample_interval / (dense * sub)
+    integers, numbers, places = march_numbers(mesh, dynamics, step)
+    buffer = fill_buffer(mesh, start, dynamics, step)
+    steps = samples * dense * sub
+    displacement = np.ascontiguousarray(motion(step * np.arange(steps + 1)), dtype=float)
+    snapshots = np.full((samples + 1, 13, mesh.vertices + 1), np.nan)
+    contacts = np.zeros((samples + 1, 3, mesh.contact.groups, mesh.vertices))
+    records = np.full((samples * dense + 1, 4), np.nan)
+    done, fastest = march(buffer, integers, numbers, places, displacement, np.array([sub, dense]), snapshots, contacts, records)
+    reached = min(samples, (done - 1) // (dense * sub)) if done <= steps else samples
+    keep = slice(min(discard, reached), reached + 1)
+    dense_keep = slice(keep.start * dense, reached * dense + 1)
+    time = sample_interval * np.arange(samples + 1)
+    vertices = snapshots[keep, :, : mesh.vertices]
+    return RodTransient(
+        time=time[keep], displacement=displacement[:: dense * sub][keep],
+        position=np.moveaxis(vertices[:, 0:3], 1, 2), velocity=np.moveaxis(vertices[:, 3:6], 1, 2),
+        frame=np.moveaxis(snapshots[keep, 6:10], 1, 2), spin=np.moveaxis(snapshots[keep, 10:13], 1, 2),
+        contact_force=contacts[keep, 0], contact_peak=contacts[keep, 1], contact_loss=np.cumsum(contacts[:, 2].sum(axis=(1, 2)))[keep],
+        retainer_force=records[::dense, 0][keep], seat_force=records[::dense, 1][keep],
+        work_done=records[::dense, 2][keep], energy_dissipated=records[::dense, 3][keep],
+        dense_time=step * sub * np.arange(len(records))[dense_keep], dense_retainer_force=records[dense_keep, 0],
+        dense_seat_force=records[dense_keep, 1], time_step=step, steps=steps, steps_done=done, fastest=fastest,
+    )  # fmt: skip
