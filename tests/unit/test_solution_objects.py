@@ -63,7 +63,8 @@ def test_static_curve_interpolates_inside_only():
 
 
 def test_modal_result_refuses_wrong_shapes_and_indices():
-    good = dict(compression=0.0, natural_frequency=np.ones(2), shape=np.zeros((2, 3, 3)), coil_number=np.arange(3.0), axial_transmission=np.ones(2))
+    arrays = dict(natural_frequency=np.ones(2), shape=np.zeros((2, 3, 3)), coil_number=np.arange(3.0), axial_transmission=np.ones(2))
+    good = {"compression": 0.0, **arrays}
     with pytest.raises(InputError, match="axial_modes"):
         ModalResult(**good, axial_modes=(2,))
     with pytest.raises(InputError, match="shape"):

@@ -61,9 +61,10 @@ def test_solution_survives_storage(tmp_path, save, load, name):
 
 
 def test_a_changed_number_is_not_identical():
-    channels = _solution().channels.copy(deep=True)
+    solution = _solution()
+    channels = solution.channels.copy(deep=True)
     channels["seat_force"][0] = 1.0 + 1e-15
-    assert not Solution(channels, _solution().events, _solution().status, _solution().statistics, _solution().provenance).identical(_solution())
+    assert not Solution(channels, solution.events, solution.status, solution.statistics, solution.provenance).identical(solution)
 
 
 def test_csv_header_names_units_and_places(tmp_path):

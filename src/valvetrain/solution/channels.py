@@ -60,15 +60,17 @@ def spring_channels(
     for name, array in values.items():
         if name not in declared:
             raise InputError(f"channel '{name}' is not declared; name it in SPRING_CHANNELS or pass it in extra")
-        dims, unit, words = declared[name]
+        dims, unit, long_name = declared[name]
         kind = np.int64 if name == "contact_status" else np.float64
-        variables[name] = (("sample", *dims), np.asarray(array, dtype=kind), {"units": unit, "long_name": words})
+        variables[name] = (("sample", *dims), np.asarray(array, dtype=kind), {"units": unit, "long_name": long_name})
     coords: dict[str, tuple] = {
         "time": (("sample",), np.asarray(time, dtype=float), {"units": "s", "long_name": "time"}),
         "cam_angle": (("sample",), np.asarray(cam_angle, dtype=float), {"units": "rad", "long_name": "cam angle, unwrapped"}),
     }
     if coil_number is not None:
-        coords["coil_number"] = (("wire_point",), np.asarray(coil_number, dtype=float), {"units": "1", "long_name": "turns from the lower wire tip"})
+        words = {"units": "1", "long_name": "turns from the lower wire tip"}
+        coords["coil_number"] = (("wire_point",), np.asarray(coil_number, dtype=float), words)
     if upper_coil is not None:
-        coords["upper_coil"] = (("coil_pair",), np.asarray(upper_coil, dtype=float), {"units": "1", "long_name": "coil number of the upper partner"})
+        words = {"units": "1", "long_name": "coil number of the upper partner"}
+        coords["upper_coil"] = (("coil_pair",), np.asarray(upper_coil, dtype=float), words)
     return xarray.Dataset(variables, coords=coords)

@@ -71,13 +71,14 @@ class Solution:
     def channel(self, name: str) -> Array:
         """Values of one channel, first axis ``sample``, SI; :class:`InputError` names those that exist."""
         if name not in self.channels.data_vars:
-            raise InputError(f"this {self.model or 'unnamed'} run has no channel '{name}'; it has {', '.join(map(str, self.channels.data_vars))}")
+            known = ", ".join(map(str, self.channels.data_vars))
+            raise InputError(f"this {self.model or 'unnamed'} run has no channel '{name}'; it has {known}")
         return np.asarray(self.channels[name].values)
 
     def identical(self, other: Solution) -> bool:
         """True when every value, label, attribute, event and word of ``other`` is the same."""
-        same = (self.events, self.status, self.statistics, self.provenance) == (other.events, other.status, other.statistics, other.provenance)
-        return same and self.channels.identical(other.channels)
+        words = ("events", "status", "statistics", "provenance")
+        return all(getattr(self, name) == getattr(other, name) for name in words) and bool(self.channels.identical(other.channels))
 
     def cite(self) -> tuple[str, ...]:
         """References behind this run, the papers to cite with it."""

@@ -53,7 +53,6 @@ class StaticCurve:
     def _interpolate(self, compression: float, values: Array) -> float:
         first, last = float(self.compression[0]), float(self.compression[-1])
         if not first - 1e-12 <= compression <= last + 1e-12:
-            raise InputError(
-                f"compression {compression * 1e3:g} mm lies outside the static curve ({first * 1e3:g} to {last * 1e3:g} mm); compute it further"
-            )
+            reach = f"{first * 1e3:g} to {last * 1e3:g} mm"
+            raise InputError(f"compression {compression * 1e3:g} mm lies outside the static curve ({reach}); compute it further")
         return float(np.interp(compression, self.compression, values))

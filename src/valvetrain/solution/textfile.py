@@ -79,7 +79,8 @@ def column_labels(dataset: xarray.Dataset, name: str) -> list[str]:
 
 
 def _layout(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
-    return {**_variable(dataset[name], with_values=False), "name": name, "shape": list(dataset[name].shape[1:]), "coord": name in dataset.coords}
+    values = dataset[name]
+    return {**_variable(values, with_values=False), "name": name, "shape": list(values.shape[1:]), "coord": name in dataset.coords}
 
 
 def _variable(values: xarray.DataArray, with_values: bool = True) -> dict[str, Any]:

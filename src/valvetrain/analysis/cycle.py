@@ -1,0 +1,84 @@
+"""The reported cam cycle of a run: the last whole one, from the case's zero of the cam angle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.solution.result import Solution
+
+Array = NDArray[np.float64]
+_TURN = 2 * np.pi
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """A stretch of ``solution``: ``samples`` of the last whole cam turn, or of the last begun one when none is whole.
+
+    ``cam_angle`` (sample,) rad from 0 to 2 pi, ascending; ``time`` (sample,) s; ``whole`` tells whether the turn is complete.
+    """
+
+    solution: Solution
+    samples: slice
+    cam_angle: Array
+    time: Array
+    whole: bool
+
+    def channel(self, name: str) -> Array:
+        """Values of a channel over the cycle; :class:`InputError` when the run has none of that name."""
+        return self.solution.channel(name)[self.samples]
+
+    def at_coil(self, name: str, coil: float, reach: float = 0.15) -> Array | None:
+        """A channel along the wire or over the coil pairs, interpolated to coil number ``coil``.
+
+        None when the run lacks the channel or has no point within ``reach`` turns.
+        """
+        if not self.solution.has(name):
+            return None
+        places = self._places(name)
+        if places.size == 0 or np.min(np.abs(places - coil)) > reach:
+            return None
+        values, order = self.channel(name), np.argsort(places)
+        places = places[order]
+        right = int(np.clip(np.searchsorted(places, coil), 1, len(places) - 1)) if len(places) > 1 else 0
+        if right == 0:
+            return values[:, order[0]]
+        share = float(np.clip((coil - places[right - 1]) / (places[right] - places[right - 1]), 0.0, 1.0))
+        if share in (0.0, 1.0):  # a neighbour that is not finite must not spoil an exact hit
+            return values[:, order[right - 1 + int(share)]]
+        return (1 - share) * values[:, order[right - 1]] + share * values[:, order[right]]
+
+    def window(self, first: float, last: float) -> NDArray[np.bool_]:
+        """Mask of the samples with ``first <= cam_angle < last`` (rad)."""
+        return (self.cam_angle >= first - 1e-9) & (self.cam_angle < last - 1e-9)
+
+    def covers(self, first: float, last: float) -> bool:
+        """True when the samples reach over ``first`` to ``last`` (rad) but for one step at either end."""
+        if len(self.cam_angle) < 2:
+            return False
+        step = 1.5 * float(np.median(np.diff(self.cam_angle)))
+        return self.cam_angle[0] <= first + step and self.cam_angle[-1] >= last - step
+
+    def _places(self, name: str) -> Array:
+        dimension = self.solution.channels[name].dims[1]
+        return np.asarray(self.solution.channels["coil_number" if dimension == "wire_point" else "upper_coil"].values)
+
+
+def reported_cycle(solution: Solution) -> Cycle:
+    """The last whole cam turn of a run; :class:`InputError` for a run without two samples."""
+    angle = solution.cam_angle
+    if len(angle) < 2:
+        raise InputError("the run holds fewer than two samples, so it has no cycle; see its status")
+    step = float(np.median(np.diff(angle)))
+    first_turn = int(np.floor(angle[0] / _TURN + 1e-9))
+    last_turn = int(np.floor((angle[-1] + step) / _TURN + 1e-6)) - 1
+    starts_whole = angle[0] <= first_turn * _TURN + step / 2
+    whole = last_turn > first_turn or (last_turn == first_turn and starts_whole)
+    turn = last_turn if whole else int(np.floor(angle[-1] / _TURN + 1e-9))
+    first = int(np.searchsorted(angle, turn * _TURN - step * 1e-3))
+    last = int(np.searchsorted(angle, (turn + 1) * _TURN - step * 1e-3))
+    part = slice(first, last)
+    return Cycle(solution, part, np.maximum(angle[part] - turn * _TURN, 0.0), solution.time[part], whole)

@@ -1,0 +1,56 @@
+"""A force in a stated bandwidth: zero-phase low-pass, so that spikes of different samplings can be compared."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.analysis.cycle import Cycle
+from valvetrain.analysis.stages import Stages, spike_index
+from valvetrain.errors import InputError
+from valvetrain.solution.result import Solution
+
+Array = NDArray[np.float64]
+
+#: Bandwidths (Hz) in which spike heights are stated beside the raw value.
+BANDWIDTHS = (10e3, 20e3)
+#: Order of the Butterworth filter, run forward and backward: 6 dB down at the cutoff, no phase shift.
+FILTER_ORDER = 4
+
+
+def low_pass(time: Array, values: Array, cutoff_frequency: float) -> Array:
+    """Zero-phase low-pass of evenly sampled ``values``; cutoff in Hz, 6 dB down there.
+
+    Raises :class:`InputError` when the samples are uneven or too far apart for the cutoff.
+    """
+    from scipy.signal import butter, sosfiltfilt
+
+    steps = np.diff(time)
+    if len(steps) < 2 or np.ptp(steps) > 1e-6 * float(np.mean(steps)) + 1e-15:
+        raise InputError("a zero-phase filter needs evenly spaced samples; set a constant output step")
+    nyquist = 0.5 / float(np.mean(steps))
+    if cutoff_frequency >= nyquist:
+        needed = f"{cutoff_frequency / 1e3:g} kHz needs samples closer than {0.5e6 / cutoff_frequency:.3g} us"
+        raise InputError(f"a bandwidth of {needed}; refine the output step")
+    stages = butter(FILTER_ORDER, cutoff_frequency / nyquist, output="sos")
+    pad = min(len(values) - 1, int(np.ceil(20 * nyquist / cutoff_frequency)))
+    return sosfiltfilt(stages, values, padlen=pad)
+
+
+def filtered_force(solution: Solution, cutoff_frequency: float, channel: str = "seat_force") -> Array | None:
+    """A force channel below ``cutoff_frequency`` (Hz); None when the run is sampled too coarsely or unevenly for it."""
+    try:
+        return low_pass(solution.time, solution.channel(channel), cutoff_frequency)
+    except InputError:
+        return None
+
+
+def bandwidth_quantities(cycle: Cycle, stages: Stages = Stages()) -> dict[str, float]:
+    """Height (N) of the Stage III spike below 10 and 20 kHz, where the run's samples allow it."""
+    found = {}
+    for cutoff in BANDWIDTHS:
+        force = filtered_force(cycle.solution, cutoff)
+        if force is not None and cycle.covers(*stages.bounds(3)):
+            part = force[cycle.samples]
+            found[f"stage_3_below_{cutoff / 1e3:.0f}_khz_peak_force"] = float(part[spike_index(cycle, part, stages)])
+    return found

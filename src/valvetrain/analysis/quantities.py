@@ -1,0 +1,65 @@
+"""All named quantities of runs, static curve and modes in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from valvetrain.analysis.clash import clash_events, separation_quantities
+from valvetrain.analysis.cycle import reported_cycle
+from valvetrain.analysis.energy import energy_quantities
+from valvetrain.analysis.filters import bandwidth_quantities
+from valvetrain.analysis.nodes import (
+    acceleration_quantities,
+    collision_quantities,
+    displacement_quantities,
+    separation_angle,
+    velocity_quantities,
+)
+from valvetrain.analysis.quantity import Quantity, named
+from valvetrain.analysis.stages import Stages, stage_quantities
+from valvetrain.analysis.statics import modal_quantities, static_quantities
+from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import StaticCurve
+
+
+def run_quantities(solution: Solution, *, surge_frequency: float | None = None, stages: Stages = Stages()) -> dict[Quantity, float]:
+    """Every quantity that one spring run supports (docs/quantities.md); SI, angles in cam rad.
+
+    ``surge_frequency`` (Hz): first axial natural frequency, which tells separate collisions from one. What the run does not
+    cover, because it lacks the channel or ended early, is absent.
+    """
+    if len(solution.time) < 3:
+        return {}
+    cycle = reported_cycle(solution)
+    separation = separation_angle(cycle, surge_frequency)
+    found = stage_quantities(cycle, separation, stages)
+    found |= displacement_quantities(cycle, stages)
+    found |= velocity_quantities(cycle, stages)
+    if cycle.whole:
+        found |= acceleration_quantities(cycle, separation)
+        found |= collision_quantities(cycle, separation, surge_frequency, stages)
+        found |= bandwidth_quantities(cycle, stages)
+    if "stage_3_peak_cam_angle" in found:
+        turn = solution.cam_angle[cycle.samples][0] - cycle.cam_angle[0]
+        events = [event for event in solution.events if event.kind == "clash"] or clash_events(solution)
+        found |= separation_quantities(tuple(events), found["stage_3_peak_cam_angle"] + float(turn))
+    found |= energy_quantities(solution)
+    return named(found, solution.engine_speed, solution.model)
+
+
+def study_quantities(
+    static_curve: StaticCurve | None, modal_result: ModalResult | None, solutions: Iterable[Solution], *,
+    precompression: float, stages: Stages = Stages(),
+) -> dict[Quantity, float]:  # fmt: skip
+    """Quantities of a whole spring study; statics and modes carry no engine speed and no model."""
+    found: dict[Quantity, float] = {}
+    surge_frequency = None
+    if static_curve is not None:
+        found |= named(static_quantities(static_curve, precompression), None, "")
+    if modal_result is not None:
+        found |= named(modal_quantities(modal_result), None, "")
+        surge_frequency = float(modal_result.axial_frequencies[0]) if modal_result.axial_modes else None
+    for solution in solutions:
+        found |= run_quantities(solution, surge_frequency=surge_frequency, stages=stages)
+    return found

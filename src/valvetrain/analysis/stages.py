@@ -1,0 +1,114 @@
+"""Forces of a cam cycle by its stages: range before the event, peaks and valley in it, spike after it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from valvetrain.analysis.cycle import Array, Cycle
+from valvetrain.analysis.peaks import prominent_peaks
+
+#: A peak of Stage I stands out by this share of the stage's force range.
+STAGE_1_SHARE = 0.25
+#: The two maxima of Stage II stand out by this share of the stage's force range.
+STAGE_2_SHARE = 0.05
+#: The spike of Stage III stands out by this share of the cycle's force range, so a ripple on the falling flank is none.
+STAGE_3_SHARE = 0.01
+#: A second spike stands out by this share of the main one's height over the median force after it.
+SECOND_SPIKE_SHARE = 0.15
+
+
+@dataclass(frozen=True, slots=True)
+class Stages:
+    """Cam angles (rad) at which Stage I ends and Stage II ends; Stage I starts at 0, Stage III ends at a whole turn."""
+
+    first_end: float = math.radians(127.0)
+    second_end: float = math.radians(233.0)
+
+    def bounds(self, stage: int) -> tuple[float, float]:
+        """First and last cam angle (rad) of stage 1, 2 or 3."""
+        return ((0.0, self.first_end), (self.first_end, self.second_end), (self.second_end, 2 * math.pi))[stage - 1]
+
+
+def stage_quantities(cycle: Cycle, separation: float, stages: Stages = Stages()) -> dict[str, float]:
+    """All force quantities of the stages that the run covers, by their names in docs/quantities.md; SI, angles rad."""
+    force = cycle.channel("seat_force")
+    found: dict[str, float] = {}
+    if cycle.covers(*stages.bounds(1)):
+        found |= stage_1(cycle, force, stages)
+    if cycle.covers(*stages.bounds(2)):
+        found |= stage_2(cycle, force, stages)
+    if cycle.covers(*stages.bounds(3)):
+        found |= stage_3(cycle, force, separation, stages)
+    return found
+
+
+def stage_1(cycle: Cycle, force: Array, stages: Stages = Stages()) -> dict[str, float]:
+    """Range of the force in Stage I and the angles of the peaks that stand out of it."""
+    inside = cycle.window(*stages.bounds(1))
+    low, high = float(np.min(force[inside])), float(np.max(force[inside]))
+    found = {"stage_1_minimum_force": low, "stage_1_maximum_force": high}
+    # The cycle is periodic: seen twice, a peak next to 0 degrees has a left side as well.
+    count = len(force)
+    twice = np.concatenate((force, force)) if cycle.whole else force
+    peaks = prominent_peaks(twice, max(STAGE_1_SHARE * (high - low), 1e-12))
+    angles = np.unique(cycle.cam_angle[peaks % count])
+    for number, angle in enumerate(angles[angles < stages.first_end], start=1):
+        found[f"stage_1_peak_{number}_cam_angle"] = float(angle)
+    return found
+
+
+def stage_2(cycle: Cycle, force: Array, stages: Stages = Stages()) -> dict[str, float]:
+    """Largest force of Stage II; where it has two maxima, both and the valley between; the force at its end."""
+    inside = np.flatnonzero(cycle.window(*stages.bounds(2)))
+    part, angle = force[inside], cycle.cam_angle[inside]
+    top = int(np.argmax(part))
+    found = {"stage_2_peak_force": float(part[top]), "stage_2_peak_cam_angle": float(angle[top])}
+    found["stage_2_end_force"] = float(np.interp(stages.second_end, cycle.cam_angle, force))
+    pair = _two_peaks(part)
+    if pair is not None:
+        first, second = pair
+        valley = first + int(np.argmin(part[first : second + 1]))
+        for word, index in (("first_peak", first), ("valley", valley), ("second_peak", second)):
+            found[f"stage_2_{word}_force"] = float(part[index])
+            found[f"stage_2_{word}_cam_angle"] = float(angle[index])
+    return found
+
+
+def _two_peaks(part: Array) -> tuple[int, int] | None:
+    """The two most prominent maxima in order of angle, or None where only one stands out."""
+    from scipy.signal import peak_prominences
+
+    peaks = prominent_peaks(part, max(STAGE_2_SHARE * float(np.ptp(part)), 1e-12))
+    if len(peaks) < 2:
+        return None
+    strongest = peaks[np.argsort(-peak_prominences(part, peaks)[0])[:2]]
+    first, second = sorted(int(index) for index in strongest)
+    return first, second
+
+
+def spike_index(cycle: Cycle, force: Array, stages: Stages = Stages()) -> int:
+    """Sample of the largest force maximum of Stage III; without one, of its largest force.
+
+    A maximum, not the largest value: at low speed the falling flank of the lift event reaches into Stage III.
+    """
+    inside = np.flatnonzero(cycle.window(*stages.bounds(3)))
+    part = force[inside]
+    peaks = prominent_peaks(part, max(STAGE_3_SHARE * float(np.ptp(force)), 1e-12))
+    best = peaks[np.argmax(part[peaks])] if len(peaks) else int(np.argmax(part))
+    return int(inside[best])
+
+
+def stage_3(cycle: Cycle, force: Array, separation: float, stages: Stages = Stages()) -> dict[str, float]:
+    """The spike after the event, force and angle, and the next collision's spike at least ``separation`` (rad) later."""
+    top = spike_index(cycle, force, stages)
+    found = {"stage_3_peak_force": float(force[top]), "stage_3_peak_cam_angle": float(cycle.cam_angle[top])}
+    later = np.flatnonzero(cycle.window(float(cycle.cam_angle[top]) + separation, stages.bounds(3)[1]))
+    if len(later) > 2:
+        part = force[later]
+        peaks = prominent_peaks(part, max(SECOND_SPIKE_SHARE * float(force[top] - np.median(part)), 1e-12))
+        if len(peaks):
+            found["stage_3_second_peak_cam_angle"] = float(cycle.cam_angle[later[peaks[np.argmax(part[peaks])]]])
+    return found

@@ -1,0 +1,52 @@
+"""Named quantities of the static curve and of the modes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.static import Array, StaticCurve
+
+#: Slopes that differ by less than this share are one slope: no stiffness change is reported.
+SLOPE_SHARE = 0.005
+
+
+def static_quantities(curve: StaticCurve, precompression: float) -> dict[str, float]:
+    """Preload (N), compression at which the stiffness changes (m) and smallest gap of coils 1 and 2 (m) when installed."""
+    found: dict[str, float] = {}
+    if not curve.compression[0] - 1e-12 <= precompression <= curve.compression[-1] + 1e-12:
+        return found
+    found["preload"] = curve.force_at(precompression)
+    found["installed_rate"] = curve.stiffness_at(precompression)
+    inside = curve.compression <= precompression * (1 + 1e-9)
+    knee = slope_change(curve.compression[inside], curve.force[inside])
+    if knee is not None:
+        found["stiffness_change_compression"] = knee
+    pairs = (curve.upper_coil > 1 + 1e-9) & (curve.upper_coil <= 2 + 1e-9)
+    if np.any(pairs):
+        gaps = [float(np.interp(precompression, curve.compression, curve.coil_gap[:, pair])) for pair in np.flatnonzero(pairs)]
+        found["coil_1_2_installed_gap"] = min(gaps)
+    return found
+
+
+def slope_change(compression: Array, force: Array) -> float | None:
+    """Compression (m) at which two straight lines that fit the force best meet; None where one line does as well.
+
+    This is what an eye reads off a drawn curve whose slope "changes at about" somewhere.
+    """
+    if len(compression) < 6:
+        return None
+    candidates = np.linspace(compression[1], compression[-2], 201)
+    best: tuple[float, float | None] = (np.inf, None)
+    for knee in candidates:
+        base = np.stack([np.ones_like(compression), compression, np.maximum(compression - knee, 0.0)], axis=1)
+        fit, *_ = np.linalg.lstsq(base, force, rcond=None)
+        miss = float(np.sum((base @ fit - force) ** 2))
+        if miss < best[0]:
+            best = (miss, float(knee) if abs(fit[2]) > SLOPE_SHARE * abs(fit[1]) else None)
+    return best[1]
+
+
+def modal_quantities(result: ModalResult) -> dict[str, float]:
+    """Axial natural frequencies (Hz) by number."""
+    return {f"mode_{number}_frequency": float(value) for number, value in enumerate(result.axial_frequencies, start=1)}

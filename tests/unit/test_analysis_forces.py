@@ -1,0 +1,148 @@
+"""Stages, filters, spectra and energies on signals whose answer is known."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from valvetrain.analysis.cycle import reported_cycle
+from valvetrain.analysis.energy import energy_balance
+from valvetrain.analysis.filters import filtered_force, low_pass
+from valvetrain.analysis.spectrum import order_spectrum, surge_order
+from valvetrain.analysis.stages import stage_quantities
+from valvetrain.errors import InputError
+
+sys.path.insert(0, str(Path(__file__).parent))
+from synthetic_spring import ENGINE_SPEED, bump, run
+
+DEG = np.pi / 180
+
+
+def _force(degrees):
+    first = 30 * bump(degrees, 12, 20) + 30 * bump(degrees, 42, 20) + 40 * bump(degrees, 84.5, 20)
+    event = 640 * bump(degrees, 160, 60) + 900 * bump(degrees, 190, 50)
+    return 280 + first + event + 500 * bump(degrees, 254.5, 4) + 200 * bump(degrees, 297, 4)
+
+
+def test_stage_quantities_of_a_drawn_curve():
+    found = stage_quantities(reported_cycle(run({"seat_force": _force})), 10 * DEG)
+    peaks = [found[f"stage_1_peak_{number}_cam_angle"] / DEG for number in (1, 2, 3)]
+    assert peaks == pytest.approx([12, 42, 84.5])
+    assert found["stage_1_minimum_force"] == pytest.approx(280.0)
+    assert found["stage_1_maximum_force"] == pytest.approx(320.0)
+    fine = np.arange(127, 233, 1e-3)
+    curve = _force(fine)
+    assert found["stage_2_peak_force"] == pytest.approx(curve.max(), abs=0.5)
+    assert found["stage_2_peak_cam_angle"] / DEG == pytest.approx(fine[curve.argmax()], abs=0.5)
+    assert found["stage_2_first_peak_cam_angle"] / DEG == pytest.approx(160, abs=0.5)
+    assert found["stage_2_second_peak_force"] == found["stage_2_peak_force"]
+    between = (fine > 160) & (fine < 190)
+    assert found["stage_2_valley_force"] == pytest.approx(curve[between].min(), rel=0.01)
+    assert found["stage_2_end_force"] == pytest.approx(280.0)
+    assert (found["stage_3_peak_force"], found["stage_3_peak_cam_angle"] / DEG) == pytest.approx((780.0, 254.5))
+    assert found["stage_3_second_peak_cam_angle"] / DEG == pytest.approx(297)
+
+
+def test_falling_flank_is_no_spike_and_one_hump_has_no_valley():
+    def force(degrees):
+        return 280 + 600 * bump(degrees, 180, 130) + 20 * bump(degrees, 300, 30)
+
+    found = stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG)
+    assert found["stage_2_end_force"] > 315
+    assert (found["stage_3_peak_force"], found["stage_3_peak_cam_angle"] / DEG) == pytest.approx((300.0, 300.0))
+    assert "stage_2_valley_force" not in found
+
+
+def test_a_peak_at_the_seam_of_the_cycle_counts_once():
+    def force(degrees):
+        return 300 + 10 * np.cos(3 * degrees * DEG)
+
+    found = stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG)
+    assert [value / DEG for name, value in found.items() if name.startswith("stage_1_peak")] == pytest.approx([0, 120])
+
+
+def test_an_aborted_run_gives_only_what_it_covers():
+    whole = run({"seat_force": _force}, turns=1)
+    cut = type(whole)(whole.channels.isel(sample=slice(0, 300)), provenance=whole.provenance)
+    cycle = reported_cycle(cut)
+    assert not cycle.whole
+    found = stage_quantities(cycle, 10 * DEG)
+    assert "stage_1_maximum_force" in found and not any(name.startswith("stage_2") for name in found)
+
+
+def test_last_whole_turn_is_reported():
+    turn = np.repeat([1.0, 2.0, 3.0], 720)
+    solution = run({"seat_force": turn}, turns=3)
+    assert np.all(reported_cycle(solution).channel("seat_force") == 3.0)
+    ended = type(solution)(solution.channels.isel(sample=slice(0, 2000)), provenance=solution.provenance)
+    cycle = reported_cycle(ended)
+    assert cycle.whole and np.all(cycle.channel("seat_force") == 2.0)
+    assert cycle.cam_angle[0] == 0 and len(cycle.cam_angle) == 720
+
+
+def test_low_pass_has_its_declared_gain_and_no_phase():
+    time = np.arange(4000) * 1e-5
+    for frequency, gain in ((500.0, 1.0), (10e3, 0.5), (30e3, (1 + _warped(30e3) ** 8) ** -1)):
+        wave = np.cos(2 * np.pi * frequency * (time - time[2000]))
+        smooth = low_pass(time, wave, 10e3)
+        assert smooth[2000] == pytest.approx(gain, abs=2e-3)
+        np.testing.assert_allclose(smooth[1500:2000][::-1], smooth[2001:2501], atol=1e-6)
+
+
+def _warped(frequency):
+    return np.tan(np.pi * frequency * 1e-5) / np.tan(np.pi * 10e3 * 1e-5)
+
+
+def test_low_pass_keeps_the_impulse_and_lowers_a_narrow_spike():
+    time = np.arange(2000) * 5e-6
+    spike = 1000 * np.clip(1 - np.abs(time - 5e-3) / 20e-6, 0, None)
+    heights = [low_pass(time, spike, cutoff).max() for cutoff in (5e3, 10e3, 20e3)]
+    assert heights[0] < heights[1] < heights[2] < 1000
+    assert low_pass(time, spike, 10e3).sum() == pytest.approx(spike.sum(), rel=1e-6)
+
+
+def test_filter_refuses_what_it_cannot_do():
+    time = np.arange(100) * 1e-4
+    with pytest.raises(InputError, match="10 kHz"):
+        low_pass(time, time, 10e3)
+    with pytest.raises(InputError, match="evenly"):
+        low_pass(time**2, time, 1e3)
+    assert filtered_force(run({"seat_force": _force}, per_turn=72), 10e3) is None
+
+
+def test_order_spectrum_returns_the_amplitudes_put_in():
+    def force(degrees):
+        return 300 + 20 * np.cos(13 * degrees * DEG + 0.3) + 5 * np.sin(27 * degrees * DEG)
+
+    spectrum = order_spectrum(reported_cycle(run({"seat_force": force})), largest_order=40)
+    expected = np.zeros(41)
+    expected[[0, 13, 27]] = 300, 20, 5
+    np.testing.assert_allclose(spectrum.amplitude, expected, atol=1e-9)
+    assert spectrum.unit == "N"
+
+
+def test_surge_order_of_the_beehive_at_5600_rpm():
+    assert 360 / surge_order(630.0, ENGINE_SPEED) == pytest.approx(26.67, abs=0.01)
+
+
+def test_energy_balance_finds_the_energy_that_was_lost():
+    def missing(factor):
+        angle = np.linspace(0, 4 * np.pi, 1440)
+        stored = 10 * (1 - np.cos(angle))
+        heat = 0.1 * angle
+        return {
+            "kinetic_energy": 0.25 * stored, "elastic_energy": 0.70 * stored + 3.0, "contact_energy": 0.05 * stored,
+            "energy_dissipated": heat * factor, "work_done": stored + heat,
+        }  # fmt: skip
+
+    exact = energy_balance(run(missing(1.0)))
+    assert exact is not None and exact.relative_imbalance < 1e-12
+    lossy = energy_balance(run(missing(0.5)))
+    angle = np.linspace(0, 4 * np.pi, 1440)
+    work = 10 * (1 - np.cos(angle)) + 0.1 * angle
+    assert lossy is not None
+    assert lossy.relative_imbalance == pytest.approx(0.5 * 0.1 * 4 * np.pi / np.ptp(work))
+    assert energy_balance(run({"seat_force": _force})) is None

@@ -1,0 +1,203 @@
+"""Nodes, collisions, clashes, statics and comparison on signals whose answer is known."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from valvetrain.analysis.clash import clash_events, separation_quantities, split_at_releases
+from valvetrain.analysis.compare import compare
+from valvetrain.analysis.cycle import reported_cycle
+from valvetrain.analysis.nodes import separation_angle
+from valvetrain.analysis.peaks import separate_spikes
+from valvetrain.analysis.quantities import run_quantities, study_quantities
+from valvetrain.analysis.quantity import Quantity, unit_of
+from valvetrain.analysis.statics import slope_change, static_quantities
+from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.static import StaticCurve
+
+sys.path.insert(0, str(Path(__file__).parent))
+from synthetic_spring import ENGINE_SPEED, bump, run
+
+DEG = np.pi / 180
+SPIKES = (20.0, 46.5, 73.0, 100.0, 245.5, 300.0, 327.0, 354.5)
+PLACES = {"coil_number": [0.5, 1.0, 1.9, 2.1, 3.0], "upper_coil": [1.75, 1.9, 2.0, 2.6]}
+
+
+def _at_node_2(curve):
+    """Channel along the wire with ``curve`` at coil number 2, between the two wire points beside it, and zero elsewhere."""
+    return lambda degrees: np.stack([0 * degrees, 0 * degrees, 0.8 * curve(degrees), 1.2 * curve(degrees), 0 * degrees], axis=1)
+
+
+def _contact(degrees):
+    rest = np.full_like(degrees, 5.0)
+    early = 40 * bump(degrees, 245, 4) + 90 * bump(degrees, 252, 6)
+    return np.stack([rest, early, 2 * early, 30 * bump(degrees, 180, 20)], axis=1)
+
+
+def _motion():
+    def acceleration(degrees):
+        return sum((1e4 if spike == 245.5 else 3e3) * bump(degrees, spike, 2) for spike in SPIKES)
+
+    def velocity(degrees):
+        slow = 0.5 * bump(degrees, 60, 30) - 0.7 * bump(degrees, 90, 30) - 0.9 * bump(degrees, 280, 4)
+        return slow + 1.0 * bump(degrees, 236, 4) - 1.35 * bump(degrees, 241.5, 4) + 0.6 * bump(degrees, 245, 3)
+
+    def gap(degrees):
+        lift_off = 2e-4 * bump(degrees, 50, 40) + 7e-4 * bump(degrees, 243, 10) - 1e-6
+        return np.stack([0 * degrees, 0 * degrees, lift_off, 1e-3 + 0 * degrees], axis=1)
+
+    return run(
+        {
+            "seat_force": lambda degrees: 300 + 900 * bump(degrees, 180, 100) + 300 * bump(degrees, 249, 3),
+            "axial_acceleration": _at_node_2(acceleration), "axial_velocity": _at_node_2(velocity),
+            "coil_gap": gap, "coil_contact_force": _contact,
+        }, **PLACES,
+    )  # fmt: skip
+
+
+def _values(**options):
+    return {key.name: value for key, value in run_quantities(_motion(), **options).items()}
+
+
+def test_collisions_repeat_with_the_period_of_the_first_mode():
+    found = _values(surge_frequency=630.0)
+    angles = [found[f"clash_{number}_cam_angle"] / DEG for number in range(1, 9)]
+    assert angles == pytest.approx(SPIKES)
+    assert "clash_9_cam_angle" not in found
+    # 54.5 degrees between 245.5 and 300 hold one collision that did not show; it is left out of the mean.
+    assert found["clash_interval_cam_angle"] / DEG == pytest.approx(np.mean([26.5, 26.5, 27, 27, 27.5]))
+    assert found["clash_interval_to_mode_1_period_ratio"] == pytest.approx(np.mean([26.5, 26.5, 27, 27, 27.5]) / (16800 / 630))
+
+
+def test_node_2_motion():
+    found = _values()
+    assert found["node_2_maximum_displacement"] == pytest.approx(7e-4 - 1e-6)
+    assert found["node_2_maximum_displacement_cam_angle"] / DEG == pytest.approx(243)
+    assert found["node_2_stage_1_displacement_range"] == pytest.approx(2e-4)
+    assert found["node_2_stage_1_velocity_range"] == pytest.approx(1.2)
+    assert found["node_2_stage_3_minimum_velocity"] == pytest.approx(-1.35)
+    assert found["node_2_stage_3_minimum_velocity_cam_angle"] / DEG == pytest.approx(241.5)
+    assert found["node_2_rebound_velocity"] == pytest.approx(0.6)
+    assert found["node_2_rebound_duration"] == pytest.approx(3.5 * DEG / (ENGINE_SPEED / 2))
+    assert found["node_2_late_stage_3_minimum_velocity"] == pytest.approx(-0.9)
+    assert found["node_2_peak_acceleration"] == pytest.approx(1e4)
+    assert found["node_2_peak_acceleration_cam_angle"] / DEG == pytest.approx(245.5)
+
+
+def test_separation_follows_speed_and_frequency():
+    assert separation_angle(reported_cycle(_motion()), 630.0) == pytest.approx(0.35 * 26.667 * DEG, rel=1e-4)
+
+
+def test_clashes_merge_neighbours_and_leave_resting_coils_out():
+    events = clash_events(_motion())
+    assert len(events) == 6  # two clashes of coils 1-2 and one of 2-3, in each of two turns
+    first, second, third = events[:3]
+    assert [event.details["upper_coil"] for event in events[:3]] == [3, 2, 2]
+    assert first.cam_angle / DEG == pytest.approx(170.5, abs=0.6)
+    assert (second.size, third.size) == pytest.approx((120.0, 270.0))
+    assert (second.details["first_pair"], second.details["last_pair"]) == (1.9, 2.0)
+    assert third.details["peak_cam_angle"] / DEG == pytest.approx(252)
+    # Area of A cos^2 over its full width w is A w / 2.
+    assert second.details["impulse"] == pytest.approx(120 * 4 * DEG / (ENGINE_SPEED / 2) / 2, rel=0.01)
+    assert third.details["impulse"] == pytest.approx(270 * 6 * DEG / (ENGINE_SPEED / 2) / 2, rel=0.01)
+    assert events[4].cam_angle - second.cam_angle == pytest.approx(2 * np.pi)
+
+
+def test_bounce_is_the_separation_next_to_the_spike():
+    found = separation_quantities(clash_events(_motion())[:3], 249 * DEG)
+    assert found["coil_1_2_bounce_start_cam_angle"] / DEG == pytest.approx(247, abs=0.8)
+    assert found["coil_1_2_bounce_end_cam_angle"] / DEG == pytest.approx(249, abs=0.8)
+    assert found["coil_1_2_bounce_duration"] == pytest.approx(2 * DEG / (ENGINE_SPEED / 2), rel=0.5)
+    assert separation_quantities(clash_events(_motion())[:3], 20 * DEG) == {}
+
+
+@pytest.mark.parametrize(
+    ("summed", "expected"),
+    [
+        ([0, 2, 5, 2, 0], [(1, 3)]),
+        ([0, 5, 4, 5, 0], [(1, 3)]),
+        ([0, 8, 1, 6, 0], [(1, 2), (2, 3)]),
+        ([9, 1, 9, 1, 9], [(0, 1), (1, 3), (3, 4)]),
+        ([8, 1, 1.5, 1, 8], [(0, 1), (1, 4)]),
+    ],
+)
+def test_split_at_releases(summed, expected):
+    assert split_at_releases(np.array(summed, dtype=float), 0.25) == expected
+
+
+def test_separate_spikes_takes_the_largest_first():
+    position = np.arange(10.0)
+    size = np.array([0, 3, 0, 5, 0, 0, 4, 0, 1, 0.0])
+    assert list(separate_spikes(position, size, 2.5, 2.0)) == [3, 6]
+
+
+def test_statics_of_a_bilinear_spring():
+    compression = np.linspace(0, 10e-3, 101)
+    force = 40e3 * compression + 4e3 * np.maximum(compression - 5e-3, 0)
+    gap = np.maximum(6.5e-3 - compression, 0)[:, None] * np.array([1.0, 2.0])
+    curve = StaticCurve(
+        compression, force, np.gradient(force, compression), gap, 0 * gap, np.array([1.9, 2.5]), np.zeros((101, 0)), np.zeros(0)
+    )
+    found = static_quantities(curve, 7e-3)
+    assert found["preload"] == pytest.approx(288.0)
+    assert found["stiffness_change_compression"] == pytest.approx(5e-3, abs=3e-5)
+    assert found["coil_1_2_installed_gap"] == 0.0
+    assert slope_change(compression, 40e3 * compression) is None
+    assert static_quantities(curve, 11e-3) == {}
+
+
+def test_study_quantities_join_all_parts():
+    modes = ModalResult(7e-3, np.array([500.0, 630.0, 1120.0]), np.zeros((3, 2, 3)), np.arange(2.0), np.ones(3), (1, 2))
+    found = study_quantities(None, modes, [_motion()], precompression=7e-3)
+    assert found[Quantity("mode_2_frequency")] == 1120.0
+    assert Quantity("stage_2_peak_force", ENGINE_SPEED, "finite-element") in found
+
+
+def test_units_follow_the_last_word():
+    assert [unit_of(name) for name in ("stage_2_peak_force", "clash_1_cam_angle", "node_2_stage_1_velocity_range", "preload")] == [
+        "N", "rad", "m/s", "N",
+    ]  # fmt: skip
+
+
+def _published(quantity, value, **more):
+    defaults = {"unit": "N", "model": "solid finite elements", "role": "prediction", "engine_speed": 100.0}
+    defaults |= {"source": "s", "tolerance": None, "relation": "equal"}
+    return SimpleNamespace(quantity=quantity, value=value, **{**defaults, **more})
+
+
+@pytest.mark.parametrize(
+    ("published", "computed", "verdict"),
+    [
+        (_published("stage_2_peak_force", 818.0, tolerance=24.5), 840.0, "within tolerance"),
+        (_published("stage_2_peak_force", 818.0, tolerance=24.5), 777.1, "misses by -5.0 %, tolerance 3.0 %"),
+        (_published("stage_2_peak_force", 800.0), 880.0, "differs by +10.0 %"),
+        (_published("stage_2_peak_force", 620.0, relation="at-most"), 600.0, "within the stated bound (at-most)"),
+        (_published("stage_2_peak_force", 620.0, relation="at-most"), 651.0, "beyond the stated bound by 5.0 %"),
+        (_published("stage_1_peak_1_cam_angle", 1 * DEG), 359 * DEG, "differs by -2.0 deg"),
+        (_published("coil_1_2_installed_gap", 0.0), -2e-6, "differs by -2e-06 m"),
+        (_published("other_force", 1.0), 2.0, "not computed"),
+    ],
+)
+def test_verdicts_say_how_far(published, computed, verdict):
+    name = "stage_2_peak_force" if published.quantity == "other_force" else published.quantity
+    (row,) = compare([published], {Quantity(name, 100.0, "finite-element"): computed})
+    assert row.verdict == verdict
+
+
+def test_published_collision_meets_the_nearest_computed_one():
+    computed = {Quantity(f"clash_{n}_cam_angle", 100.0, "finite-element"): angle * DEG for n, angle in enumerate((5, 20, 48), start=1)}
+    rows = compare([_published("clash_1_cam_angle", 20 * DEG), _published("clash_2_cam_angle", 46.5 * DEG)], computed)
+    assert [row.difference / DEG for row in rows] == pytest.approx([0, 1.5])
+
+
+def test_models_meet_their_counterparts_only():
+    quantities = {Quantity("stage_2_peak_force", 100.0, "modal"): 1.0, Quantity("preload"): 289.0}
+    peak = "stage_2_peak_force"
+    published = [_published(peak, 2.0), _published(peak, 2.0, model="analytical modal"), _published("preload", 289.0, engine_speed=None)]
+    rows = compare(published, quantities)
+    assert [row.computed for row in rows] == [None, 1.0, 289.0]
