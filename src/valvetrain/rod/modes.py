@@ -1,0 +1,101 @@
+"""Natural modes of the rod about a static state, contact included, and their share in force transmission."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import diags
+from scipy.sparse.linalg import eigsh
+
+from valvetrain.rod.buffer import inertia_of
+from valvetrain.rod.state import RodState
+from valvetrain.rod.static import RodStatics
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RodModes:
+    """Modes about one static state: ``natural_frequency`` (nm,) in Hz, mass-normalised ``shape`` (nm, nv, 3) in 1/sqrt(kg).
+
+    ``axial_transmission`` (nm,): residue of seat reaction x retainer reaction over 2 k omega^2, so that each surge mode
+    of an ideal uniform spring has +1 or -1; ``axial_mass_share`` (nm,): effective axial mass over the free mass.
+    """
+
+    natural_frequency: Array
+    shape: Array
+    axial_transmission: Array
+    axial_mass_share: Array
+    axial_stiffness: float
+
+    def axial_modes(self, count: int = 3) -> NDArray[np.int64]:
+        """Indices of the first ``count`` axial (surge) modes.
+
+        Surge spreads over clusters of modes; each cluster is named by its strongest transmitter. Neighbours of the same
+        sign within a cluster belong together, since successive surge modes transmit with alternating sign.
+        """
+        size = np.abs(self.axial_transmission)
+        found: list[int] = []
+        for index in np.flatnonzero(size > 0.12 * size.max(initial=0.0)):
+            same = found and np.sign(self.axial_transmission[found[-1]]) == np.sign(self.axial_transmission[index])
+            close = found and self.natural_frequency[index] < 1.25 * self.natural_frequency[found[-1]]
+            if not (same and close):
+                found.append(int(index))
+            elif size[index] > size[found[-1]]:
+                found[-1] = int(index)
+        strong = [n for n in found if size[n] > 0.3 * size.max()]
+        return np.array(strong[:count], dtype=np.int64)
+
+
+def natural_modes(statics: RodStatics, state: RodState, count: int = 24) -> RodModes:
+    """Lowest ``count`` modes about ``state`` with both ends held: K phi = omega^2 M phi on the tangent with contact.
+
+    A negative eigenvalue (unstable state) appears as a negative frequency.
+    """
+    free = statics.free
+    tangent = statics.tangent(state)
+    stiffness = tangent[free][:, free]
+    scale = 1.0 / np.sqrt(inertia_of(statics.mesh)[free])
+    scaled = (diags(scale) @ stiffness @ diags(scale)).tocsc()
+    size = scaled.shape[0]
+    count = min(count, size - 2)
+    start = np.sin(1.0 + np.arange(size))
+    values, vectors = eigsh(scaled, k=count, sigma=-1e3, which="LM", v0=start, tol=1e-10)
+    order = np.argsort(values)
+    values, vectors = values[order], scale[:, None] * vectors[:, order]
+    reactions = _end_reactions(statics, tangent, vectors)
+    axial_stiffness = _axial_stiffness(statics, tangent)
+    full = np.zeros((len(free), count))
+    full[free] = vectors
+    mass = inertia_of(statics.mesh)[2::6]
+    moving = slice(statics.mesh.first, statics.mesh.last + 1)
+    axial = mass @ full[2::6]
+    return RodModes(
+        natural_frequency=np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi),
+        shape=np.moveaxis(full.reshape(-1, 6, count)[:, :3], 2, 0),
+        axial_transmission=reactions[0] * reactions[1] / (2 * axial_stiffness * values),
+        axial_mass_share=axial**2 / np.sum(mass[moving]),
+        axial_stiffness=axial_stiffness,
+    )
+
+
+def _end_reactions(statics: RodStatics, tangent, vectors: Array) -> tuple[Array, Array]:
+    """Axial reaction (modes,) of seat and retainer to each shape."""
+    free, mesh = statics.free, statics.mesh
+    rows = tangent[2::6][:, free] @ vectors
+    return rows[: mesh.first + 1].sum(axis=0), rows[mesh.last :].sum(axis=0)
+
+
+def _axial_stiffness(statics: RodStatics, tangent) -> float:
+    """Static tangent stiffness (N/m) of the retainer's axial travel."""
+    from scipy.sparse.linalg import spsolve
+
+    free, mesh = statics.free, statics.mesh
+    unit = np.zeros(len(free))
+    unit[6 * mesh.last + 2 :: 6] = 1.0
+    coupled = tangent @ unit
+    follow = spsolve(tangent[free][:, free].tocsc(), -coupled[free])
+    unit[free] = follow
+    return float((tangent @ unit)[6 * mesh.last + 2 :: 6].sum())
