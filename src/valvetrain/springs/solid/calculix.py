@@ -1,0 +1,106 @@
+"""Runs CalculiX on a deck in a temporary folder, within a time limit, and hands back what it wrote."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.solution.status import COMPLETED, Status
+
+#: What a missing solver means for the user.
+INSTALL_HINT = (
+    "the solid model needs the CalculiX solver 'ccx', which is not on the PATH: install it with 'sudo apt install calculix-ccx' "
+    "(Debian, Ubuntu) or 'conda install -c conda-forge calculix', or name its file in the environment variable CCX"
+)
+
+
+@dataclass(frozen=True)
+class SolverOutput:
+    """Texts of the result files (``fields`` only when asked for), the end of the run and its wall time (s)."""
+
+    printed: str
+    fields: str
+    status: Status
+    wall_time: float
+
+
+def find_solver() -> str:
+    """Path of ``ccx`` (environment variable CCX, else the PATH); :class:`MissingExtraError` with the install command."""
+    found = shutil.which(os.environ.get("CCX") or "ccx")
+    if found is None:
+        raise MissingExtraError(INSTALL_HINT)
+    return found
+
+
+def solver_available() -> bool:
+    """True when :func:`find_solver` finds one."""
+    try:
+        find_solver()
+    except MissingExtraError:
+        return False
+    return True
+
+
+def run_deck(deck: str, *, time_limit: float = 300.0, threads: int = 1, read_fields: bool = False) -> SolverOutput:
+    """Run ``deck`` and return what was written; a failed run is a status, with the solver's own reason.
+
+    Raises :class:`MissingExtraError` without ``ccx`` and :class:`InputError` for a time limit or threads below zero.
+    """
+    if not time_limit > 0 or threads < 1:
+        raise InputError(f"a time limit of {time_limit:g} s on {threads} threads runs nothing; give a positive limit and at least 1 thread")
+    solver = find_solver()
+    environment = {**os.environ, "OMP_NUM_THREADS": str(threads), "CCX_NPROC_STIFFNESS": str(threads), "CCX_NPROC_RESULTS": str(threads)}
+    with tempfile.TemporaryDirectory(prefix="valvetrain-solid-", ignore_cleanup_errors=True) as folder:
+        Path(folder, "job.inp").write_text(deck, encoding="ascii")
+        started = time.perf_counter()
+        status, log = _execute(solver, folder, environment, time_limit)
+        elapsed = time.perf_counter() - started
+        if status is None:
+            status = _judge(log)
+        printed = _text(folder, "job.dat")
+        return SolverOutput(printed, _text(folder, "job.frd") if read_fields else "", status, elapsed)
+
+
+def _execute(solver: str, folder: str, environment: dict[str, str], time_limit: float) -> tuple[Status | None, str]:
+    """Run to the end or the limit; a status already known (time ran out, signal) or None, and the log."""
+    try:
+        done = subprocess.run(
+            [solver, "job"], cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT, timeout=time_limit, check=False, text=True, errors="replace",
+        )  # fmt: skip
+    except subprocess.TimeoutExpired as expired:
+        log = expired.stdout or b""
+        text = log.decode(errors="replace") if isinstance(log, bytes) else log
+        return Status("interrupted", f"CalculiX was stopped after {time_limit:g} s", remedy="raise the time limit or coarsen the mesh"), text
+    if done.returncode == 0:
+        return None, done.stdout
+    reason = _reason(done.stdout) or f"it gave no reason and ended with code {done.returncode}"
+    return Status("not-converged", f"CalculiX gave up: {reason}", remedy="take smaller increments or softer contact"), done.stdout
+
+
+def _judge(log: str) -> Status:
+    if "Job finished" in log:
+        return COMPLETED
+    return Status("not-converged", f"CalculiX ended early: {_reason(log) or 'it gave no reason'}", remedy="take smaller increments or softer contact")
+
+
+def _reason(log: str) -> str:
+    """The solver's own words: its first error line with the line that continues it, or the last warning of divergence."""
+    lines = [line.strip() for line in log.splitlines()]
+    for number, line in enumerate(lines):
+        if line.startswith("*ERROR"):
+            follow = lines[number + 1] if number + 1 < len(lines) else ""
+            return " ".join(f"{line.removeprefix('*ERROR').lstrip(': ')} {follow}".split())
+    told = [line for line in lines if "divergence" in line or "too many" in line.lower() or "smaller than minimum" in line]
+    return told[-1] if told else ""
+
+
+def _text(folder: str, name: str) -> str:
+    path = Path(folder, name)
+    return path.read_text(encoding="ascii", errors="replace") if path.exists() else ""

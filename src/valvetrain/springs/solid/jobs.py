@@ -1,0 +1,155 @@
+"""The solid model of one spring and what it is asked: static curve and modes about a compressed state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.status import Status
+from valvetrain.springs.solid import axis_motion, steps
+from valvetrain.springs.solid.calculix import SolverOutput, run_deck
+from valvetrain.springs.solid.deck import MILLIMETRE, SolidContact, contact_pairs, model_text
+from valvetrain.springs.solid.layout import MeshOptions
+from valvetrain.springs.solid.mesh import SolidMesh
+from valvetrain.springs.solid.printed import Printed, read_printed
+from valvetrain.springs.solid.sweep import sweep_spring
+
+Array = NDArray[np.float64]
+
+#: Modes that transmit less than this (1 for a mode of a straight elastic rod) are never called axial.
+LEAST_TRANSMISSION = 0.15
+
+
+@dataclass(frozen=True)
+class SolidSpring:
+    """Solid finite-element model of ``spring``. ``contact`` None leaves coils free to pass through each other.
+
+    ``time_limit`` (s) and ``threads`` bound each run of the solver.
+    """
+
+    spring: SpringDefinition
+    options: MeshOptions = field(default_factory=MeshOptions)
+    contact: SolidContact | None = None
+    time_limit: float = 300.0
+    threads: int = 1
+    name: str = "solid"
+
+    @cached_property
+    def mesh(self) -> SolidMesh:
+        """The mesh, with the node set ``axis`` of the wire axis added."""
+        mesh = sweep_spring(self.spring, self.options)
+        if self.options.ends == "ground" or mesh.jacobian_quality() > 0:
+            return replace(mesh, node_sets={**mesh.node_sets, "axis": mesh.fibre(0.0, 0.0)})
+        raise InputError(f"the solid mesh of spring '{self.spring.name}' folds over itself; take more elements per coil")
+
+    @cached_property
+    def pairs(self) -> Array:
+        """Coil number of the upper partner of each contact pair (none without contact)."""
+        return np.array([middle for middle, _, _ in contact_pairs(self.mesh, self.contact)]) if self.contact else np.zeros(0)
+
+    def deck(self, *load_steps: str, before: str = "") -> str:
+        """The whole input deck with the given steps; ``before`` holds tables that stand between model and steps."""
+        title = f"** {self.spring.name}: {len(self.mesh.elements)} {self.options.element_type}; mm, N, s, tonne, MPa\n"
+        return title + model_text(self.mesh, self.spring.material, self.options, self.contact) + before + "".join(load_steps)
+
+    def run(self, deck: str, read_fields: bool = False) -> SolverOutput:
+        """Run a deck of :meth:`deck` within this model's limits."""
+        return run_deck(deck, time_limit=self.time_limit, threads=self.threads, read_fields=read_fields)
+
+    def static_curve(self, compression: float, points: int = 20) -> StaticCurve:
+        """Force over compression from the free state to ``compression`` (m), at least ``points`` increments.
+
+        A solver that gives up leaves the curve it reached and a status that says why.
+        """
+        printout = steps.Printout(axis=True, pairs=len(self.pairs))
+        step = steps.static_step(compression, printout, first=0.5 / points, largest=1.0 / points)
+        output = self.run(self.deck(step))
+        return self.curve_from(read_printed(output.printed), compression, output.status)
+
+    def curve_from(self, printed: Printed, compression: float, status: Status) -> StaticCurve:
+        """The static curve in the printed results of a static step to ``compression`` (m)."""
+        time, rows = printed.history("total force", "RETAINER")
+        travel = np.concatenate(([0.0], time[time <= 1.0 + 1e-9])) * compression
+        force = np.concatenate(([0.0], [-row[0, 2] for row in rows[: len(travel) - 1]]))
+        positions = self._positions(printed, len(travel))
+        gap = axis_motion.coil_gaps(self.spring, self.axis_coil, positions, self.pairs, self.contact)
+        stiffness = np.gradient(force, travel, edge_order=2) if len(travel) > 2 else np.full(len(travel), np.nan)
+        status = replace(status, time=0.0, where="" if status.completed else f"compression {travel[-1] * 1e3:.3f} mm")
+        return StaticCurve(
+            compression=travel, force=force, stiffness=stiffness, coil_gap=gap, coil_contact_force=self._pair_forces(printed, len(travel)),
+            upper_coil=self.pairs, axial_position=positions[:, :, 2] - self.spring.lower_seat_height, coil_number=self.axis_coil, status=status,
+        )  # fmt: skip
+
+    @property
+    def axis_coil(self) -> Array:
+        """Coil numbers of the wire-axis points in the results."""
+        return axis_motion.axis_points(self.mesh)[0]
+
+    def _positions(self, printed: Printed, count: int) -> Array:
+        """Wire axis (state, point, 3) in m of the free state and each increment."""
+        coil, index, free = axis_motion.axis_points(self.mesh)
+        _, rows = printed.history("displacements", "AXIS")
+        moved = [axis_motion.averaged(row, self.mesh, index, len(coil)) / MILLIMETRE for row in rows[: count - 1]]
+        return np.stack([free, *(free + move for move in moved)])
+
+    def _pair_forces(self, printed: Printed, count: int) -> Array:
+        forces = np.zeros((count, len(self.pairs)))
+        for number in range(len(self.pairs)):
+            _, rows = printed.history("contact", f"ABOVE{number + 1}")
+            values = [abs(row[-1, 1]) for row in rows[: count - 1]]
+            forces[1 : 1 + len(values), number] = np.nan_to_num(values)
+        return forces
+
+    def modes(self, compression: float = 0.0, count: int = 12, points: int = 10) -> ModalResult:
+        """Lowest ``count`` modes about the state at ``compression`` (m); closed coils keep their contact stiffness."""
+        printout = steps.Printout(axis=True)
+        load = []
+        if compression > 0:
+            quiet = steps.Printout(pairs=0)
+            load = [steps.static_step(compression, quiet, first=0.5 / points, largest=1.0 / points)]
+        output = self.run(self.deck(*load, steps.frequency_step(count, printout, preloaded=compression > 0)))
+        return self.modes_from(read_printed(output.printed), compression, output.status)
+
+    def modes_from(self, printed: Printed, compression: float, status: Status, step: int = -1) -> ModalResult:
+        """Modes in the printed results of a frequency step (-1 the last one)."""
+        if not printed.frequencies:
+            nothing = np.zeros(0)
+            return ModalResult(compression, nothing, np.zeros((0, len(self.axis_coil), 3)), self.axis_coil, nothing, (), status)
+        retainer, seat = (printed.modal("total force", name, step) for name in ("RETAINER", "SEAT"))
+        tables = printed.modal("displacements", "AXIS", step)
+        count = min(len(retainer), len(seat), len(tables))
+        frequency = printed.frequencies[step][:count]
+        coil, index, _ = axis_motion.axis_points(self.mesh)
+        shapes = np.array([axis_motion.averaged(table, self.mesh, index, len(coil)) for table in tables[:count]]).reshape(count, len(coil), 3)
+        largest = np.take_along_axis(flat := shapes.reshape(count, -1), np.abs(flat).argmax(axis=1)[:, None], axis=1)
+        transmission = self._transmission(frequency, retainer[:count], seat[:count])
+        axial = axial_modes(transmission)
+        return ModalResult(compression, frequency, shapes / largest[:, :, None], coil, transmission, axial, status)
+
+    def _transmission(self, frequency: Array, retainer: list[Array], seat: list[Array]) -> Array:
+        """Product of both axial end reactions of unit-mass modes over 2 k omega^2: +-1 for a uniform straight rod."""
+        rate = axis_motion.estimated_rate(self.spring)
+        product = np.array([top[0, 2] * bottom[0, 2] for top, bottom in zip(retainer, seat, strict=True)])
+        # Reactions are printed for modal mass 1 tonne: N per mm of modal coordinate; k in N/mm makes the ratio a pure number.
+        return product / (2 * rate / MILLIMETRE * (2 * np.pi * frequency) ** 2)
+
+
+def axial_modes(transmission: Array) -> tuple[int, ...]:
+    """The axial modes: end reactions of successive ones have alternating sign, so each run of equal sign yields its strongest mode.
+
+    Axial motion is spread over clusters of modes that mix with lateral and torsional ones; weak ones are passed over.
+    """
+    chosen: list[int] = []
+    for mode in np.flatnonzero(np.abs(transmission) >= LEAST_TRANSMISSION):
+        if chosen and np.sign(transmission[chosen[-1]]) == np.sign(transmission[mode]):
+            chosen[-1] = int(max(chosen[-1], mode, key=lambda one: abs(transmission[one])))
+        else:
+            chosen.append(int(mode))
+    return tuple(chosen)
