@@ -1,0 +1,193 @@
+"""The one compiled loop of a whole train: explicit leapfrog, damping by exact-sign implicit impulses.
+
+Order of operations in a step (written down once, here): kinematics -> gaps -> laws -> springs -> kick -> damping
+impulses -> record -> drift. Positions live at t_n, velocities at t_(n-1/2); the spring kernels share the step.
+
+Damping is split off: every dissipative element changes the velocity along its own gap by 1/(1 + z + z^2/2), z = c W h
+(the L-stable second-order approximation of exp(-z)), in alternating order, so that no damping limits the step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, types
+
+from valvetrain.contact.kernels import FLORES, LANKARANI_NIKRAVESH, contact_force, update_impact
+from valvetrain.mechanism.gaps import penetration_and_gradient, table_value
+
+BILATERAL = -1
+"""Law code of an elastic link; contact laws count from zero."""
+
+f8, i8 = types.float64, types.int64
+_vector, _integers = types.Array(f8, 1, "C"), types.Array(i8, 1, "C")
+_matrix, _integer_matrix, _cube = types.Array(f8, 2, "C"), types.Array(i8, 2, "C"), types.Array(f8, 3, "C")
+SPRING_SIGNATURE = types.UniTuple(f8, 2)(_vector, _integers, _vector, f8, f8, f8)
+SPRING_FUNCTION = types.FunctionType(SPRING_SIGNATURE)
+
+
+@njit(cache=True, error_model="numpy")
+def law_force_and_damping(law, parameters, pen, rate):
+    """Rate-free force (N) and damping coefficient (N s/m) of one interaction at this penetration."""
+    if law == BILATERAL:
+        return parameters[0] * pen, parameters[1]
+    if pen <= 0.0:
+        return 0.0, 0.0
+    still = contact_force(law, parameters, pen, 0.0)
+    closing = max(abs(rate), 1e-9)
+    return still, max((contact_force(law, parameters, pen, closing) - still) / closing, 0.0)
+
+
+_SIGNATURE = i8(
+    SPRING_FUNCTION, SPRING_FUNCTION, _integers, _integer_matrix, _integers, _integers, _matrix, _matrix, _cube, _matrix,
+    _matrix, i8, i8, _vector, _integers, _vector, _vector, _integers, _vector, _vector, _vector,
+    _vector, _integers, _vector, _matrix, _matrix, _matrix, _matrix, _matrix, _matrix,
+)  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def _gaps_and_laws(kinds, index, table_of, laws, geometry, law_parameters, tables, q, v, cam_angle, cam_speed, gaps, gradients, totals):
+    """Fill ``gaps`` (n, 4): penetration, gap rate of the cam alone, rate-free force, damping coefficient."""
+    interactions = kinds.shape[0]
+    for k in range(interactions):
+        gradient = gradients[k]
+        pen, per_angle = penetration_and_gradient(kinds[k], index[k], geometry[k], tables[table_of[k]], q, cam_angle, gradient)
+        driven = per_angle * cam_speed
+        rate = driven
+        for slot in range(4):
+            if index[k, slot] >= 0:
+                rate += gradient[slot] * v[index[k, slot]]
+        gaps[k, 0], gaps[k, 1] = pen, driven
+        if laws[k] == LANKARANI_NIKRAVESH or laws[k] == FLORES:
+            update_impact(law_parameters[k], pen, rate)
+        gaps[k, 2], gaps[k, 3] = law_force_and_damping(laws[k], law_parameters[k], pen, rate)
+        totals[4 + interactions + k] = max(totals[4 + interactions + k], pen)
+
+
+@njit(cache=True, error_model="numpy")
+def _kick(index, body, gaps, gradients, step, v):
+    """Velocity change by constant and rate-free forces."""
+    for i in range(v.shape[0]):
+        v[i] += step * body[i, 1] / body[i, 0]
+    for k in range(index.shape[0]):
+        if gaps[k, 2] != 0.0:
+            for slot in range(4):
+                if index[k, slot] >= 0:
+                    v[index[k, slot]] -= step * gaps[k, 2] * gradients[k, slot] / body[index[k, slot], 0]
+
+
+@njit(cache=True, error_model="numpy")
+def _damp(index, laws, body, gaps, gradients, step, backwards, v):
+    """Damping impulses; adds each mean damping force to ``gaps[:, 2]`` and returns the energy lost (J)."""
+    interactions, lost = index.shape[0], 0.0
+    for turn in range(interactions):
+        k = interactions - 1 - turn if backwards else turn
+        if gaps[k, 3] <= 0.0:
+            continue
+        rate, mobility = gaps[k, 1], 0.0
+        for slot in range(4):
+            if index[k, slot] >= 0:
+                rate += gradients[k, slot] * v[index[k, slot]]
+                mobility += gradients[k, slot] * gradients[k, slot] / body[index[k, slot], 0]
+        z = gaps[k, 3] * mobility * step
+        impulse = rate * (z + 0.5 * z * z) / (1.0 + z + 0.5 * z * z) / mobility
+        if laws[k] >= 0:
+            impulse = max(impulse, -gaps[k, 2] * step)  # a contact never pulls
+        for slot in range(4):
+            if index[k, slot] >= 0:
+                v[index[k, slot]] -= impulse * gradients[k, slot] / body[index[k, slot], 0]
+        gaps[k, 2] += impulse / step
+        lost += impulse * (rate - 0.5 * impulse * mobility)
+    for i in range(v.shape[0]):
+        if body[i, 2] > 0.0 or body[i, 3] > 0.0:
+            z = step * (body[i, 2] + body[i, 3] / max(abs(v[i]), body[i, 4])) / body[i, 0]
+            after = v[i] / (1.0 + z + 0.5 * z * z)
+            lost += 0.5 * body[i, 0] * (v[i] * v[i] - after * after)
+            v[i] = after
+    return lost
+
+
+@njit(cache=True, error_model="numpy")
+def _account(body, gaps, cam_speed, step, v, old, totals):
+    """Add the work of cam and constant forces and the peak forces to ``totals``; returns cam power (W) and largest speed."""
+    power, work, bound, interactions = 0.0, 0.0, 0.0, gaps.shape[0]
+    for k in range(interactions):
+        power += gaps[k, 2] * gaps[k, 1]
+        totals[4 + k] = max(totals[4 + k], gaps[k, 2])
+    for i in range(v.shape[0]):
+        work += body[i, 1] * 0.5 * (old[i] + v[i])
+        bound = max(bound, abs(v[i]))
+    totals[0] += step * power
+    totals[1] += step * work
+    return power, bound
+
+
+@njit(cache=True, error_model="numpy")
+def _record(row, motion, force, gap, spring, q, v, old, step, cam_angle, power, gaps, clock):
+    count = q.shape[0]
+    for i in range(count):
+        motion[row, i] = q[i]
+        motion[row, count + i] = 0.5 * (old[i] + v[i])
+        motion[row, 2 * count + i] = (v[i] - old[i]) / step
+    motion[row, 3 * count], motion[row, 3 * count + 1] = cam_angle, power
+    for k in range(gaps.shape[0]):
+        force[row, k], gap[row, k] = gaps[k, 2], -gaps[k, 0]
+    for j in range(4):
+        spring[row, j] = clock[4 + j]
+
+
+@njit(_SIGNATURE, cache=True, error_model="numpy")
+def advance_train(
+    spring_a, spring_b, kinds, index, table_of, laws, geometry, law_parameters, tables, body,
+    gas, gas_coordinate, retainer, parameters_a, integers_a, state_a, parameters_b, integers_b, state_b, q, v,
+    clock, counters, totals, record_motion, record_force, record_gap, record_spring, record_state_a, record_state_b,
+):  # fmt: skip
+    """Advance ``counters[0]`` steps in place; returns the steps done (fewer when the motion left all bounds).
+
+    ``clock`` (9,): cam angle, cam speed, cam acceleration, step, four spring end forces, displacement of a partitioned spring.
+    ``counters`` (4,): steps, record every, step parity, exchange interval (0: all advance together). ``body`` (N, 5): mass,
+    constant force, guide damping, friction, friction velocity. ``totals`` (4 + 2 n): work of the cam, of constant and gas forces,
+    dissipated, work on the springs, then peak force and peak penetration per interaction. Records: ``motion`` (S, 3 N + 2)
+    q, v, a, cam angle, cam power; ``force`` and ``gap`` (S, n); ``spring`` (S, 4); spring states (S, unknowns...).
+    """
+    step, every, exchange, bound, sample = clock[3], counters[1], counters[3], 0.0, 0
+    old, gaps, gradients = np.zeros(q.shape[0]), np.zeros((kinds.shape[0], 4)), np.zeros((kinds.shape[0], 4))
+    for n in range(counters[0]):
+        recording = n % every == 0 and sample < record_motion.shape[0]
+        cam_angle, cam_speed = clock[0], clock[1]
+        old[:] = v
+        if recording:
+            record_state_a[sample, :] = state_a[: record_state_a.shape[1]]
+            record_state_b[sample, :] = state_b[: record_state_b.shape[1]]
+        _gaps_and_laws(kinds, index, table_of, laws, geometry, law_parameters, tables, q, v, cam_angle, cam_speed, gaps, gradients, totals)
+        if exchange <= 0:
+            clock[4], clock[5] = spring_a(parameters_a, integers_a, state_a, q[retainer], v[retainer], step)
+            clock[6], clock[7] = spring_b(parameters_b, integers_b, state_b, q[retainer], v[retainer], step)
+        elif n % exchange == 0:  # the spring module integrates the velocity it was handed and returns its force
+            for _ in range(exchange):
+                clock[4], clock[5] = spring_a(parameters_a, integers_a, state_a, clock[8], v[retainer], step)
+                clock[6], clock[7] = spring_b(parameters_b, integers_b, state_b, clock[8], v[retainer], step)
+                clock[8] += step * old[retainer]
+        _kick(index, body, gaps, gradients, step, v)
+        v[retainer] -= step * (clock[4] + clock[6]) / body[retainer, 0]
+        pressed = 0.0
+        if gas_coordinate >= 0:
+            pressed, _, _ = table_value(gas, cam_angle)
+            v[gas_coordinate] += step * pressed / body[gas_coordinate, 0]
+        totals[2] += _damp(index, laws, body, gaps, gradients, step, counters[2] == 1, v)
+        power, bound = _account(body, gaps, cam_speed, step, v, old, totals)
+        if gas_coordinate >= 0:
+            totals[1] += step * pressed * 0.5 * (old[gas_coordinate] + v[gas_coordinate])
+        totals[3] += step * (clock[4] + clock[6]) * 0.5 * (old[retainer] + v[retainer])
+        counters[2] = 1 - counters[2]
+        if recording:
+            _record(
+                sample, record_motion, record_force, record_gap, record_spring, q, v, old, step, cam_angle, power, gaps, clock
+            )  # fmt: skip
+            sample += 1
+        for i in range(q.shape[0]):
+            q[i] += step * v[i]
+        clock[0] = cam_angle + step * (cam_speed + 0.5 * step * clock[2])
+        clock[1] = cam_speed + step * clock[2]
+        if not bound < 1e4:
+            return n
+    return counters[0]

@@ -1,0 +1,196 @@
+"""Advance a train by whole cam cycles: step choice, flat buffers, records of one cycle. The compiled loop does the work."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.system.train_forces import generalised_forces, highest_frequency, reference_force, stable_time_step
+from valvetrain.system.train_system import TrainSystem
+
+Array = NDArray[np.float64]
+TURN = 2 * np.pi
+
+
+@dataclass(frozen=True, slots=True)
+class TrainOptions:
+    """Numerical choices of a run.
+
+    ``samples``: records per cam cycle. ``step_fraction``: step over the stable limit. ``time_step`` (s) overrides it (rounded so that a
+    cycle holds a whole number of steps). ``exchange``: steps per exchange of a partitioned coupling (0: all advance together).
+    ``record_springs``: keep the springs' inner states per sample.
+    """
+
+    samples: int = 1440
+    step_fraction: float = 0.35
+    time_step: float | None = None
+    exchange: int = 0
+    record_springs: bool = False
+
+
+@dataclass(frozen=True)
+class TrainState:
+    """Values of one instant: positions at t_n, velocities at t_(n-1/2), spring states, contact memories, held spring forces."""
+
+    q: Array
+    v: Array
+    springs: tuple[Array, ...]
+    law_parameters: Array
+    held: Array
+    cam_angle: float = 0.0
+
+    def copy(self) -> TrainState:
+        """An independent copy."""
+        return TrainState(
+            self.q.copy(), self.v.copy(), tuple(s.copy() for s in self.springs), self.law_parameters.copy(), self.held.copy(), self.cam_angle
+        )
+
+
+@dataclass(frozen=True)
+class CycleRecord:
+    """One cam cycle, S samples: positions, velocities, accelerations (S, N); forces (N) and gaps (m) per interaction (S, n).
+
+    ``spring_forces`` (S, springs, 2): retainer and seat force; ``spring_states``: per spring (S, len) or empty. ``cam_power`` (W).
+    ``peak_forces``, ``peak_penetrations`` (n,): over every step. ``work``: of cam, of constant and gas forces, dissipated, on springs (J).
+    """
+
+    cam_angle: Array
+    q: Array
+    v: Array
+    a: Array
+    forces: Array
+    gaps: Array
+    spring_forces: Array
+    spring_states: tuple[Array, ...]
+    cam_power: Array
+    peak_forces: Array
+    peak_penetrations: Array
+    work: Array
+    time_step: float
+    cam_speed: float
+    status: Status = COMPLETED
+
+
+@dataclass(frozen=True)
+class TrainRunner:
+    """A train adapted to one cam speed and step: carries the arrays, advances states. Build with :func:`runner`."""
+
+    system: TrainSystem
+    cam_speed: float
+    steps: int
+    options: TrainOptions
+    cam_acceleration: float = 0.0
+    springs: tuple[Any, ...] = field(default_factory=tuple)
+
+    @property
+    def time_step(self) -> float:
+        """Step (s): one cycle at the nominal cam speed over a whole number of steps."""
+        return TURN / self.cam_speed / self.steps
+
+    def initial_state(self) -> TrainState:
+        """Static equilibrium at cam angle zero."""
+        q = static_equilibrium(self.system, 0.0)
+        lift = float(q[self.system.arrays.retainer])
+        states = tuple(np.asarray(s.initial_state(lift), dtype=float) for s in self.springs)
+        return TrainState(q, np.zeros_like(q), states, self.system.arrays.law_parameters.copy(), np.zeros(5))
+
+    def cycle(self, state: TrainState) -> tuple[TrainState, CycleRecord]:
+        """Advance one cam cycle; the given state stays as it was."""
+        from valvetrain.integrate.null_spring import no_spring
+        from valvetrain.integrate.train_kernel import advance_train
+
+        arrays, new = self.system.arrays, state.copy()
+        count, interactions = len(new.q), len(arrays.kinds)
+        rows = self.options.samples
+        motion, force, gap = np.zeros((rows, 3 * count + 2)), np.zeros((rows, interactions)), np.zeros((rows, interactions))
+        ends = np.zeros((rows, 4))
+        slots, states = [], []
+        for place in range(2):
+            if place < len(self.springs):
+                spring = self.springs[place]
+                slots.append((spring.kernel, spring.parameters(), spring.integers(), new.springs[place]))
+                states.append(np.zeros((rows, len(new.springs[place]) if self.options.record_springs else 0)))
+            else:
+                slots.append((no_spring, np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1)))
+                states.append(np.zeros((rows, 0)))
+        clock = np.array([state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step, *new.held])
+        counters = np.array([self.steps, self.steps // rows, 0, self.options.exchange], dtype=np.int64)
+        totals = np.zeros(4 + 2 * interactions)
+        done = advance_train(
+            slots[0][0], slots[1][0], arrays.kinds, arrays.index, arrays.table_of, arrays.laws, arrays.geometry, new.law_parameters,
+            arrays.tables, arrays.body, arrays.gas, arrays.gas_coordinate, arrays.retainer, *slots[0][1:], *slots[1][1:], new.q, new.v,
+            clock, counters, totals, motion, force, gap, ends, states[0], states[1],
+        )  # fmt: skip
+        status = self._status(done, state.cam_angle, totals[4 : 4 + interactions])
+        end = replace(new, held=clock[4:9].copy(), cam_angle=state.cam_angle + TURN if self.cam_acceleration == 0 else float(clock[0]))
+        record = CycleRecord(
+            motion[:, 3 * count], motion[:, :count], motion[:, count : 2 * count], motion[:, 2 * count : 3 * count], force, gap,
+            ends.reshape(rows, 2, 2)[:, : len(self.springs)], tuple(states[: len(self.springs)]), motion[:, -1],
+            totals[4 : 4 + interactions], totals[4 + interactions :], totals[:4], self.time_step, self.cam_speed, status,
+        )  # fmt: skip
+        return end, record
+
+    def _status(self, done: int, cam_angle: float, peaks: Array) -> Status:
+        if done < self.steps:
+            where = np.degrees((cam_angle + done / self.steps * TURN) % TURN)
+            return Status(
+                "diverged", f"a body exceeded 10 km/s near cam angle {where:.1f} deg", done * self.time_step, "train",
+                "lower the step (time_step or step_fraction) or check masses and stiffnesses",
+            )  # fmt: skip
+        worst = float(np.max(peaks, initial=0.0))
+        if worst > reference_force(self.system):
+            limit = 2 / highest_frequency(self.system, worst)
+            if self.time_step > limit:
+                return Status(
+                    "diverged", f"a contact reached {worst:.0f} N, whose stiffness the step of {self.time_step:.2e} s cannot resolve",
+                    self.steps * self.time_step, "contact", f"use a time step below {limit / 2:.1e} s",
+                )  # fmt: skip
+        return COMPLETED
+
+
+def runner(system: TrainSystem, cam_speed: float, options: TrainOptions | None = None, cam_acceleration: float = 0.0) -> TrainRunner:
+    """A train ready to run at ``cam_speed`` (rad/s; ``cam_acceleration`` rad/s2 for a run-up).
+
+    Raises :class:`InputError` for a speed that is not positive or a prescribed step that the contacts or springs cannot resolve.
+    """
+    chosen = options or TrainOptions()
+    if not (np.isfinite(cam_speed) and cam_speed > 0):
+        raise InputError(f"the cam speed must be positive; it is {cam_speed:g} rad/s")
+    limit = stable_time_step(system)
+    period = TURN / cam_speed
+    step = chosen.step_fraction * limit if chosen.time_step is None else chosen.time_step
+    if step > limit:
+        raise InputError(
+            f"a time step of {step:.2e} s cannot resolve the stiffest contact of train '{system.name}'; use at most {limit:.2e} s "
+            "or soften the contact"
+        )
+    base = chosen.samples * max(chosen.exchange, 1)
+    steps = base * max(1, int(np.ceil(period / step / base)))
+    springs = tuple(spring.with_time_step(period / steps) for spring in system.springs)
+    return TrainRunner(system.with_springs(springs), float(cam_speed), steps, chosen, float(cam_acceleration), springs)
+
+
+def static_equilibrium(system: TrainSystem, cam_angle: float) -> Array:
+    """Rest positions (N,) at a cam angle, by damped Newton with a numeric tangent; free bodies stay where they are."""
+    q = np.zeros(len(system.masses))
+    scale = np.maximum(system.masses, 1e-9)
+    damping = 1e3
+    residual = generalised_forces(system, q, cam_angle)
+    for _ in range(200):
+        size = float(np.sum(residual**2 / scale))
+        tangent = np.array([(generalised_forces(system, q + 1e-9 * row, cam_angle) - residual) / 1e-9 for row in np.eye(len(q))]).T
+        step = np.linalg.solve(-tangent + damping * np.diag(scale), residual)
+        step *= min(1.0, 2e-4 / max(float(np.max(np.abs(step))), 1e-30))
+        trial = generalised_forces(system, q + step, cam_angle)
+        if float(np.sum(trial**2 / scale)) <= size:
+            q, residual, damping = q + step, trial, max(damping / 5, 1e-3)
+        else:
+            damping *= 10
+        if float(np.max(np.abs(residual))) < 1e-7 or damping > 1e18:
+            break
+    return q

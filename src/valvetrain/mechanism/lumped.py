@@ -1,0 +1,117 @@
+"""Reduced trains from a planar one: lumped masses with the ratios of one pose, and a single mass at the valve.
+
+The planar gaps are replaced by their gradients, so both reductions inherit every mass, stiffness and gap of the planar train and
+differ from it by nothing but the missing geometry.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.mechanism.contour import lift_table
+from valvetrain.mechanism.gap_kinds import CAM_LIFT, CAM_ROUND, CAM_FLAT, LINEAR
+from valvetrain.mechanism.gaps import penetration_and_gradient
+from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction
+from valvetrain.mechanism.rigid import RigidKinematics
+
+Array = NDArray[np.float64]
+
+
+def closed_gradients(mechanism: AssembledMechanism) -> Array:
+    """Gap gradients (n, N) at zero lift, every body at home."""
+    count, total = len(mechanism.interactions), len(mechanism.coordinates)
+    gradients, row, home = np.zeros((count, total)), np.zeros(4), np.zeros(total)
+    for k, interaction in enumerate(mechanism.interactions):
+        index = np.array([mechanism.index(name) if name else -1 for name in interaction.coordinates] + [-1] * 4)[:4]
+        table = mechanism.tables.get(interaction.table, np.zeros((4, 3)))
+        penetration_and_gradient(interaction.kind, index, interaction.geometry_row(), table, home, 0.0, row)
+        for slot in range(4):
+            if index[slot] >= 0:
+                gradients[k, index[slot]] += row[slot]
+    return gradients
+
+
+class _Scaled:
+    """A lift law times a factor; what a lumped cam contact reads."""
+
+    def __init__(self, kinematics: RigidKinematics, scale: float) -> None:
+        self.kinematics, self.scale = kinematics, scale
+
+    def lift(self, cam_angle: Any, derivative: int = 0) -> Array:
+        """Drive travel (m) along the cam contact's normal at zero lift."""
+        tight = replace(self.kinematics, lash=0.0)
+        return np.asarray(tight._tight(cam_angle, derivative)) * self.scale
+
+
+def build_lumped(planar: AssembledMechanism) -> AssembledMechanism:
+    """The same masses and springs with constant ratios: every gap linear in the coordinates, the cam a lift over its angle.
+
+    The drive lift is the rigid valve lift over the closed-pose ratio, so the rigid valve lift is that of the planar train.
+    """
+    gradients = closed_gradients(planar)
+    mode = rigid_mode(planar, gradients)
+    cam = planar.interaction_index("cam")
+    drive = -float(gradients[cam] @ mode)
+    tables = {"cam lift": lift_table(_Scaled(planar.kinematics, drive))}
+    changed = []
+    for k, interaction in enumerate(planar.interactions):
+        names = tuple(name for name in interaction.coordinates if name)
+        row = [float(gradients[k, planar.index(name)]) for name in names]
+        if interaction.kind in (CAM_FLAT, CAM_ROUND):
+            geometry = (0.0, *[-value for value in row], *[0.0] * (4 - len(row)), 1.0)
+            changed.append(Interaction("cam", CAM_LIFT, names, geometry, interaction.law, "cam lift"))
+        else:
+            changed.append(Interaction(interaction.name, LINEAR, names, (_offset(interaction), *row), interaction.law))
+    return AssembledMechanism(
+        f"{planar.name}, lumped", planar.coordinates, tuple(changed), tables, planar.valve, planar.retainer, planar.kinematics
+    )
+
+
+def _offset(interaction: Interaction) -> float:
+    """Constant part of a gap (m): minus the lash."""
+    row = interaction.geometry_row()
+    return float(row[0]) if interaction.kind == LINEAR else -float(row[10] if interaction.name == "valve tip" else row[13])
+
+
+def rigid_mode(mechanism: AssembledMechanism, gradients: Array) -> Array:
+    """Travel of every coordinate per travel of the valve (N,), all gaps but cam and seat kept and the pivot at home."""
+    total, valve = len(mechanism.coordinates), mechanism.index(mechanism.valve)
+    rows = [gradients[k] for k, item in enumerate(mechanism.interactions) if item.name not in ("cam", "seat", "support")]
+    pins = [np.eye(total)[valve]] + [np.eye(total)[i] for i, item in enumerate(mechanism.coordinates) if item.name == "support"]
+    matrix = np.array([*rows, *pins])
+    target = np.zeros(len(matrix))
+    target[len(rows)] = 1.0
+    mode, *_ = np.linalg.lstsq(matrix, target, rcond=None)
+    if np.max(np.abs(matrix @ mode - target)) > 1e-9:
+        raise InputError(f"mechanism '{mechanism.name}' does not tie every body to the valve; check its interactions")
+    return mode
+
+
+def equivalent_mass(mechanism: AssembledMechanism) -> float:
+    """Mass (kg) of the whole train reduced to the valve at zero lift (springs not counted)."""
+    mode = rigid_mode(mechanism, closed_gradients(mechanism))
+    return float(sum(part.mass * travel**2 for part, travel in zip(mechanism.coordinates, mode, strict=True)))
+
+
+def build_single_mass(planar: AssembledMechanism) -> AssembledMechanism:
+    """One mass at the valve under the valve-side lift; the cam contact's law acts at the valve, every other part is rigid."""
+    gradients = closed_gradients(planar)
+    mode = rigid_mode(planar, gradients)
+    force = float(sum(part.force * travel for part, travel in zip(planar.coordinates, mode, strict=True)))
+    damping = float(sum(part.damping * travel**2 for part, travel in zip(planar.coordinates, mode, strict=True)))
+    friction = float(sum(part.friction * abs(travel) for part, travel in zip(planar.coordinates, mode, strict=True)))
+    valve = Coordinate("valve", equivalent_mass(planar), force=force, damping=damping, friction=friction)
+    kinematics = planar.kinematics
+    cam_law = planar.interactions[planar.interaction_index("cam")].law
+    seat = planar.interactions[planar.interaction_index("seat")]
+    scaled = lift_table(_Scaled(kinematics, 1.0))
+    cam = Interaction("cam", CAM_LIFT, ("valve",), (kinematics.lash, 1.0, 0.0, 0.0, 0.0, 1.0), cam_law, "cam lift")
+    return AssembledMechanism(
+        f"{planar.name}, single mass", (valve,), (cam, replace(seat, coordinates=("valve",))), {"cam lift": scaled}, "valve", "valve", kinematics
+    )
+

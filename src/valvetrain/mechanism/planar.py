@@ -1,0 +1,105 @@
+"""Planar building blocks shared by all trains: geometry rows, cam contact from a rigid motion, valve and support parts."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.mechanism.contour import NODES, check_flat, check_round, table_from_samples
+from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_ROUND, LINEAR
+from valvetrain.mechanism.parts import Coordinate, ElasticLink, Interaction
+from valvetrain.parameters.train import FollowerParameters, TrainParameters
+
+Array = NDArray[np.float64]
+
+
+def unit(direction: float) -> tuple[float, float]:
+    """Unit vector of a polar angle (rad)."""
+    return math.cos(direction), math.sin(direction)
+
+
+def rotate(vector: tuple[float, float], turn: Any) -> tuple[Any, Any]:
+    """A vector turned by an angle (rad, may be an array)."""
+    c, s = np.cos(turn), np.sin(turn)
+    return c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]
+
+
+def turning_row(pivot: tuple[float, float], arm: tuple[float, float], sign: float, support: tuple[float, float]) -> list[float]:
+    """Columns 0-7 of a point on a turning body."""
+    return [1.0, *pivot, *arm, sign, *support]
+
+
+def sliding_row(origin: tuple[float, float], direction: tuple[float, float]) -> list[float]:
+    """Columns 0-7 of a point on a sliding body."""
+    return [0.0, *origin, *direction, 1.0, 0.0, 0.0]
+
+
+def cam_contact(
+    base_row: list[float], coordinates: tuple[str, ...], follower: FollowerParameters, law: Any, cam_angle: Array,
+    centre: tuple[Array, Array], turn: Array, face_direction: float, rotation: int,
+) -> tuple[Interaction, Array]:  # fmt: skip
+    """Cam contact and its contour table, ground so that the rigid follower passes through the given poses.
+
+    ``centre``: path of the arc centre (or of a point of the flat face) over ``cam_angle``; ``turn`` (rad): rotation of the body;
+    ``face_direction``: polar angle of a flat face's normal at zero lift. Raises :class:`InputError` for a cam with cusp or undercut.
+    """
+    x, y = centre
+    if follower.shape == "flat":
+        direction = face_direction + turn
+        height = x * np.cos(direction) + y * np.sin(direction)
+        chi = cam_angle - rotation * (direction - face_direction)
+        table = table_from_samples(chi, height)
+        check_flat(table)
+        row = [*base_row, face_direction, face_direction, float(rotation)]
+        return Interaction("cam", CAM_FLAT, coordinates, tuple(row), law, "cam contour"), table
+    polar = np.unwrap(np.arctan2(y, x))
+    reference = float(polar[0])
+    table = table_from_samples(cam_angle - rotation * (polar - reference), np.hypot(x, y))
+    check_round(table, follower.radius)
+    row = [*base_row, 0.0, reference, float(rotation)]
+    return Interaction("cam", CAM_ROUND, coordinates, tuple(row), law, "cam contour"), table
+
+
+def sample_angles(per_node: int = 4) -> Array:
+    """Cam angles (rad) at which rigid poses are sampled for a contour."""
+    count = NODES * per_node
+    return np.arange(count) * 2 * np.pi / count
+
+
+def valve_parts(train: TrainParameters, laws: dict[str, Any]) -> tuple[list[Coordinate], list[Interaction], str, str]:
+    """Valve coordinates, stem and seat: returns parts, the coordinate called valve lift, and the one carrying the retainer."""
+    valve = train.valve
+    ux, uy = unit(valve.opening_direction)
+    along = train.gravity[0] * ux + train.gravity[1] * uy
+    guide = {"damping": valve.damping, "friction": valve.friction}
+    if valve.stem_stiffness is None:
+        parts = [Coordinate("valve", valve.mass, force=valve.mass * along, **guide)]
+        seat = Interaction("seat", LINEAR, ("valve",), (0.0, -1.0), laws["seat"])
+        return parts, [seat], "valve", "valve"
+    head = valve.mass * valve.head_fraction
+    tip = valve.mass - head
+    parts = [
+        Coordinate("valve", head, force=head * along, **guide),
+        Coordinate("valve tip", tip, force=tip * along),
+    ]
+    stem = ElasticLink(valve.stem_stiffness, valve.stem_damping)
+    links = [
+        Interaction("seat", LINEAR, ("valve",), (0.0, -1.0), laws["seat"]),
+        Interaction("stem", LINEAR, ("valve tip", "valve"), (0.0, 1.0, -1.0), stem),
+    ]
+    return parts, links, "valve", "valve tip"
+
+
+def support_parts(train: TrainParameters, carried_mass: float) -> tuple[list[Coordinate], list[Interaction], tuple[float, float], str]:
+    """Elastic pivot: its coordinate, its link to the ground, its direction and its name ('' when rigid)."""
+    support = train.support
+    if support is None:
+        return [], [], (0.0, 0.0), ""
+    ex, ey = unit(support.direction)
+    mass = support.mass + carried_mass
+    weight = mass * (train.gravity[0] * ex + train.gravity[1] * ey)
+    link = Interaction("support", LINEAR, ("support",), (0.0, 1.0), ElasticLink(support.stiffness, support.damping))
+    return [Coordinate("support", mass, force=weight)], [link], (ex, ey), "support"

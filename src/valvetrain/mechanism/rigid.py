@@ -1,0 +1,103 @@
+"""Rigid kinematics of a train: valve lift over cam angle with derivatives up to jerk, motion ratio, zero elasticity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from valvetrain.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RatioCurve:
+    """Valve lift (m, without lash) as a function of the drive coordinate ``s`` (m or rad): an exact quintic spline through the geometry."""
+
+    drive: Array
+    lift: Array
+
+    def spline(self) -> Any:
+        """The interpolating spline lift(s)."""
+        from scipy.interpolate import make_interp_spline
+
+        return make_interp_spline(self.drive, self.lift, k=5)
+
+    def inverse(self, lift: ArrayLike) -> Array:
+        """Drive coordinate of a valve lift (m), by Newton on the spline."""
+        spline = self.spline()
+        slope = spline.derivative()
+        wanted = np.asarray(lift, dtype=float)
+        drive = np.interp(wanted, self.lift, self.drive)
+        for _ in range(20):
+            change = (spline(drive) - wanted) / slope(drive)
+            drive = drive - change
+            if np.max(np.abs(change), initial=0.0) < 1e-14:
+                break
+        return drive
+
+
+@dataclass(frozen=True)
+class RigidKinematics:
+    """Chain of lift law -> drive coordinate -> valve, every part rigid and every contact closed but the ``lash`` (m, at the valve).
+
+    ``law``: lift law. ``law_of``: ``drive`` when the law prescribes the drive coordinate times ``drive_scale`` (m per unit), ``valve`` when it
+    prescribes the valve lift at zero lash. ``ratio``: geometry of the chain.
+    """
+
+    law: Any
+    law_of: str
+    ratio: RatioCurve
+    drive_scale: float = 1.0
+    lash: float = 0.0
+
+    def drive(self, cam_angle: ArrayLike) -> Array:
+        """Drive coordinate (tappet lift in m, or lever angle in rad) over the cam angle."""
+        lift = np.asarray(self.law.lift(cam_angle, 0), dtype=float)
+        return lift / self.drive_scale if self.law_of == "drive" else self.ratio.inverse(lift)
+
+    def _tight(self, cam_angle: ArrayLike, derivative: int) -> Array:
+        """Derivative (m/rad**n) of the valve lift without lash: the law itself, or Faà di Bruno through the ratio curve."""
+        law = [np.asarray(self.law.lift(cam_angle, n), dtype=float) for n in range(derivative + 1)]
+        if self.law_of == "valve":
+            return law[derivative]
+        s = [value / self.drive_scale for value in law]
+        spline = self.ratio.spline()
+        f = [spline(s[0])] + [spline.derivative(n)(s[0]) for n in range(1, derivative + 1)]
+        if derivative == 0:
+            return np.asarray(f[0])
+        if derivative == 1:
+            return np.asarray(f[1] * s[1])
+        if derivative == 2:
+            return np.asarray(f[2] * s[1] ** 2 + f[1] * s[2])
+        return np.asarray(f[3] * s[1] ** 3 + 3 * f[2] * s[1] * s[2] + f[1] * s[3])
+
+    def valve_lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
+        """Rigid valve lift (m) or its derivative (m/rad**n, n up to 3); zero while the lash is open."""
+        if derivative not in (0, 1, 2, 3):
+            raise InputError(f"rigid kinematics give derivatives 0 to 3, not {derivative}")
+        tight = self._tight(cam_angle, 0)
+        value = tight - self.lash if derivative == 0 else self._tight(cam_angle, derivative)
+        return np.where(tight > self.lash, value, 0.0)
+
+    def motion_ratio(self, cam_angle: ArrayLike) -> Array:
+        """Valve travel per drive travel d(valve)/d(drive length) (1), from geometry."""
+        return np.asarray(self.ratio.spline().derivative()(self.drive(cam_angle)) / self.drive_scale)
+
+    @property
+    def maximum_lift(self) -> float:
+        """Largest rigid valve lift (m)."""
+        return float(np.max(self.valve_lift(np.linspace(0, 2 * np.pi, 1441))))
+
+
+def check_lash(kinematics: RigidKinematics) -> None:
+    """Raise :class:`InputError` when the lash swallows the whole lift."""
+    tight = float(np.max(kinematics._tight(np.linspace(0, 2 * np.pi, 1441), 0)))
+    if kinematics.lash >= tight:
+        raise InputError(
+            f"the lash ({kinematics.lash * 1e3:.3f} mm) is not smaller than the valve lift ({tight * 1e3:.3f} mm), so the valve never opens; "
+            "reduce the lash or check its unit"
+        )

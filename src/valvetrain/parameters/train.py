@@ -1,0 +1,274 @@
+"""A whole valvetrain in numbers: frozen, SI, no model inside. Plane of motion x-y, cam centre at the origin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.lift_law import FrozenMapping
+
+TrainKind = Literal["direct", "finger", "rocker", "pushrod"]
+TrainModel = Literal["planar", "lumped", "single-mass"]
+FollowerShape = Literal["flat", "domed", "roller", "knife"]
+
+
+@dataclass(frozen=True, slots=True)
+class ContactParameters:
+    """A contact law by its name and numbers (SI); ``values`` are the keyword arguments of that law in `valvetrain.contact`."""
+
+    law: str = "linear"
+    values: Mapping[str, Any] = field(default_factory=FrozenMapping)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", FrozenMapping(self.values))
+
+    def replace(self, **changes: Any) -> ContactParameters:
+        """A copy with another ``law`` or with ``values`` changed."""
+        law = changes.pop("law", self.law)
+        values = changes.pop("values", self.values)
+        return ContactParameters(law, {**values, **changes})
+
+
+@dataclass(frozen=True, slots=True)
+class CamParameters:
+    """``base_radius`` and face ``width`` (m); ``rotation`` +1 counter-clockwise, -1 clockwise; elastic data for Hertz pressure (Pa)."""
+
+    base_radius: float
+    width: float = 0.012
+    rotation: int = 1
+    youngs_modulus: float = 206e9
+    poisson_ratio: float = 0.3
+
+    def __post_init__(self) -> None:
+        _positive(self, "cam", "base_radius", "width", "youngs_modulus")
+        if self.rotation not in (1, -1):
+            raise InputError(f"rotation of the cam must be 1 or -1; it is {self.rotation}")
+
+
+@dataclass(frozen=True, slots=True)
+class FollowerParameters:
+    """What touches the cam: ``shape`` with its arc ``radius`` (m; 0 for flat and knife).
+
+    ``mass`` (kg) of a sliding follower (tappet). ``offset`` (m): distance of its axis from the cam centre. ``tilt`` (rad): lean of a flat
+    face. ``friction`` (N) and ``damping`` (N s/m) act in its guide.
+    """
+
+    shape: FollowerShape = "flat"
+    radius: float = 0.0
+    mass: float = 0.0
+    offset: float = 0.0
+    tilt: float = 0.0
+    damping: float = 0.0
+    friction: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.shape not in ("flat", "domed", "roller", "knife"):
+            raise InputError(f"follower shape '{self.shape}' is unknown; use flat, domed, roller or knife")
+        if self.shape in ("domed", "roller") and not self.radius > 0:
+            raise InputError(f"a {self.shape} follower needs a positive radius; it is {self.radius:g} m")
+        if self.shape in ("flat", "knife") and self.radius != 0:
+            raise InputError(f"a {self.shape} follower has no radius; remove it or use a domed one")
+        if not abs(self.tilt) < math.radians(30):
+            raise InputError("the tilt of a flat follower must stay below 30 degrees")
+        _not_negative(self, "follower", "mass", "damping", "friction")
+
+
+@dataclass(frozen=True, slots=True)
+class LeverParameters:
+    """A finger follower or rocker turning about ``pivot`` (x, y in m from the cam centre).
+
+    ``drive_arm`` (m): pivot to the centre of the cam pad's arc, or to the pushrod ball. ``drive_angle`` (rad): its polar direction when
+    the valve is closed; None lets the base circle decide (cam-driven levers), ``drive_side`` +1 or -1 then picks one of the two
+    solutions. ``valve_arm``, ``valve_angle``: pivot to the centre of the tip's arc. ``inertia`` (kg m2) about the pivot; ``mass`` (kg)
+    that rides on the support. ``stiffness`` (N/m) at the valve tip, None for rigid; ``damping`` (N s/m) likewise.
+    """
+
+    pivot: tuple[float, float]
+    drive_arm: float
+    valve_arm: float
+    inertia: float
+    valve_angle: float = 0.0
+    drive_angle: float | None = None
+    drive_side: int = 1
+    mass: float = 0.0
+    stiffness: float | None = None
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        _positive(self, "lever", "drive_arm", "valve_arm", "inertia")
+        _not_negative(self, "lever", "mass", "damping")
+        if self.stiffness is not None:
+            _positive(self, "lever", "stiffness")
+
+
+@dataclass(frozen=True, slots=True)
+class PushrodParameters:
+    """``mass`` (kg); ``stiffness`` (N/m) of the bar, None for rigid; ``lower_end`` (x, y in m): its ball in the tappet at zero lift."""
+
+    mass: float
+    lower_end: tuple[float, float]
+    stiffness: float | None = None
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        _positive(self, "pushrod", "mass")
+        _not_negative(self, "pushrod", "damping")
+        if self.stiffness is not None:
+            _positive(self, "pushrod", "stiffness")
+
+
+@dataclass(frozen=True, slots=True)
+class SupportParameters:
+    """Elastic pivot or rocker shaft: ``stiffness`` (N/m) and ``damping`` (N s/m) along ``direction`` (polar angle, rad), moving ``mass`` (kg)."""
+
+    stiffness: float
+    mass: float
+    damping: float = 0.0
+    direction: float = math.pi / 2
+
+    def __post_init__(self) -> None:
+        _positive(self, "support", "stiffness", "mass")
+        _not_negative(self, "support", "damping")
+
+
+@dataclass(frozen=True, slots=True)
+class ValveParameters:
+    """``mass`` (kg) of valve, retainer and keepers; ``opening_direction`` polar angle (rad) of the opening motion.
+
+    ``stem_stiffness`` (N/m), None for rigid, joins the head (``head_fraction`` of the mass) to the tip; ``damping`` (N s/m) and
+    ``friction`` (N) act in the guide; ``face_area`` (m2) is what gas presses on.
+    """
+
+    mass: float
+    opening_direction: float = -math.pi / 2
+    head_fraction: float = 0.5
+    stem_stiffness: float | None = None
+    stem_damping: float = 0.0
+    damping: float = 0.0
+    friction: float = 0.0
+
+    def __post_init__(self) -> None:
+        _positive(self, "valve", "mass")
+        _not_negative(self, "valve", "stem_damping", "damping", "friction")
+        if not 0 < self.head_fraction < 1:
+            raise InputError(f"head_fraction of the valve must lie between 0 and 1; it is {self.head_fraction:g}")
+        if self.stem_stiffness is not None:
+            _positive(self, "valve", "stem_stiffness")
+
+
+@dataclass(frozen=True, slots=True)
+class GasLoad:
+    """Force (N, opening positive) on the valve over the cam angle (rad), joined smoothly and periodic in one cam turn."""
+
+    cam_angles: tuple[float, ...]
+    forces: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.cam_angles) != len(self.forces) or len(self.forces) < 3:
+            raise InputError("a gas load needs at least three cam angles and as many forces")
+        if any(b <= a for a, b in zip(self.cam_angles, self.cam_angles[1:], strict=False)):
+            raise InputError("the cam angles of a gas load must increase; sort them and remove repeats")
+        if self.cam_angles[-1] - self.cam_angles[0] >= 2 * math.pi:
+            raise InputError("a gas load spans less than one cam turn; drop the repeated last point")
+
+
+@dataclass(frozen=True, slots=True)
+class CrankParameters:
+    """Crank slider on the 2:1 drive: ``radius`` (m, half the stroke), ``rod_length`` (m), ``top_dead_centre`` cam angle (rad) of gas exchange.
+
+    ``clearance`` (m): piston crown to the closed valve along the cylinder at top dead centre; ``valve_inclination`` (rad) of the valve axis to the
+    cylinder axis.
+    """
+
+    radius: float
+    rod_length: float
+    clearance: float
+    top_dead_centre: float
+    valve_inclination: float = 0.0
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        _positive(self, "crank", "radius", "rod_length", "clearance")
+        if self.rod_length <= self.radius + abs(self.offset):
+            raise InputError("the connecting rod must be longer than crank radius plus offset, or the crank cannot turn")
+
+
+@dataclass(frozen=True)
+class TrainParameters:
+    """One valvetrain. ``model``: planar rigid bodies with the true cam profile, lumped masses with constant ratios, or a single mass.
+
+    ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and ``rocker``. ``springs``: sets of springs by
+    name, each a tuple of one or two spring definitions or cards (outer first); ``spring_set`` is the one in use and ``spring_model`` the word
+    for its fidelity. ``spring_options``: keyword arguments of spring models (damping, masses). ``gravity``: vector (m/s2).
+    """
+
+    kind: TrainKind
+    cam: CamParameters
+    follower: FollowerParameters
+    valve: ValveParameters
+    contacts: Mapping[str, ContactParameters]
+    springs: Mapping[str, tuple[Any, ...]] = field(default_factory=FrozenMapping)
+    spring_set: str = ""
+    spring_model: str = "multi-mass"
+    spring_options: Mapping[str, Any] = field(default_factory=FrozenMapping)
+    lever: LeverParameters | None = None
+    pushrod: PushrodParameters | None = None
+    support: SupportParameters | None = None
+    crank: CrankParameters | None = None
+    gas: GasLoad | None = None
+    lash: float = 0.0
+    gravity: tuple[float, float] = (0.0, -9.80665)
+    model: TrainModel = "planar"
+
+    def __post_init__(self) -> None:
+        for name in ("contacts", "springs", "spring_options"):
+            object.__setattr__(self, name, FrozenMapping(getattr(self, name)))
+        if self.kind not in ("direct", "finger", "rocker", "pushrod"):
+            raise InputError(f"train kind '{self.kind}' is unknown; use direct, finger, rocker or pushrod")
+        if self.model not in ("planar", "lumped", "single-mass"):
+            raise InputError(f"train model '{self.model}' is unknown; use planar, lumped or single-mass")
+        if self.lash < 0:
+            raise InputError(f"the lash must be zero or positive; it is {self.lash * 1e3:g} mm")
+        if self.kind != "direct" and self.lever is None:
+            raise InputError(f"a {self.kind} train needs a lever; add its table")
+        if self.kind == "pushrod" and self.pushrod is None:
+            raise InputError("a pushrod train needs a pushrod; add its table")
+        if self.kind in ("direct", "pushrod") and not self.follower.mass > 0:
+            raise InputError(f"the follower of a {self.kind} train slides and needs a positive mass; it is {self.follower.mass:g} kg")
+        if self.spring_set and self.spring_set not in self.springs:
+            raise InputError(f"spring set '{self.spring_set}' is unknown; the case holds {', '.join(self.springs) or 'none'}")
+
+    def replace(self, **changes: Any) -> TrainParameters:
+        """A copy with the named fields changed."""
+        return replace(self, **changes)
+
+    def contact(self, place: str) -> ContactParameters:
+        """The law at one place. Raises :class:`InputError` when the case gives none."""
+        if place not in self.contacts:
+            raise InputError(f"the train has no contact law for '{place}'; it has {', '.join(self.contacts)}")
+        found: ContactParameters = self.contacts[place]
+        return found
+
+    def spring_parts(self, name: str | None = None) -> tuple[Any, ...]:
+        """Definitions or cards of one spring set (the one in use by default)."""
+        chosen = name or self.spring_set or next(iter(self.springs), "")
+        if chosen not in self.springs:
+            raise InputError(f"spring set '{chosen}' is unknown; the case holds {', '.join(self.springs) or 'none'}")
+        return tuple(self.springs[chosen])
+
+
+def _positive(item: Any, noun: str, *names: str) -> None:
+    for name in names:
+        value = getattr(item, name)
+        if not (math.isfinite(value) and value > 0):
+            raise InputError(f"{name} of the {noun} must be positive; it is {value:g}")
+
+
+def _not_negative(item: Any, noun: str, *names: str) -> None:
+    for name in names:
+        value = getattr(item, name)
+        if not (math.isfinite(value) and value >= 0):
+            raise InputError(f"{name} of the {noun} must not be negative; it is {value:g}")

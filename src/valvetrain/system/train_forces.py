@@ -1,0 +1,94 @@
+"""Forces, stiffness and stable step of an assembled train: the plain NumPy side of the compiled loop."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.mechanism.gaps import penetration_and_gradient, table_value
+from valvetrain.system.train_system import BILATERAL, TrainSystem
+
+Array = NDArray[np.float64]
+
+
+def gap_state(system: TrainSystem, q: Array, cam_angle: float) -> tuple[Array, Array, Array]:
+    """Penetrations (n,) in m, their gradients (n, N) and derivatives by the cam angle (n,) in m/rad."""
+    arrays, row = system.arrays, np.zeros(4)
+    count = len(arrays.kinds)
+    pens, slopes, gradients = np.zeros(count), np.zeros(count), np.zeros((count, len(q)))
+    for k in range(count):
+        pens[k], slopes[k] = penetration_and_gradient(
+            arrays.kinds[k], arrays.index[k], arrays.geometry[k], arrays.tables[arrays.table_of[k]], q, cam_angle, row
+        )
+        for slot in range(4):
+            if arrays.index[k, slot] >= 0:
+                gradients[k, arrays.index[k, slot]] += row[slot]
+    return pens, gradients, slopes
+
+
+def law_force(system: TrainSystem, place: int, pen: float) -> float:
+    """Rate-free force (N) of one interaction at a penetration (m)."""
+    from valvetrain.contact.kernels import contact_force
+
+    law, parameters = system.arrays.laws[place], system.arrays.law_parameters[place]
+    if law == BILATERAL:
+        return float(parameters[0] * pen)
+    return float(contact_force(law, parameters, pen, 0.0)) if pen > 0 else 0.0
+
+
+def law_tangent(system: TrainSystem, place: int, pen: float) -> float:
+    """Derivative (N/m) of the rate-free force by the penetration."""
+    small = max(abs(pen) * 1e-6, 1e-12)
+    return (law_force(system, place, pen + small) - law_force(system, place, pen - small)) / (2 * small)
+
+
+def penetration_at(system: TrainSystem, place: int, force: float) -> float:
+    """Penetration (m) at which one interaction carries ``force`` (N > 0), by bisection."""
+    high = 1e-9
+    while law_force(system, place, high) < force and high < 1.0:
+        high *= 2
+    low = 0.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if law_force(system, place, middle) < force else (low, middle)
+    return high
+
+
+def generalised_forces(system: TrainSystem, q: Array, cam_angle: float) -> Array:
+    """Static generalised forces (N, N m), shape (N,): constant, gas, laws and springs in their own equilibrium."""
+    arrays = system.arrays
+    pens, gradients, _ = gap_state(system, q, cam_angle)
+    forces = np.array([law_force(system, k, pen) for k, pen in enumerate(pens)])
+    total = arrays.body[:, 1] - forces @ gradients
+    total[arrays.retainer] -= system.spring_force(float(q[arrays.retainer]))
+    if arrays.gas_coordinate >= 0:
+        total[arrays.gas_coordinate] += table_value(arrays.gas, cam_angle)[0]
+    return total
+
+
+def reference_force(system: TrainSystem) -> float:
+    """Force level (N) at which contact stiffnesses are judged: four times the spring force at full lift."""
+    return max(4 * system.spring_force(_full_lift(system)), 100.0)
+
+
+def _full_lift(system: TrainSystem) -> float:
+    kinematics = system.mechanism.kinematics
+    return float(kinematics.maximum_lift) if kinematics is not None else 0.0
+
+
+def highest_frequency(system: TrainSystem, force: float, cam_angle: float = 0.0, q: Array | None = None) -> float:
+    """Largest circular frequency (rad/s) of the train with every contact closed under ``force`` (N), springs' ends held."""
+    position = np.zeros(len(system.masses)) if q is None else q
+    _, gradients, _ = gap_state(system, position, cam_angle)
+    tangents = np.array([law_tangent(system, k, penetration_at(system, k, force)) for k in range(len(gradients))])
+    root = 1 / np.sqrt(system.masses)
+    stiffness = (gradients.T * tangents) @ gradients
+    stiffness[system.arrays.retainer, system.arrays.retainer] += sum(s.tangent(s.initial_state(0.0), 0.0) for s in system.springs)
+    return float(np.sqrt(np.linalg.eigvalsh(root[:, None] * stiffness * root)[-1]))
+
+
+def stable_time_step(system: TrainSystem, force: float | None = None) -> float:
+    """Largest stable leapfrog step (s): 2 / highest frequency, contacts included, and no longer than the springs allow."""
+    level = reference_force(system) if force is None else force
+    own = 2 / highest_frequency(system, level)
+    return float(min([own, *(spring.stable_time_step() for spring in system.springs)]))

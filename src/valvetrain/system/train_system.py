@@ -1,0 +1,129 @@
+"""A train assembled from a mechanism, its springs and its loads: frozen, flat arrays, no verbs of running or plotting."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.mechanism.gap_kinds import COORDINATES_PER_INTERACTION
+from valvetrain.mechanism.parts import AssembledMechanism, ElasticLink
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+LAW_COLUMNS = 8
+BILATERAL = -1
+
+
+@dataclass(frozen=True)
+class TrainArrays:
+    """What the compiled loop reads; shapes: n interactions, N coordinates, m tables.
+
+    ``kinds``, ``table_of``, ``laws`` (n,); ``index`` (n, 4); ``geometry`` (n, 16); ``law_parameters`` (n, 8); ``tables``
+    (m, nodes, 3); ``body`` (N, 5) mass, constant force, guide damping, friction, friction velocity; ``gas`` (nodes, 3) N over cam angle.
+    """
+
+    kinds: Integers
+    index: NDArray[np.int64]
+    table_of: Integers
+    laws: Integers
+    geometry: Array
+    law_parameters: Array
+    tables: Array
+    body: Array
+    gas: Array
+    gas_coordinate: int
+    retainer: int
+
+
+@dataclass(frozen=True)
+class TrainSystem:
+    """Equations of motion of one train: M a = constant + gas - sum(gap gradient * law force) - spring force.
+
+    ``springs``: none, one or two spring models (outer, inner) between the cylinder head and the retainer. ``gas``: (nodes, 3) table of
+    the force (N, opening positive) on the valve over the cam angle, or None.
+    """
+
+    mechanism: AssembledMechanism
+    springs: tuple[Any, ...] = ()
+    gas: Array | None = None
+    name: str = ""
+    labels: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if len(self.springs) > 2:
+            raise InputError(f"a valve carries at most two springs (outer, inner); {len(self.springs)} are given")
+
+    @property
+    def coordinate_names(self) -> tuple[str, ...]:
+        return tuple(coordinate.name for coordinate in self.mechanism.coordinates)
+
+    @property
+    def interaction_names(self) -> tuple[str, ...]:
+        return tuple(interaction.name for interaction in self.mechanism.interactions)
+
+    @property
+    def spring_mass(self) -> float:
+        """Mass (kg) of the springs that rides on the retainer."""
+        return float(sum(spring.retainer_mass() for spring in self.springs))
+
+    @cached_property
+    def arrays(self) -> TrainArrays:
+        """Flat arrays of the compiled loop."""
+        return _assemble(self)
+
+    @property
+    def masses(self) -> Array:
+        """Mass (kg) or inertia (kg m2) per coordinate, the spring's share included, shape (N,)."""
+        return self.arrays.body[:, 0]
+
+    def with_springs(self, springs: Sequence[Any]) -> TrainSystem:
+        """The same train on other springs."""
+        return replace(self, springs=tuple(springs))
+
+    def spring_force(self, displacement: float) -> float:
+        """Static force (N) of all springs at a retainer displacement (m)."""
+        return float(sum(s.force(s.initial_state(displacement), displacement).retainer for s in self.springs))
+
+
+def law_row(law: Any) -> tuple[int, Array]:
+    """Code and padded parameters of an elastic link or a contact law."""
+    row = np.zeros(LAW_COLUMNS)
+    if isinstance(law, ElasticLink):
+        row[:2] = law.stiffness, law.damping
+        return BILATERAL, row
+    values = np.asarray(law.parameters(), dtype=float)
+    row[: len(values)] = values
+    return int(law.code), row
+
+
+def _assemble(system: TrainSystem) -> TrainArrays:
+    mechanism = system.mechanism
+    count, total = len(mechanism.interactions), len(mechanism.coordinates)
+    table_names = list(mechanism.tables)
+    tables = np.stack([mechanism.tables[name] for name in table_names]) if table_names else np.zeros((1, 4, 3))
+    kinds, table_of, laws = (np.zeros(count, dtype=np.int64) for _ in range(3))
+    index = np.full((count, COORDINATES_PER_INTERACTION), -1, dtype=np.int64)
+    geometry = np.stack([interaction.geometry_row() for interaction in mechanism.interactions])
+    law_parameters = np.zeros((count, LAW_COLUMNS))
+    for k, interaction in enumerate(mechanism.interactions):
+        kinds[k] = interaction.kind
+        table_of[k] = table_names.index(interaction.table) if interaction.table else 0
+        laws[k], law_parameters[k] = law_row(interaction.law)
+        for slot, name in enumerate(interaction.coordinates):
+            index[k, slot] = mechanism.index(name) if name else -1
+    body = np.zeros((total, 5))
+    for i, part in enumerate(mechanism.coordinates):
+        body[i] = part.mass, part.force, part.damping, part.friction, part.friction_velocity
+    body[mechanism.index(mechanism.retainer), 0] += system.spring_mass
+    gas = np.zeros((4, 3)) if system.gas is None else np.ascontiguousarray(system.gas, dtype=float)
+    return TrainArrays(
+        kinds, index, table_of, laws, geometry, law_parameters, np.ascontiguousarray(tables, dtype=float), body, gas,
+        -1 if system.gas is None else mechanism.index(mechanism.valve), mechanism.index(mechanism.retainer),
+    )  # fmt: skip
