@@ -1,0 +1,82 @@
+"""What the architecture tests share: the files of the house, read as syntax trees, never imported."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "src" / "valvetrain"
+DATA_FLOW = "case file -> parameters -> parts (cam, mechanism, contacts, springs) -> System -> integrate -> Solution -> analysis -> report"
+
+
+@dataclass(frozen=True)
+class Import:
+    """One import statement: the module it names (dotted) and the line it stands on."""
+
+    module: str
+    line: int
+
+
+@cache
+def modules() -> dict[str, Path]:
+    """Dotted name of every module of the package -> its file."""
+    return {_dotted(path): path for path in sorted(PACKAGE.rglob("*.py"))}
+
+
+@cache
+def tree_of(path: Path) -> ast.Module:
+    """Syntax tree of a file."""
+    return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+
+
+def room_of(module: str) -> str:
+    """Room of a dotted module: ``valvetrain.rod.mesh`` -> ``rod``; empty for the package itself."""
+    parts = module.split(".")
+    return parts[1] if len(parts) > 1 else ""
+
+
+def imports_of(module: str, tree: ast.Module, is_package: bool) -> Iterator[Import]:
+    """Every import of a module, inside functions and under TYPE_CHECKING too; relative ones made absolute.
+
+    ``from valvetrain import rod`` counts as ``valvetrain.rod``.
+    """
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (Import(alias.name, node.lineno) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = _absolute(module, node, is_package)
+            if base == "valvetrain":
+                yield from (Import(f"{base}.{alias.name}", node.lineno) for alias in node.names)
+            else:
+                yield Import(base, node.lineno)
+
+
+@cache
+def levels() -> dict[str, int]:
+    """Room -> level, read from the drawing in docs/architecture.md; a room may import lower levels only."""
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    drawing = re.search(r"^    errors\n(?:      <- .*\n)+", text, re.MULTILINE)
+    assert drawing, "docs/architecture.md lost its drawing of the rooms"
+    found: dict[str, int] = {}
+    for level, line in enumerate(drawing[0].splitlines()):
+        for room in re.sub(r"<-|\(.*\)", "", line).split(","):
+            found[room.strip()] = level
+    return found
+
+
+def _dotted(path: Path) -> str:
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def _absolute(module: str, node: ast.ImportFrom, is_package: bool) -> str:
+    if not node.level:
+        return node.module or ""
+    parts = module.split(".")
+    base = parts[: len(parts) - node.level + (1 if is_package else 0)]
+    return ".".join([*base, *([node.module] if node.module else [])])

@@ -1,0 +1,89 @@
+"""Imports run one way, heavy packages stay in their rooms, and the bare import is light."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+
+from architecture.house import PACKAGE, imports_of, levels, modules, room_of, tree_of
+
+#: Package -> rooms that may import it.
+KEPT_IN = {"plotly": {"report"}, "matplotlib": {"report"}, "typer": {"cli"}, "rich": {"cli"}}
+HEAVY = ("numba", "scipy", "xarray", "pint", "plotly", "matplotlib", "pydantic", "pandas", "h5py", "typer", "rich", "jinja2", "numpy")
+
+
+def violations(module: str, tree: ast.Module, is_package: bool = False) -> list[str]:
+    """Sentences on each import of ``module`` that breaks a rule."""
+    room, found = room_of(module), []
+    for imported in imports_of(module, tree, is_package):
+        top = imported.module.split(".")[0]
+        target = room_of(imported.module)
+        if top in KEPT_IN and room not in KEPT_IN[top]:
+            found.append(f"{module}:{imported.line} imports {top}, which belongs to {', '.join(sorted(KEPT_IN[top]))}")
+        if top != "valvetrain" or not room or imported.module == "valvetrain.__version__" or target == room:
+            continue
+        if target not in levels():
+            found.append(f"{module}:{imported.line} imports {imported.module}, which is no room of docs/architecture.md")
+        elif levels()[target] >= levels()[room]:
+            found.append(f"{module}:{imported.line} imports {imported.module}: {room} may not know {target}")
+    return found
+
+
+def test_the_drawing_is_read_as_it_is_meant():
+    assert levels()["errors"] == 0
+    assert levels()["units"] == levels()["solution"] == 1
+    assert levels()["rod"] == levels()["cam"] < levels()["springs"] < levels()["system"] < levels()["integrate"]
+    assert levels()["report"] < levels()["cli"] == levels()["web"] == max(levels().values())
+
+
+@pytest.mark.parametrize(
+    ("module", "statement", "broken"),
+    [
+        ("valvetrain.rod.mesh", "def f():\n    from valvetrain.springs import contract", True),
+        ("valvetrain.rod.mesh", "from valvetrain.cam import profile", True),
+        ("valvetrain.rod.mesh", "from ..springs import contract", True),
+        ("valvetrain.rod.mesh", "from valvetrain import springs", True),
+        ("valvetrain.rod.mesh", "from valvetrain import load_case", True),
+        ("valvetrain.rod.mesh", "import matplotlib.pyplot as plt", True),
+        ("valvetrain.rod.mesh", "if TYPE_CHECKING:\n    import valvetrain.cli.main", True),
+        ("valvetrain.rod.mesh", "from valvetrain.errors import InputError\nfrom . import section\nimport numba", False),
+        ("valvetrain.report.page", "import plotly\nfrom valvetrain import __version__", False),
+    ],
+)
+def test_the_rule_catches_what_it_should(module, statement, broken):
+    assert bool(violations(module, ast.parse(statement))) is broken
+
+
+def test_every_module_stands_in_a_room_of_the_drawing():
+    homeless = sorted({room_of(module) for module in modules()} - {"", "__main__", *levels()})
+    assert not homeless, f"not in docs/architecture.md: {homeless}"
+
+
+def test_imports_run_one_way():
+    found = [sentence for module, path in modules().items() for sentence in violations(module, tree_of(path), path.name == "__init__.py")]
+    assert not found, "\n".join(found)
+
+
+def _run(code: str) -> str:
+    environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment).stdout.strip()
+
+
+def test_the_bare_import_loads_nothing_heavy():
+    loaded = _run("import sys, valvetrain; print(' '.join(sorted({name.split('.')[0] for name in sys.modules})))").split()
+    assert "valvetrain" in loaded
+    assert not set(HEAVY) & set(loaded)
+
+
+def test_the_bare_import_takes_under_0_7_s():
+    seconds = []
+    for _ in range(3):  # the best of three, for the machine may be busy
+        start = time.perf_counter()
+        _run("import valvetrain")
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 0.7, f"import valvetrain took {min(seconds):.2f} s, the interpreter's own start included"
