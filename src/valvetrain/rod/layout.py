@@ -16,8 +16,8 @@ STRIDE = 1576
 PAD = 8
 
 _NAMES = (
-    # state: position, velocity, frame, body spin, low-passed bending strain carried over the step
-    "X Y Z VX VY VZ Q0 Q1 Q2 Q3 W1 W2 W3 L1 L2 L3 "
+    # state: position and frame; velocity, body spin and the low-passed bending strain carried over the step
+    "X Y Z Q0 Q1 Q2 Q3 VX VY VZ W1 W2 W3 L1 L2 L3 "
     # work: section force (space) and its torque (body) per edge; torques of vertex i on edges i (A) and i + 1 (B)
     "FX FY FZ T1 T2 T3 A1 A2 A3 B1 B2 B3 "
     # contact force per vertex; wire one turn below; force on it, indexed by the upper partner

@@ -79,7 +79,7 @@ def all_contact(b, offset, groups, places, stretches, count, first, last, dampin
     for j in range(first, last):
         b[CZ + j] = 0.0
     for n in range(count):
-        start, end = stretches[n, 0], stretches[n, 1]
+        start, end = np.uint64(stretches[n, 0]), np.uint64(stretches[n, 1])
         copy_lower_wire(b, start - ONE, end + ONE, offset)
         for j in range(start - ONE, end + ONE):
             b[GX + j] = 0.0
@@ -148,12 +148,12 @@ def march(b, integers, numbers, places, displacement, clock, snapshots, contacts
     """March over ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
 
     ``clock`` = (steps per dense record, dense records per sample). Fills ``snapshots`` (samples, 13, nv + 1) with
-    positions, mid-step velocities, frames and spins, ``contacts`` (samples, 3, groups, nv) with mean force, peak force and
+    positions, frames, velocities and spins, ``contacts`` (samples, 3, groups, nv) with mean force, peak force and
     loss since the last sample, ``dense`` (records, 4) with retainer force, seat force, work done and dissipated energy.
     Returns (steps done, largest vertex speed); a run that diverged stops early.
     """
     steps, vertices = len(displacement) - 1, np.uint64(integers[VERTICES])
-    stretches = np.zeros((STRETCHES, 2), np.uint64)
+    stretches = np.zeros((STRETCHES, 2))
     count, work, lost, before, fastest = 0, 0.0, 0.0, 0.0, 0.0
     dt = numbers[DT]
     for n in range(steps + 1):
@@ -187,19 +187,16 @@ def march(b, integers, numbers, places, displacement, clock, snapshots, contacts
 @njit(cache=True, nogil=True, error_model="numpy")
 def take_snapshot(b, integers, out, share):
     """Positions and frames at the step, and ``share`` of the velocities and spins of the half step before."""
-    for r in range(10):
-        factor = share if 3 <= r < 6 else 1.0
+    for r in range(13):
+        factor = 1.0 if r < 7 else share
         for i in range(integers[VERTICES] + 1):
             out[r, i] = factor * b[X + np.uint64(r) * STRIDE + np.uint64(i)]
-    for r in range(10, 13):
-        for i in range(integers[VERTICES] + 1):
-            out[r, i] = share * b[X + np.uint64(r) * STRIDE + np.uint64(i)]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def finish_snapshot(b, integers, out, share):
     """Add ``share`` of the velocities and spins of the half step after."""
-    for r in (3, 4, 5, 10, 11, 12):
+    for r in range(7, 13):
         for i in range(integers[VERTICES] + 1):
             out[r, i] += share * b[X + np.uint64(r) * STRIDE + np.uint64(i)]
 

@@ -86,8 +86,8 @@ def simulate(
     vertices = snapshots[keep, :, : mesh.vertices]
     return RodTransient(
         time=time[keep], displacement=displacement[:: dense * sub][keep],
-        position=np.moveaxis(vertices[:, 0:3], 1, 2), velocity=np.moveaxis(vertices[:, 3:6], 1, 2),
-        frame=np.moveaxis(snapshots[keep, 6:10], 1, 2), spin=np.moveaxis(snapshots[keep, 10:13], 1, 2),
+        position=np.moveaxis(vertices[:, 0:3], 1, 2), velocity=np.moveaxis(vertices[:, 7:10], 1, 2),
+        frame=np.moveaxis(snapshots[keep, 3:7], 1, 2), spin=np.moveaxis(snapshots[keep, 10:13], 1, 2),
         contact_force=contacts[keep, 0], contact_peak=contacts[keep, 1], contact_loss=np.cumsum(contacts[:, 2].sum(axis=(1, 2)))[keep],
         retainer_force=records[::dense, 0][keep], seat_force=records[::dense, 1][keep],
         work_done=records[::dense, 2][keep], energy_dissipated=records[::dense, 3][keep],

@@ -1,0 +1,191 @@
+"""Finite-element rod as a spring model: geometrically exact rod along the wire, with clash between all coils."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.rod.buffer import RodDynamics, fill_buffer, march_numbers, stable_time_step
+from valvetrain.rod.layout import STRIDE, row
+from valvetrain.rod.mesh import RodMesh, mesh_spring
+from valvetrain.rod.state import RodState
+from valvetrain.rod.static import Equilibrium, RodStatics, compress
+from valvetrain.springs import finite_element_kernel as stepping
+from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+
+if TYPE_CHECKING:
+    from valvetrain.parameters.case import Case
+
+
+@dataclass(frozen=True, eq=False)
+class FiniteElementRod:
+    """Rod model of ``definition`` installed at ``precompression`` (m from the free state).
+
+    ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step.
+    """
+
+    definition: SpringDefinition
+    precompression: float
+    elements_per_coil: int = 24
+    dynamics: RodDynamics = field(default_factory=RodDynamics)
+    curvature_correction: bool = True
+    seats: str = "planes"
+    time_step: float | None = None
+    name: str = "finite-element"
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.precompression) and self.precompression >= 0):
+            raise InputError(f"precompression of spring '{self.name}' is {self.precompression} m; give zero or a positive length")
+
+    @classmethod
+    def from_case(cls, case: Case, **changes: Any) -> FiniteElementRod:
+        """The rod of a case: its spring, installation, damping and rod options."""
+        dynamics = RodDynamics(
+            mass_damping=case.damping.mass_damping, stiffness_damping=case.damping.stiffness_damping,
+            contact_stiffness=case.rod.contact_stiffness, contact_damping_time=case.rod.contact_damping_time,
+        )  # fmt: skip
+        model = cls(
+            case.require_spring(), case.installation.precompression, case.rod.elements_per_coil, dynamics,
+            case.rod.curvature_correction, case.installation.seats, case.rod.time_step,
+        )  # fmt: skip
+        return replace(model, **changes)
+
+    @cached_property
+    def mesh(self) -> RodMesh:
+        """The stress-free rod."""
+        mesh = mesh_spring(self.definition, self.elements_per_coil, curvature_correction=self.curvature_correction)
+        if self.seats == "clamps":
+            nothing = np.full(mesh.vertices, np.inf)
+            mesh = replace(mesh, lower_seat_limit=-nothing, upper_seat_limit=nothing)
+        return mesh
+
+    @cached_property
+    def statics(self) -> RodStatics:
+        """Residual, tangent and Newton solver of the mesh."""
+        return RodStatics(self.mesh, self.dynamics.contact_stiffness)
+
+    @cached_property
+    def installed(self) -> Equilibrium:
+        """Static equilibrium at the precompression. Raises :class:`InputError` when the spring cannot be compressed so far."""
+        return self._equilibrium(0.0)
+
+    def _equilibrium(self, retainer_displacement: float) -> Equilibrium:
+        compression = self.precompression + retainer_displacement
+        if compression == 0.0:
+            return self.statics.solve(RodState(self.mesh.position, self.mesh.frame), 0.0)
+        result = compress(self.statics, [compression])[-1]
+        if not result.converged:
+            raise InputError(
+                f"spring '{self.definition.name}' finds no equilibrium at {compression * 1e3:.3g} mm compression "
+                f"(it is solid at {(self.definition.free_length - self.definition.solid_height) * 1e3:.3g} mm); compress it less"
+            )
+        return result
+
+    @property
+    def unknowns(self) -> int:
+        """Entries of the position rows of the flat buffer (vertex positions and edge frames, pads included)."""
+        return 7 * STRIDE
+
+    @property
+    def kernel(self) -> Any:
+        return stepping.advance_rod
+
+    @cached_property
+    def _step(self) -> float:
+        return self.time_step or self.stable_time_step()
+
+    def parameters(self) -> Array:
+        _, numbers, places = march_numbers(self.mesh, self.dynamics, self._step)
+        return np.concatenate(([self.precompression], numbers, places.ravel()))
+
+    def integers(self) -> NDArray[np.int64]:
+        return march_numbers(self.mesh, self.dynamics, self._step)[0]
+
+    def with_time_step(self, time_step: float) -> FiniteElementRod:
+        """The rod for another step; the solved installed state is kept."""
+        model = replace(self, time_step=time_step)
+        for name in ("mesh", "statics", "installed"):
+            if name in self.__dict__:
+                model.__dict__[name] = self.__dict__[name]
+        return model
+
+    def initial_state(self, retainer_displacement: float) -> Array:
+        equilibrium = self.installed if retainer_displacement == 0.0 else self._equilibrium(retainer_displacement)
+        state = np.zeros(stepping.STATE_SIZE)
+        state[: stepping.TRAVEL] = fill_buffer(self.mesh, equilibrium.state, self.dynamics, self._step)
+        state[stepping.TRAVEL] = self.precompression + retainer_displacement
+        return state
+
+    @cached_property
+    def _stable(self) -> float:
+        return stable_time_step(self.mesh, self.dynamics)
+
+    def stable_time_step(self) -> float:
+        return self._stable
+
+    def rod_state(self, state: Array, retainer_displacement: float) -> RodState:
+        """Positions and frames held in a flat ``state``, the retainer moved to ``retainer_displacement`` (m)."""
+        count, compression = self.mesh.vertices, self.precompression + retainer_displacement
+        position = np.stack([row(state, name, count) for name in "XYZ"], axis=1)
+        position[self.mesh.last :, 2] -= compression - state[stepping.TRAVEL]
+        frame = np.stack([row(state, f"Q{n}", count + 1) for n in range(4)], axis=1)
+        return RodState(position, frame / np.linalg.norm(frame, axis=1)[:, None], compression)
+
+    def energy(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
+    ) -> SpringEnergy:
+        """Energies (J); contact energy is counted with the elastic one."""
+        later = state
+        if time_step > 0:
+            later = state.copy()
+            self.kernel(self.parameters(), self.integers(), later, retainer_displacement, retainer_velocity, time_step)
+        masses, inertia = self.mesh.node_mass[self.mesh.first + 1 : self.mesh.last], self.mesh.edge_inertia
+        kinetic = 0.0
+        for name in ("VX", "VY", "VZ"):
+            mean = (row(state, name, self.mesh.last) + row(later, name, self.mesh.last)) / 2
+            kinetic += 0.5 * float(masses @ mean[self.mesh.first + 1 :] ** 2)
+        for axis, name in enumerate(("W1", "W2", "W3")):
+            mean = (row(state, name, len(inertia)) + row(later, name, len(inertia))) / 2
+            kinetic += 0.5 * float(inertia[:, axis] @ mean**2)
+        elastic, *_ = self.statics.assemble(self.rod_state(state, retainer_displacement), with_tangent=False)
+        return SpringEnergy(kinetic, float(elastic), 0.0, float(state[stepping.LOST] + self._contact_loss(state)))
+
+    def _contact_loss(self, state: Array) -> float:
+        return float(sum(row(state, name, self.mesh.vertices).sum() for name in ("LOSS", "LOSSb")))
+
+    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+        work = state.copy()
+        return EndForces(*self.kernel(self.parameters(), self.integers(), work, retainer_displacement, retainer_velocity, 0.0))
+
+    def tangent(self, state: Array, retainer_displacement: float) -> float:
+        matrix = self.statics.tangent(self.rod_state(state, retainer_displacement))
+        held = np.zeros(matrix.shape[0])
+        held[6 * self.mesh.last + 2 :: 6] = 1.0
+        rod = self.rod_state(state, retainer_displacement)
+        seat = rod.position[:, 2] > self.mesh.upper_seat_limit - rod.compression
+        return float(held @ (matrix @ held)) + self.dynamics.contact_stiffness * float(self.mesh.node_length @ seat)
+
+    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+        rod, count = self.rod_state(state, retainer_displacement), self.mesh.vertices
+        forces = self.force(state, retainer_displacement, retainer_velocity)
+        gaps = self.statics.gaps(rod.position)
+        points, line = self.mesh.contact.points, self.mesh.contact.length
+        pairs = np.any(points, axis=0)
+        pressed = self.dynamics.contact_stiffness * np.sum(np.where(points, line * np.maximum(-np.where(points, gaps, 0.0), 0.0), 0.0), axis=0)
+        return SpringOutputs(
+            *forces, coil_number=self.mesh.coil_number, axial_displacement=rod.position[:, 2] - self.installed.state.position[:, 2],
+            axial_velocity=row(state, "VZ", count).copy(), upper_coil=self.mesh.coil_number[pairs],
+            coil_gap=np.min(gaps[:, pairs], axis=0), coil_contact_force=pressed[pairs],
+        )  # fmt: skip
+
+    def retainer_mass(self) -> float:
+        """Wire held by the retainer and half the last element (kg)."""
+        upper = self.definition.free_coils[1]
+        held = self.definition.integrate_along_wire(self.definition.wire_diameter, 2, (upper, self.definition.total_coils))
+        return float(np.pi / 4 * self.definition.material.density * held + self.mesh.node_mass[self.mesh.last])

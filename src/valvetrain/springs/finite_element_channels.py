@@ -1,0 +1,157 @@
+"""Channels of a rod run: the raw records of a march on even coil numbers, with labels and units."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.rod import quaternion as quat
+from valvetrain.rod.mesh import RodMesh
+from valvetrain.rod.transient import RodTransient
+from valvetrain.solution.channels import spring_channels
+from valvetrain.springs.finite_element import FiniteElementRod
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+
+#: Wire points and coil pairs are reported at every eighth of a turn.
+POINTS_PER_COIL = 8
+#: A gap (m) below which coils count as near, and the sliding speed (m/s) from which touching coils count as sliding.
+NEAR_GAP, SLIDING_VELOCITY = 1e-4, 0.01
+
+FINE = {
+    "seat_force_fine": (("subsample",), "N", "seat force at even substeps after each sample"),
+    "retainer_force_fine": (("subsample",), "N", "retainer force at even substeps after each sample"),
+    "coil_contact_peak_force": (("coil_pair",), "N", "largest contact force since the last sample"),
+}
+
+
+def wire_points(total_coils: float) -> Array:
+    """Coil numbers at which wire channels are reported."""
+    return np.arange(int(total_coils * POINTS_PER_COIL + 1e-9) + 1) / POINTS_PER_COIL
+
+
+def interpolation(mesh: RodMesh, coil: Array) -> Array:
+    """Cubic interpolation matrix (points, nv) from vertices to coil numbers."""
+    step = mesh.coil_number[1] - mesh.coil_number[0]
+    place = np.clip((coil - mesh.coil_number[0]) / step, 0.0, mesh.vertices - 1.0)
+    base = np.clip(np.floor(place).astype(int) - 1, 0, mesh.vertices - 4)
+    matrix = np.zeros((len(coil), mesh.vertices))
+    for k in range(4):
+        weight = np.ones(len(coil))
+        for other in range(4):
+            if other != k:
+                weight *= (place - base - other) / (k - other)
+        matrix[np.arange(len(coil)), base + k] = weight
+    return matrix
+
+
+def rod_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> xarray.Dataset:
+    """All channels of docs/architecture.md for a rod run; cam angle is cam_speed (rad/s) times time."""
+    mesh, installed = model.mesh, model.installed.state
+    coil = wire_points(model.definition.total_coils)
+    at = interpolation(mesh, coil)
+    height, speed = run.position[..., 2], run.velocity[..., 2]
+    interval = run.time[1] - run.time[0] if len(run.time) > 1 else 1.0
+    axial_velocity = speed @ at.T
+    strains = _strains(mesh, run)
+    pairs, upper_coil, pair_of = _pair_bins(mesh)
+    gaps = np.stack([model.statics.gaps(position) for position in np.ascontiguousarray(run.position)])
+    elastic, contact = _energies(model, strains, gaps, run)
+    values = {
+        "valve_lift": run.displacement - model.precompression,
+        "retainer_velocity": -speed[:, -1] if mesh.vertices > mesh.last else np.gradient(run.displacement, run.time),
+        "seat_force": run.seat_force,
+        "retainer_force": run.retainer_force,
+        "axial_displacement": (height - installed.position[:, 2]) @ at.T,
+        "axial_velocity": axial_velocity,
+        "axial_acceleration": np.diff(axial_velocity, axis=0, prepend=axial_velocity[:1]) / interval,
+        "axial_position": height @ at.T - model.definition.lower_seat_height,
+        "coil_gap": _least(gaps[:, :, pairs].min(axis=1), pair_of, len(upper_coil)),
+        "coil_contact_force": _sum(run.contact_force.sum(axis=1)[:, pairs], pair_of, len(upper_coil)),
+        "coil_contact_peak_force": _sum(run.contact_peak.sum(axis=1)[:, pairs], pair_of, len(upper_coil)),
+        "kinetic_energy": _kinetic(mesh, run),
+        "elastic_energy": elastic,
+        "contact_energy": contact,
+        "work_done": run.work_done,
+        "energy_dissipated": run.energy_dissipated + run.contact_loss,
+    }
+    values["contact_status"] = _status(values, run, mesh, pairs, pair_of, len(upper_coil))
+    values |= {name: strains[name] @ at.T for name in ("torsional_moment", "bending_moment", "binormal_moment", "normal_force", "shear_force")}
+    dense = (len(run.dense_time) - 1) // max(1, len(run.time) - 1) if len(run.time) > 1 else 1
+    for name, series in (("seat_force_fine", run.dense_seat_force), ("retainer_force_fine", run.dense_retainer_force)):
+        padded = np.concatenate([series, np.repeat(series[-1:], dense - 1)])
+        values[name] = padded[: len(run.time) * dense].reshape(len(run.time), dense)
+    return spring_channels(run.time, cam_speed * run.time, values, coil_number=coil, upper_coil=upper_coil, extra=FINE)
+
+
+def _pair_bins(mesh: RodMesh) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:
+    """Vertices with a partner, the even upper coil numbers, and the bin of each such vertex."""
+    pairs = np.flatnonzero(mesh.contact.points.any(axis=0))
+    if not len(pairs):
+        return pairs, np.zeros(0), pairs
+    bins = np.round(mesh.coil_number[pairs] * POINTS_PER_COIL).astype(int)
+    used = np.unique(bins)
+    return pairs, used / POINTS_PER_COIL, np.searchsorted(used, bins)
+
+
+def _sum(values: Array, pair_of: NDArray[np.int64], count: int) -> Array:
+    out = np.zeros((len(values), count))
+    np.add.at(out.T, pair_of, values.T)
+    return out
+
+
+def _least(values: Array, pair_of: NDArray[np.int64], count: int) -> Array:
+    out = np.full((count, len(values)), np.inf)
+    np.minimum.at(out, pair_of, values.T)
+    return out.T
+
+
+def _strains(mesh: RodMesh, run: RodTransient) -> dict[str, Array]:
+    """Section moments (N m) and forces (N) on the vertices (ns, nv), elastic part, and the stored energies (J)."""
+    _, vector = quat.relative_vector(run.frame[:, :-1], run.frame[:, 1:])
+    bend = 2 * vector - mesh.rest_bend
+    moment = mesh.bend_stiffness * bend
+    chord = np.diff(run.position, axis=1) / mesh.edge_length[1:-1, None]
+    turned = np.einsum("tnji,tnj->tni", quat.to_matrix(run.frame[:, 1:-1].reshape(-1, 4)).reshape(*chord.shape, 3), chord)
+    stretch = turned - mesh.rest_stretch[1:-1]
+    force = mesh.stretch_stiffness[1:-1] * stretch
+    on_vertices = np.zeros(moment.shape)
+    on_vertices[:, 1:-1] = 0.5 * (force[:, 1:] + force[:, :-1])
+    on_vertices[:, mesh.first], on_vertices[:, mesh.last] = force[:, mesh.first], force[:, mesh.last - 1]
+    energy = 0.5 * np.sum(moment * bend, axis=(1, 2)) + 0.5 * np.sum(force * stretch * mesh.edge_length[1:-1, None], axis=(1, 2))
+    return {
+        "bending_moment": moment[..., 0], "binormal_moment": moment[..., 1], "torsional_moment": moment[..., 2],
+        "normal_force": on_vertices[..., 2], "shear_force": np.hypot(on_vertices[..., 0], on_vertices[..., 1]), "energy": energy,
+    }  # fmt: skip
+
+
+def _energies(model: FiniteElementRod, strains: dict[str, Array], gaps: Array, run: RodTransient) -> tuple[Array, Array]:
+    mesh, stiffness = model.mesh, model.dynamics.contact_stiffness
+    overlap = np.maximum(-np.where(np.isfinite(gaps), gaps, 0.0), 0.0)
+    contact = 0.5 * stiffness * np.sum(mesh.contact.length * overlap**2, axis=(1, 2))
+    height = run.position[..., 2]
+    depth = np.maximum(mesh.lower_seat_limit - height, 0.0) + np.maximum(height - (mesh.upper_seat_limit - run.displacement[:, None]), 0.0)
+    return strains["energy"], contact + 0.5 * stiffness * (depth**2 @ mesh.node_length)
+
+
+def _kinetic(mesh: RodMesh, run: RodTransient) -> Array:
+    moving = slice(mesh.first + 1, mesh.last)
+    turning = 0.5 * np.sum(mesh.edge_inertia * run.spin**2, axis=(1, 2))
+    return 0.5 * np.sum(run.velocity[:, moving] ** 2, axis=2) @ mesh.node_mass[moving] + turning
+
+
+def _status(values: dict[str, Array], run: RodTransient, mesh: RodMesh, pairs: Array, pair_of: Array, count: int) -> Array:
+    offset = mesh.contact.offset
+    relative = run.velocity[:, pairs] - run.velocity[:, pairs - offset]
+    normal = run.position[:, pairs] - run.position[:, pairs - offset]
+    normal /= np.linalg.norm(normal, axis=2)[..., None]
+    slide = np.linalg.norm(relative - np.sum(relative * normal, axis=2)[..., None] * normal, axis=2)
+    fastest = -_least(-slide, pair_of, count)
+    status = np.where(values["coil_gap"] < NEAR_GAP, 1, 0)
+    touching = (values["coil_gap"] < 0) | (values["coil_contact_force"] > 0)
+    return np.where(touching, np.where(fastest > SLIDING_VELOCITY, 3, 2), status)
