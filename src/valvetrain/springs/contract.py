@@ -12,7 +12,8 @@ Stepping (explicit leapfrog shared by everything that moves in a train)::
   retainer rides on the valve); ``retainer_velocity`` (m/s) is the best value known at the call (the half-step velocity of the
   leapfrog is good enough; it enters damping and rubbing only).
 * The kernel computes both end forces at t_n (N, compressive positive, preload included) from the internal positions at t_n,
-  then kicks and drifts its unknowns in place to t_(n+1). ``time_step == 0``: forces only, ``state`` untouched.
+  then kicks and drifts its unknowns in place to t_(n+1). ``time_step == 0``: forces only; positions, velocities and
+  bookkeeping stay as they are (scratch behind them may be written).
 * ``state[:unknowns]`` are positions at t_n, ``state[unknowns:2 * unknowns]`` velocities at t_(n-1/2); what follows
   (histories, the dissipated energy) is bookkeeping of the model and no part of a periodicity test.
 * A train with step h first asks ``model.with_time_step(h)`` for the model adapted to that step (a wave rod chooses its grid; all

@@ -1,0 +1,165 @@
+"""Multi-mass spring: a chain of masses along the wire with unilateral clash between all neighbouring coils."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.springs import chain_kernels, chain_statics
+from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, uniform_chain
+from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+
+CONTACT_STIFFNESS = 1e10
+CONTACT_DAMPING_TIME = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class MultiMassSpring:
+    """Chain ``layout`` installed at ``precompression`` (m from the free state).
+
+    ``mass_damping`` (1/s) acts on the absolute velocity, ``stiffness_damping`` (s) inside the elements, ``contact_damping_time`` (s)
+    is damping over stiffness of a coil contact (never adhesive). Half the last element and the upper held coils ride on the retainer.
+    """
+
+    layout: ChainLayout
+    precompression: float
+    mass_damping: float = 0.0
+    stiffness_damping: float = 0.0
+    contact_damping_time: float = CONTACT_DAMPING_TIME
+    name: str = "multi-mass"
+
+    def __post_init__(self) -> None:
+        for key in ("precompression", "mass_damping", "stiffness_damping", "contact_damping_time"):
+            if not (np.isfinite(getattr(self, key)) and getattr(self, key) >= 0):
+                raise InputError(f"{key} of spring '{self.name}' is {getattr(self, key)}; give zero or a positive number")
+
+    @classmethod
+    def from_definition(
+        cls, spring: SpringDefinition, precompression: float, *, masses_per_coil: int = 12,
+        contact_stiffness: float = CONTACT_STIFFNESS, **options: Any,
+    ) -> MultiMassSpring:  # fmt: skip
+        """From the wire: ``masses_per_coil`` elements per turn; ``contact_stiffness`` in N/m per m of wire (0: coils pass through)."""
+        if masses_per_coil < 1:
+            raise InputError(f"masses_per_coil of spring '{spring.name}' is {masses_per_coil}; give 1 or more (12 is usual)")
+        first, last = spring.free_coils
+        layout = chain_from_definition(spring, max(2, round((last - first) * masses_per_coil)), contact_stiffness)
+        return cls(layout, precompression, **options)
+
+    @classmethod
+    def from_card(
+        cls, rate: float, preload: float, mass: float, *, elements: int = 5, held_mass: float = 0.0, **options: Any
+    ) -> MultiMassSpring:
+        """From rate (N/m), preload (N) and mass (kg): uniform, without coil gaps (a card does not tell them).
+
+        Five elements are the published chain of 6 masses, one of them fixed and one riding on the valve.
+        """
+        if not preload >= 0:
+            raise InputError(f"preload of the spring card is {preload} N; give zero or a positive force")
+        return cls(uniform_chain(rate, mass, elements, held_mass), preload / rate, **options)
+
+    @property
+    def unknowns(self) -> int:
+        return len(self.layout.masses)
+
+    @property
+    def kernel(self) -> Any:
+        return chain_kernels.advance_chain
+
+    @cached_property
+    def _parameters(self) -> Array:
+        c = self.layout.contacts
+        head = [self.precompression, self.mass_damping, self.stiffness_damping, self.contact_damping_time]
+        return np.concatenate((head, self.layout.stiffness, self.layout.masses, 1 / self.layout.masses, c.gap, c.stiffness, c.fraction))
+
+    def parameters(self) -> Array:
+        return self._parameters.copy()
+
+    def integers(self) -> NDArray[np.int64]:
+        c = self.layout.contacts
+        return np.concatenate(([self.unknowns, c.count, c.regular], c.upper, c.lower)).astype(np.int64)
+
+    def with_time_step(self, time_step: float) -> MultiMassSpring:
+        return self
+
+    def initial_state(self, retainer_displacement: float) -> Array:
+        state = np.zeros(chain_kernels.state_size(self.unknowns, self.layout.contacts.count))
+        state[: self.unknowns] = chain_statics.solve_static(self.layout, self.precompression + retainer_displacement)[1:-1]
+        return state
+
+    @cached_property
+    def _time_step(self) -> float:
+        root = 1 / np.sqrt(self.layout.masses)
+        elements = chain_statics.element_matrix(self.layout)[1:-1, 1:-1]
+        closed = chain_statics.stiffness_matrix(self.layout, np.ones(self.layout.contacts.count))[1:-1, 1:-1]
+        damped = self.stiffness_damping * elements + self.contact_damping_time * (closed - elements)
+        stiff, lossy = (float(np.linalg.eigvalsh(root[:, None] * m * root)[-1]) for m in (closed, damped))
+        # Velocities lag half a step, so stability wants h^2 K + 2 h C < 4 (mass-scaled).
+        return 4 / (lossy + np.sqrt(lossy**2 + 4 * stiff))
+
+    def stable_time_step(self) -> float:
+        return self._time_step
+
+    def frequencies(self, retainer_displacement: float, count: int = 3) -> Array:
+        """First ``count`` natural frequencies (Hz), both ends held, about the static state; touching coils stay closed."""
+        nodes = chain_statics.solve_static(self.layout, self.precompression + retainer_displacement)
+        closed = (chain_statics.contact_depths(self.layout, nodes) > 0).astype(float)
+        root = 1 / np.sqrt(self.layout.masses)
+        matrix = root[:, None] * chain_statics.stiffness_matrix(self.layout, closed)[1:-1, 1:-1] * root
+        return np.sqrt(np.linalg.eigvalsh(matrix)[:count]) / (2 * np.pi)
+
+    def _nodes(self, state: Array, retainer_displacement: float) -> Array:
+        return np.concatenate(([0.0], state[: self.unknowns], [self.precompression + retainer_displacement]))
+
+    def _velocities(self, state: Array, retainer_velocity: float) -> Array:
+        return np.concatenate(([0.0], state[self.unknowns : 2 * self.unknowns], [retainer_velocity]))
+
+    def _node_forces(self, nodes: Array, velocities: Array) -> tuple[Array, Array]:
+        """Force on every node (N, towards the seat) and force of every contact."""
+        layout = self.layout
+        push = layout.stiffness * (np.diff(nodes) + self.stiffness_damping * np.diff(velocities))
+        rows, depth = chain_statics.contact_rows(layout), chain_statics.contact_depths(layout, nodes)
+        contact = np.where(depth > 0, np.maximum(layout.contacts.stiffness * (depth + self.contact_damping_time * (rows @ velocities)), 0), 0)
+        return np.append(push, 0.0) - np.concatenate(([0.0], push)) - contact @ rows, contact
+
+    def energy(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
+    ) -> SpringEnergy:
+        """Elastic energy counted from the free state; the riding end masses belong to the valve."""
+        nodes, velocities = self._nodes(state, retainer_displacement), self._velocities(state, retainer_velocity)
+        speed = velocities[1:-1]
+        if time_step > 0:
+            kick = self._node_forces(nodes, velocities)[0][1:-1] / self.layout.masses - self.mass_damping * speed
+            speed = speed + time_step / 2 * kick
+        elastic, contact = chain_statics.potential(self.layout, nodes)
+        return SpringEnergy(float(self.layout.masses @ speed**2 / 2), elastic, contact, float(state[2 * self.unknowns]))
+
+    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+        forces, _ = self._node_forces(self._nodes(state, retainer_displacement), self._velocities(state, retainer_velocity))
+        return EndForces(float(-forces[-1]), float(forces[0]))
+
+    def tangent(self, state: Array, retainer_displacement: float) -> float:
+        depth = chain_statics.contact_depths(self.layout, self._nodes(state, retainer_displacement))
+        last = chain_statics.contact_rows(self.layout)[:, -1]
+        return float(self.layout.stiffness[-1] + self.layout.contacts.stiffness * (depth > 0) @ last**2)
+
+    @cached_property
+    def _installed(self) -> Array:
+        return chain_statics.solve_static(self.layout, self.precompression)
+
+    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+        nodes, velocities = self._nodes(state, retainer_displacement), self._velocities(state, retainer_velocity)
+        forces, contact = self._node_forces(nodes, velocities)
+        return SpringOutputs(
+            float(-forces[-1]), float(forces[0]), self.layout.coil_number, self._installed - nodes, -velocities,
+            self.layout.contacts.upper_coil, -chain_statics.contact_depths(self.layout, nodes), contact,
+        )  # fmt: skip
+
+    def retainer_mass(self) -> float:
+        """Half the last element plus the wire of the upper held coils (kg)."""
+        return self.layout.retainer_mass
