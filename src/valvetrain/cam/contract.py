@@ -1,0 +1,47 @@
+"""What a lift law answers, and how laws are evaluated on the circle."""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from valvetrain.errors import InputError
+
+Array = NDArray[np.float64]
+TURN = 2 * math.pi
+#: Highest derivative of a lift law: the jerk.
+HIGHEST_DERIVATIVE = 3
+
+
+@runtime_checkable
+class LiftLaw(Protocol):
+    """Lift over the cam angle (rad), periodic in one cam revolution.
+
+    ``continuity``: the number of continuous derivatives (2: the acceleration is continuous). ``joints``: cam angles (rad) at which
+    the law changes its formula; a higher derivative may jump there and takes the value of the piece above.
+    """
+
+    @property
+    def continuity(self) -> int: ...
+
+    @property
+    def joints(self) -> tuple[float, ...]: ...
+
+    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
+        """Lift (m) or its ``derivative``-th derivative, 0 to 3 (m per rad**derivative); the shape of ``cam_angle``."""
+        ...
+
+
+def after(start: float, cam_angle: ArrayLike) -> Array:
+    """Angle (rad) since ``start``, in [0, 2 pi)."""
+    since = np.mod(np.asarray(cam_angle, dtype=float) - start, TURN)
+    return np.where(since >= TURN, 0.0, since)
+
+
+def check_derivative(derivative: int) -> None:
+    """Raise :class:`InputError` unless ``derivative`` is 0, 1, 2 or 3."""
+    if derivative not in range(HIGHEST_DERIVATIVE + 1):
+        raise InputError(f"a lift law has derivatives 0 (lift) to {HIGHEST_DERIVATIVE} (jerk), not {derivative}; choose one of them")

@@ -1,0 +1,37 @@
+"""Compiled evaluation of a lift law in its flat form (`valvetrain.cam.pieces`)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def evaluate_pieces(cam_angle, breaks, coefficients):
+    """Lift, velocity and acceleration (m, m/rad, m/rad2) at one ``cam_angle`` (rad); flat arrays of :class:`PeriodicPieces`."""
+    turn = 2.0 * np.pi
+    since = (cam_angle - breaks[0]) % turn
+    angle = breaks[0] + since
+    low, high = 0, coefficients.shape[0]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if breaks[middle] <= angle:
+            low = middle
+        else:
+            high = middle
+    step = angle - breaks[low]
+    lift, velocity, acceleration = 0.0, 0.0, 0.0
+    for power in range(coefficients.shape[1] - 1, -1, -1):
+        acceleration = acceleration * step + 2.0 * velocity
+        velocity = velocity * step + lift
+        lift = lift * step + coefficients[low, power]
+    return lift, velocity, acceleration
+
+
+@njit(cache=True, nogil=True)
+def evaluate_pieces_many(cam_angles, breaks, coefficients):
+    """As :func:`evaluate_pieces` for an array of angles; shape (angles, 3)."""
+    values = np.empty((cam_angles.shape[0], 3))
+    for index in range(cam_angles.shape[0]):
+        values[index, 0], values[index, 1], values[index, 2] = evaluate_pieces(cam_angles[index], breaks, coefficients)
+    return values

@@ -1,0 +1,102 @@
+"""Periodic piecewise polynomials: the flat form of every lift law, which compiled kernels evaluate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from valvetrain.cam.contract import TURN, Array, LiftLaw, after, check_derivative
+from valvetrain.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicPieces:
+    """Polynomials in the angle since each break.
+
+    ``breaks`` (pieces + 1,) in cam rad, rising, over exactly one revolution; ``coefficients`` (pieces, order), ascending powers,
+    m per rad**power. Itself a lift law; ``continuity`` is what its maker vouches for.
+    """
+
+    breaks: Array
+    coefficients: Array
+    continuity: int = 2
+
+    def __post_init__(self) -> None:
+        breaks, coefficients = np.ascontiguousarray(self.breaks, dtype=float), np.ascontiguousarray(self.coefficients, dtype=float)
+        if coefficients.ndim != 2 or len(breaks) != len(coefficients) + 1 or not np.all(np.diff(breaks) > 0):
+            raise InputError("a piecewise law needs rising breaks, one more than it has pieces; correct them")
+        if abs(breaks[-1] - breaks[0] - TURN) > 1e-9:
+            raise InputError("a piecewise law must cover exactly one cam revolution; add the base circle as a piece")
+        for name, array in (("breaks", breaks), ("coefficients", coefficients)):
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        return tuple(float(angle) for angle in self.breaks[:-1])
+
+    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
+        check_derivative(derivative)
+        angle = self.breaks[0] + after(float(self.breaks[0]), cam_angle)
+        piece = np.clip(np.searchsorted(self.breaks, angle, side="right") - 1, 0, len(self.coefficients) - 1)
+        step, chosen = angle - self.breaks[piece], self.coefficients[piece]
+        total = np.zeros_like(step)
+        for power in range(self.coefficients.shape[1] - 1, derivative - 1, -1):
+            factor = float(np.prod(np.arange(power, power - derivative, -1)))
+            total = total * step + factor * chosen[..., power]
+        return total
+
+    def polynomial_pieces(self) -> PeriodicPieces:
+        """Itself."""
+        return self
+
+
+def quintic_pieces(breaks: Array, start: Array, end: Array) -> Array:
+    """Ascending coefficients (pieces, 6) of the quintics with lift, first and second derivative ``start`` and ``end``, each (pieces, 3)."""
+    width = np.diff(breaks)[:, None] ** np.arange(3)
+    (p0, v0, a0), (p1, v1, a1) = (start * width).T, (end * width).T
+    rise = p1 - p0
+    unit = np.stack(
+        [
+            p0,
+            v0,
+            a0 / 2,
+            10 * rise - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1,
+            -15 * rise + 8 * v0 + 7 * v1 + 1.5 * a0 - a1,
+            6 * rise - 3 * v0 - 3 * v1 - 0.5 * a0 + 0.5 * a1,
+        ],
+        axis=1,
+    )
+    scaled: Array = unit / np.diff(breaks)[:, None] ** np.arange(6)
+    return scaled
+
+
+def tabulate(law: LiftLaw, pieces: int = 720) -> PeriodicPieces:
+    """``law`` as periodic polynomials: exact where the law is piecewise polynomial, else quintics on ``pieces`` equal steps and its joints.
+
+    The quintics match lift, velocity and acceleration at every break; the error falls with the sixth power of the step.
+    """
+    exact = getattr(law, "polynomial_pieces", None)
+    if exact is not None:
+        made: PeriodicPieces = exact()
+        return made
+    start = law.joints[0] if law.joints else 0.0
+    nodes = np.concatenate([np.linspace(0.0, TURN, pieces + 1), after(start, np.asarray(law.joints, dtype=float))])
+    nodes = np.sort(nodes)
+    nodes = start + nodes[np.concatenate([[True], np.diff(nodes) > 1e-9])]
+    nodes[-1] = start + TURN
+    # Where the law is not smooth enough, values are taken just inside each piece.
+    inside = 0.0 if law.continuity >= 2 else 1e-9
+    first, last = nodes[:-1] + inside * np.diff(nodes), nodes[1:] - inside * np.diff(nodes)
+    ends = [np.stack([law.lift(angle, order) for order in range(3)], axis=1) for angle in (first, last)]
+    return PeriodicPieces(nodes, quintic_pieces(nodes, ends[0], ends[1]), min(law.continuity, 2))
+
+
+def with_base_circle(breaks: Array, coefficients: Array, continuity: int) -> PeriodicPieces:
+    """An event given over part of the revolution, completed by a piece of exactly zero lift."""
+    rest = breaks[0] + TURN - breaks[-1]
+    if rest < 1e-9:
+        return PeriodicPieces(np.append(breaks[:-1], breaks[0] + TURN), coefficients, continuity)
+    return PeriodicPieces(np.append(breaks, breaks[0] + TURN), np.vstack([coefficients, np.zeros(coefficients.shape[1])]), continuity)

@@ -1,0 +1,45 @@
+"""A main event between constant-velocity ramps."""
+
+from __future__ import annotations
+
+from valvetrain.cam.stations import Stations
+from valvetrain.errors import InputError
+
+
+def ramped(
+    *, maximum_lift: float, ramp_lift: float, ramp_start: float, event_start: float, event_end: float, ramp_end: float,
+    ramp_blend: float = 0.3, nose_acceleration: float | None = None,
+) -> Stations:  # fmt: skip
+    """Ramp of constant velocity to ``ramp_lift`` (m) at ``event_start``, quintic flanks to the nose half-way through the event, and back.
+
+    ``ramp_blend``: share of the ramp over which its velocity is built up. ``nose_acceleration`` (m/rad2, negative): None makes
+    the jerk vanish at the nose, for equal ramps. Angles in cam rad. Raises :class:`InputError` for events out of order.
+    """
+    if not ramp_start < event_start < event_end < ramp_end or not 0 < ramp_lift < maximum_lift or not 0 < ramp_blend <= 1:
+        raise InputError("ramp_start, event_start, event_end, ramp_end must rise and ramp_lift lie below maximum_lift; correct them")
+    half, rise = (event_end - event_start) / 2, maximum_lift - ramp_lift
+    opening, opened = ramp_states(ramp_lift, event_start - ramp_start, ramp_blend)
+    closing, closed = ramp_states(ramp_lift, ramp_end - event_end, ramp_blend)
+    if nose_acceleration is None:
+        nose_acceleration = -(60 * rise - 24 * (opening + closing) / 2 * half) / (9 * half**2)
+    angles = [ramp_start, ramp_start + ramp_blend * (event_start - ramp_start), event_start, event_start + half]
+    angles += [event_end, ramp_end - ramp_blend * (ramp_end - event_end), ramp_end]
+    rows = list(
+        zip(
+            angles,
+            (0.0, opened, ramp_lift, maximum_lift, ramp_lift, closed, 0.0),
+            (0.0, opening, opening, 0.0, -closing, -closing, 0.0),
+            (0.0, 0.0, 0.0, nose_acceleration, 0.0, 0.0, 0.0),
+            strict=True,
+        )
+    )
+    if ramp_blend == 1.0:
+        rows = [row for index, row in enumerate(rows) if index not in (1, 5)]
+    stations, lifts, velocities, accelerations = (tuple(map(float, column)) for column in zip(*rows, strict=True))
+    return Stations(cam_angles=stations, lifts=lifts, velocities=velocities, accelerations=accelerations)
+
+
+def ramp_states(ramp_lift: float, length: float, blend: float) -> tuple[float, float]:
+    """Velocity of the ramp (m/rad) and the lift (m) at which it is reached: half the velocity times the blend."""
+    velocity = ramp_lift / (length * (1 - blend / 2))
+    return velocity, velocity * blend * length / 2

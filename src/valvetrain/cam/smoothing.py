@@ -1,0 +1,45 @@
+"""Calms a measured lift table: the spline of least jerk within a given distance of the table."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from valvetrain.cam.contract import Array
+from valvetrain.errors import InputError
+
+
+def smoothed_spline(angles: Array, lifts: Array, degree: int, deviation: float) -> Any:
+    """B-spline (scipy) of least squared jerk at a root-mean-square distance ``deviation`` (m) from the table.
+
+    Its lift and first (degree - 1) / 2 derivatives are zero at both ends. Penalised regression; the weight of the jerk is found by bisection.
+    Raises :class:`InputError` when no curve between the table and a straight base circle is that far away.
+    """
+    from scipy.interpolate import BSpline
+
+    knots = np.concatenate([np.full(degree, angles[0]), angles, np.full(degree, angles[-1])])
+    held = (degree + 1) // 2
+    count = len(knots) - degree - 1
+    free = slice(held, count - held)
+    design = BSpline.design_matrix(angles, knots, degree).toarray()[:, free]
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    points = (angles[:-1, None] + np.diff(angles)[:, None] * (nodes + 1) / 2).ravel()
+    scale = np.sqrt((np.diff(angles)[:, None] * weights / 2).ravel())
+    jerk = BSpline(knots, np.eye(count), degree).derivative(3)(points)[:, free] * scale[:, None]
+    normal, penalty, right = design.T @ design, jerk.T @ jerk, design.T @ lifts
+    unit = np.trace(normal) / np.trace(penalty)
+
+    def fit(weight: float) -> tuple[Array, float]:
+        inner = np.linalg.lstsq(normal + weight * unit * penalty, right, rcond=None)[0]
+        return inner, float(np.sqrt(np.mean((design @ inner - lifts) ** 2)))
+
+    low, high = 1e-16, 1e8
+    if fit(high)[1] < deviation:
+        raise InputError(f"smoothing of {deviation * 1e3:g} mm would flatten the lift; give the noise of the table, such as 0.002 mm")
+    for _ in range(60):
+        weight = np.sqrt(low * high)
+        low, high = (weight, high) if fit(weight)[1] < deviation else (low, weight)
+    coefficients = np.zeros(count)
+    coefficients[free] = fit(low)[0]
+    return BSpline(knots, coefficients, degree)
