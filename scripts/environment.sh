@@ -55,7 +55,7 @@ complete() {
 }
 
 install() {
-    local pip=("$venv/bin/python" -m pip --disable-pip-version-check install --quiet --no-input)
+    local pip=("$venv/bin/python" -m pip --disable-pip-version-check install -qq --no-input)
     touch "$unfinished"
     say "Installing the versions pinned in $pins (a minute or two the first time)."
     if ! "${pip[@]}" --require-hashes -r "$pins" || ! "${pip[@]}" --no-deps --no-build-isolation -e .; then

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-import os
-import shutil
+import re
 
 import pytest
 
-PARTS = {"chromium": ("chromium", "chromium-browser", "google-chrome"), "calculix-ccx": ("ccx", "ccx_2.20", "ccx_2.21")}
+from architecture.house import ROOT
+from system_parts import PROGRAMS, program, under_ci
 
 
-@pytest.mark.skipif(os.environ.get("CI") != "true", reason="only continuous integration must have every program; run with CI=true to check")
-@pytest.mark.parametrize("part", PARTS)
-def test_every_program_is_there(part):
-    assert any(shutil.which(name) for name in PARTS[part]), f"install {part}; without it tests are left out"
+@pytest.mark.skipif(not under_ci(), reason="only continuous integration must have every program; run with CI=true to check")
+@pytest.mark.parametrize("marker", PROGRAMS)
+def test_every_program_is_there(marker):
+    assert program(marker), f"install {PROGRAMS[marker][1]}; without it tests are left out"
+
+
+def test_the_installer_and_the_tests_look_for_the_same_programs():
+    text = (ROOT / "scripts" / "system_parts.sh").read_text(encoding="utf-8")
+    listed = re.findall(r'"([\w. -]+)\|([\w-]+)\|', text)
+    assert listed == [(" ".join(names), package) for names, package in PROGRAMS.values()]
