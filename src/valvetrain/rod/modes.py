@@ -33,20 +33,17 @@ class RodModes:
     def axial_modes(self, count: int = 3) -> NDArray[np.int64]:
         """Indices of the first ``count`` axial (surge) modes.
 
-        Surge spreads over clusters of modes; each cluster is named by its strongest transmitter. Neighbours of the same
-        sign within a cluster belong together, since successive surge modes transmit with alternating sign.
+        Surge spreads over clusters of modes; each cluster is named by its strongest transmitter. Successive surge
+        modes transmit with alternating sign, so neighbours of one sign are one cluster.
         """
         size = np.abs(self.axial_transmission)
         found: list[int] = []
-        for index in np.flatnonzero(size > 0.12 * size.max(initial=0.0)):
-            same = found and np.sign(self.axial_transmission[found[-1]]) == np.sign(self.axial_transmission[index])
-            close = found and self.natural_frequency[index] < 1.25 * self.natural_frequency[found[-1]]
-            if not (same and close):
+        for index in np.flatnonzero((size > 0.12) & (self.natural_frequency > 0)):
+            if not found or np.sign(self.axial_transmission[found[-1]]) != np.sign(self.axial_transmission[index]):
                 found.append(int(index))
             elif size[index] > size[found[-1]]:
                 found[-1] = int(index)
-        strong = [n for n in found if size[n] > 0.3 * size.max()]
-        return np.array(strong[:count], dtype=np.int64)
+        return np.array(found[:count], dtype=np.int64)
 
 
 def natural_modes(statics: RodStatics, state: RodState, count: int = 24) -> RodModes:

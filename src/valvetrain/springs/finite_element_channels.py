@@ -89,6 +89,15 @@ def rod_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -
     return spring_channels(run.time, cam_speed * run.time, values, coil_number=coil, upper_coil=upper_coil, extra=FINE)
 
 
+def pair_values(model: FiniteElementRod, gaps: Array) -> tuple[Array, Array, Array]:
+    """Upper coil numbers (p,), smallest gap (m) and elastic contact force (N), both (steps, p), from gaps (steps, groups, nv)."""
+    mesh = model.mesh
+    pairs, upper_coil, pair_of = _pair_bins(mesh)
+    overlap = np.maximum(-np.where(np.isfinite(gaps), gaps, 0.0), 0.0)
+    pressed = model.dynamics.contact_stiffness * np.sum(mesh.contact.length * overlap, axis=1)
+    return upper_coil, _least(gaps[:, :, pairs].min(axis=1), pair_of, len(upper_coil)), _sum(pressed[:, pairs], pair_of, len(upper_coil))
+
+
 def _pair_bins(mesh: RodMesh) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:
     """Vertices with a partner, the even upper coil numbers, and the bin of each such vertex."""
     pairs = np.flatnonzero(mesh.contact.points.any(axis=0))
