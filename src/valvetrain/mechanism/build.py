@@ -25,7 +25,8 @@ def build_mechanism(train: TrainParameters, law: Any, lift_of: str = "tappet") -
 
     Raises :class:`InputError` for geometry that cannot work, lash larger than the lift, or a missing contact law.
     """
-    laws = {place: build_contact_law(train.contact(place).law, **train.contact(place).values) for place in PLACES[train.kind]}
+    places = [place for place in PLACES[train.kind] if place != "tappet" or train.follower.mass > 0]
+    laws = {place: build_contact_law(train.contact(place).law, **train.contact(place).values) for place in places}
     if train.kind == "direct":
         planar = build_direct(train, law, laws)
     elif train.kind == "pushrod":

@@ -86,9 +86,9 @@ def tip_ratio(train: TrainParameters, tip: tuple[float, ...], sign: float, reach
 def lever_bodies(train: TrainParameters, lever: LeverParameters) -> tuple[list[Coordinate], list[Interaction], str, str]:
     """One turning body, or two halves joined by a torsion link when the lever is elastic: parts, links, driven and driving names."""
     if lever.stiffness is None:
-        return [Coordinate("lever", lever.inertia, unit="rad")], [], "lever", "lever"
+        return [Coordinate("lever", lever.inertia, "rad", -lever.holding_torque)], [], "lever", "lever"
     twist = ElasticLink(lever.stiffness * lever.valve_arm**2, lever.damping * lever.valve_arm**2)
-    halves = [Coordinate("lever", lever.inertia / 2, unit="rad"), Coordinate("lever tip", lever.inertia / 2, unit="rad")]
+    halves = [Coordinate("lever", lever.inertia / 2, "rad", -lever.holding_torque), Coordinate("lever tip", lever.inertia / 2, unit="rad")]
     return halves, [Interaction("lever bending", LINEAR, ("lever", "lever tip"), (0.0, 1.0, -1.0), twist)], "lever", "lever tip"
 
 

@@ -35,25 +35,33 @@ def build_pushrod(train: TrainParameters, law: Any, laws: dict[str, Any], law_of
     else:
         reach = math.sqrt((cam.base_radius + follower.radius) ** 2 - follower.offset**2)
     origin = (follower.offset, reach)
+    upper, lower, rods = _rod_parts(train)
+    own_tappet = follower.mass > 0
     contact, table = cam_contact(
-        sliding_row(origin, (0.0, 1.0)), ("tappet",), follower, laws["cam"], angle, (np.full_like(angle, origin[0]), origin[1] + lift),
+        sliding_row(origin, (0.0, 1.0)), ("tappet" if own_tappet else lower,), follower, laws["cam"], angle, (np.full_like(angle, origin[0]), origin[1] + lift),
         np.zeros_like(angle), math.pi / 2 + follower.tilt, cam.rotation,
     )  # fmt: skip
     support, support_links, direction, support_name = support_parts(train, lever.mass)
     bodies, bars, driven, driving = lever_bodies(train, lever)
-    upper, lower, rods = _rod_parts(train)
     ball = (lever.pivot[0] + arm[0], lever.pivot[1] + arm[1])
     length = math.dist(ball, rod.lower_end)
     row = [*turning_row(lever.pivot, (arm[0], arm[1]), sign, direction), *rod.lower_end, 0.0, 1.0, length, 0.0]
     socket = Interaction("rocker", DISTANCE, (driven, support_name, upper, lower), tuple(row), laws["rocker"])
-    joint = Interaction("tappet", LINEAR, ("tappet", lower), (0.0, 1.0, -1.0), laws["tappet"])
-    tappet = Coordinate("tappet", follower.mass, force=follower.mass * train.gravity[1], damping=follower.damping, friction=follower.friction)
+    tappets, joints = _tappet_parts(train, lower, laws) if own_tappet else ([], [])
     parts, links, valve, retainer = valve_parts(train, laws)
     tip_contact = valve_tip_contact(train, tip, sign, direction, (driving, support_name, retainer), laws["valve_tip"])
     return AssembledMechanism(
-        "pushrod", (tappet, *rods[0], *bodies, *support, *parts),
-        (contact, joint, socket, tip_contact, *rods[1], *bars, *support_links, *links), {"cam contour": table}, valve, retainer, kinematics,
+        "pushrod", (*tappets, *rods[0], *bodies, *support, *parts),
+        (contact, *joints, socket, tip_contact, *rods[1], *bars, *support_links, *links), {"cam contour": table}, valve, retainer, kinematics,
     )  # fmt: skip
+
+
+def _tappet_parts(train: TrainParameters, lower: str, laws: dict[str, Any]) -> tuple[list[Coordinate], list[Interaction]]:
+    """A tappet of its own between cam and pushrod; without a mass the pushrod's end rides on the cam itself."""
+    follower = train.follower
+    weight = follower.mass * train.gravity[1]
+    tappet = Coordinate("tappet", follower.mass, force=weight, damping=follower.damping, friction=follower.friction)
+    return [tappet], [Interaction("tappet", LINEAR, ("tappet", lower), (0.0, 1.0, -1.0), laws["tappet"])]
 
 
 def _rod_parts(train: TrainParameters) -> tuple[str, str, tuple[list[Coordinate], list[Interaction]]]:

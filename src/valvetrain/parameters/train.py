@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import FrozenMapping
+from valvetrain.parameters.spring import SpringDefinition
 
 TrainKind = Literal["direct", "finger", "rocker", "pushrod"]
 TrainModel = Literal["planar", "lumped", "single-mass"]
@@ -83,7 +84,8 @@ class LeverParameters:
     ``drive_arm`` (m): pivot to the centre of the cam pad's arc, or to the pushrod ball. ``drive_angle`` (rad): its polar direction when
     the valve is closed; None lets the base circle decide (cam-driven levers), ``drive_side`` +1 or -1 then picks one of the two
     solutions. ``valve_arm``, ``valve_angle``: pivot to the centre of the tip's arc. ``inertia`` (kg m2) about the pivot; ``mass`` (kg)
-    that rides on the support. ``stiffness`` (N/m) at the valve tip, None for rigid; ``damping`` (N s/m) likewise.
+    that rides on the support. ``stiffness`` (N/m) at the valve tip, None for rigid; ``damping`` (N s/m) likewise. ``holding_torque``
+    (N m) of a hairpin spring presses the lever towards the cam or pushrod, so that it does not float in the lash.
     """
 
     pivot: tuple[float, float]
@@ -96,10 +98,11 @@ class LeverParameters:
     mass: float = 0.0
     stiffness: float | None = None
     damping: float = 0.0
+    holding_torque: float = 0.0
 
     def __post_init__(self) -> None:
         _positive(self, "lever", "drive_arm", "valve_arm", "inertia")
-        _not_negative(self, "lever", "mass", "damping")
+        _not_negative(self, "lever", "mass", "damping", "holding_torque")
         if self.stiffness is not None:
             _positive(self, "lever", "stiffness")
 
@@ -139,7 +142,7 @@ class ValveParameters:
     """``mass`` (kg) of valve, retainer and keepers; ``opening_direction`` polar angle (rad) of the opening motion.
 
     ``stem_stiffness`` (N/m), None for rigid, joins the head (``head_fraction`` of the mass) to the tip; ``damping`` (N s/m) and
-    ``friction`` (N) act in the guide; ``face_area`` (m2) is what gas presses on.
+    ``friction`` (N) act in the guide.
     """
 
     mass: float
@@ -196,12 +199,37 @@ class CrankParameters:
             raise InputError("the connecting rod must be longer than crank radius plus offset, or the crank cannot turn")
 
 
+@dataclass(frozen=True, slots=True)
+class InstalledSpring:
+    """A wire definition as it stands in the engine: ``installed_height`` (m) between its seats with the valve closed."""
+
+    definition: SpringDefinition
+    installed_height: float
+
+    def __post_init__(self) -> None:
+        if not self.definition.solid_height < self.installed_height <= self.definition.free_length:
+            raise InputError(
+                f"installed_height {self.installed_height * 1e3:g} mm of spring '{self.definition.name}' must lie between its solid height "
+                f"{self.definition.solid_height * 1e3:.2f} mm and its free length {self.definition.free_length * 1e3:.2f} mm"
+            )
+
+    @property
+    def name(self) -> str:
+        """Name of the spring."""
+        return self.definition.name
+
+    @property
+    def precompression(self) -> float:
+        """Compression (m) with the valve closed."""
+        return self.definition.free_length - self.installed_height
+
+
 @dataclass(frozen=True)
 class TrainParameters:
     """One valvetrain. ``model``: planar rigid bodies with the true cam profile, lumped masses with constant ratios, or a single mass.
 
     ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and ``rocker``. ``springs``: sets of springs by
-    name, each a tuple of one or two spring definitions or cards (outer first); ``spring_set`` is the one in use and ``spring_model`` the word
+    name, each a tuple of one or two :class:`InstalledSpring` or :class:`SpringCard` (outer first); ``spring_set`` is the one in use and ``spring_model`` the word
     for its fidelity. ``spring_options``: keyword arguments of spring models (damping, masses). ``gravity``: vector (m/s2).
     """
 
@@ -236,7 +264,7 @@ class TrainParameters:
             raise InputError(f"a {self.kind} train needs a lever; add its table")
         if self.kind == "pushrod" and self.pushrod is None:
             raise InputError("a pushrod train needs a pushrod; add its table")
-        if self.kind in ("direct", "pushrod") and not self.follower.mass > 0:
+        if self.kind == "direct" and not self.follower.mass > 0:
             raise InputError(f"the follower of a {self.kind} train slides and needs a positive mass; it is {self.follower.mass:g} kg")
         if self.spring_set and self.spring_set not in self.springs:
             raise InputError(f"spring set '{self.spring_set}' is unknown; the case holds {', '.join(self.springs) or 'none'}")

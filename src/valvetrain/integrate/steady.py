@@ -1,0 +1,119 @@
+"""Periodic steady state of any cycle map: plain repetition, Anderson acceleration, and the period of what never settles.
+
+Works on plain vectors and a callable ``cycle(vector) -> vector``, so it is judged on toy maps as well as on trains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+CycleMap = Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """How a search for the periodic orbit ended.
+
+    ``state``: vector at the start of the last cycle run. ``residuals``: weighted change over each cycle run. ``period``: cycles
+    after which the motion repeats: 1 settled, 2 and more sub-harmonic, 0 none found. ``cycles``: cycles run. ``method`` as asked.
+    """
+
+    state: Array
+    residuals: tuple[float, ...]
+    period: int
+    cycles: int
+    method: str
+    tolerance: float
+
+    @property
+    def converged(self) -> bool:
+        """True when every cycle repeats the one before."""
+        return self.period == 1
+
+
+def residual_norm(change: Array, weights: Array) -> float:
+    """Weighted maximum norm: 1 means a change as large as the scale of its unknown."""
+    return float(np.max(np.abs(change) * weights, initial=0.0))
+
+
+def repeat_cycles(
+    cycle: CycleMap, start: Array, weights: Array, tolerance: float = 1e-6, cycles: int = 60, longest_period: int = 8
+) -> SteadyState:
+    """Repeat until a cycle changes the state by less than ``tolerance`` (the classical method).
+
+    When ``cycles`` are spent, the last states are compared over 2, 3, ... ``longest_period`` cycles (tolerance times ten, since the
+    approach to a sub-harmonic is no faster than to a settled orbit).
+    """
+    states, residuals = [np.array(start, dtype=float)], []
+    for _ in range(cycles):
+        states.append(cycle(states[-1]))
+        residuals.append(residual_norm(states[-1] - states[-2], weights))
+        if residuals[-1] <= tolerance:
+            return SteadyState(states[-1], tuple(residuals), 1, len(residuals), "repeat", tolerance)
+        if not np.all(np.isfinite(states[-1])):
+            break
+    return SteadyState(states[-1], tuple(residuals), _period(states, weights, tolerance, longest_period), len(residuals), "repeat", tolerance)
+
+
+def accelerate(
+    cycle: CycleMap, start: Array, weights: Array, tolerance: float = 1e-6, cycles: int = 60, memory: int = 6, settle: int = 2,
+    longest_period: int = 8,
+) -> SteadyState:  # fmt: skip
+    """Anderson acceleration of the cycle map (D. G. Anderson, J. ACM 12 (1965) 547; Walker and Ni, SIAM J. Numer. Anal. 49 (2011)).
+
+    ``settle`` plain cycles first; then each new start is the combination of the last ``memory`` cycles with the least residual.
+    A step that raises the residual tenfold clears the memory. Falls back to plain cycles, and looks for a sub-harmonic, when half of
+    ``cycles`` are spent.
+    """
+    x, residuals = np.array(start, dtype=float), []
+    inputs: list[Array] = []
+    changes: list[Array] = []
+    best, allowance = np.inf, max(cycles // 2, settle + 2)
+    for count in range(allowance):
+        image = cycle(x)
+        change = image - x
+        residuals.append(residual_norm(change, weights))
+        if residuals[-1] <= tolerance:
+            return SteadyState(image, tuple(residuals), 1, len(residuals), "anderson", tolerance)
+        if not np.isfinite(residuals[-1]):
+            break
+        if count < settle:
+            x = image
+            continue
+        if residuals[-1] > 10 * best:
+            inputs, changes, x, best = [], [], image, residuals[-1]
+            continue
+        best = min(best, residuals[-1])
+        inputs, changes = [*inputs, x][-memory:], [*changes, change][-memory:]
+        x = _mixed(inputs, changes, weights)
+    rest = repeat_cycles(cycle, x, weights, tolerance, max(cycles - len(residuals), 2 * longest_period), longest_period)
+    residuals.extend(rest.residuals)
+    return SteadyState(rest.state, tuple(residuals), rest.period, len(residuals), "anderson", tolerance)
+
+
+def _mixed(inputs: list[Array], changes: list[Array], weights: Array) -> Array:
+    """Next start: image of the affine combination of past starts with the least weighted change."""
+    if len(inputs) == 1:
+        return inputs[0] + changes[0]
+    moved = np.array([(changes[-1] - past) * weights for past in changes[:-1]]).T
+    factors, *_ = np.linalg.lstsq(moved, changes[-1] * weights, rcond=1e-10)
+    result = inputs[-1] + changes[-1]
+    for factor, start, change in zip(factors, inputs[:-1], changes[:-1], strict=True):
+        result = result - factor * ((inputs[-1] + changes[-1]) - (start + change))
+    return result
+
+
+def _period(states: list[Array], weights: Array, tolerance: float, longest: int) -> int:
+    """Smallest number of cycles after which the last states repeat, 0 when none does."""
+    for period in range(1, longest + 1):
+        if len(states) < 2 * period + 1:
+            break
+        pairs = [residual_norm(states[-1 - k] - states[-1 - k - period], weights) for k in range(period)]
+        if max(pairs) <= 10 * tolerance:
+            return period
+    return 0

@@ -1,0 +1,98 @@
+"""Periodic steady state of a train: its cycle map on a scaled state vector, by repetition or Anderson acceleration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.integrate.steady import SteadyState, accelerate, repeat_cycles
+from valvetrain.integrate.train_run import CycleRecord, TrainRunner, TrainState
+from valvetrain.solution.status import Status
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-5
+"""Largest change per cycle, relative to the lift (positions) and to lift times cam speed (velocities)."""
+
+
+@dataclass(frozen=True)
+class SteadyTrain:
+    """The last cycle of a train with how it settled; ``record`` follows from ``start``."""
+
+    runner: TrainRunner
+    search: SteadyState
+    start: TrainState
+    record: CycleRecord
+    records: tuple[CycleRecord, ...] = ()
+
+    @property
+    def status(self) -> Status:
+        """Completed, diverged, or not converged with the period found."""
+        if not self.record.status.completed:
+            return self.record.status
+        if self.search.converged:
+            return self.record.status
+        period = self.search.period
+        words = f"repeats every {period} cycles (sub-harmonic)" if period > 1 else "repeats after no number of cycles up to 8"
+        time = self.search.cycles * self.runner.steps * self.runner.time_step
+        return Status(
+            "not-converged", f"the motion {words}; last change {self.search.residuals[-1]:.1e}", time, "train",
+            "bounce or float at this speed is real if a smaller step shows it too; raise the number of cycles otherwise",
+        )  # fmt: skip
+
+
+def steady_train(
+    runner: TrainRunner, method: str = "anderson", tolerance: float = TOLERANCE, cycles: int = 60, start: TrainState | None = None
+) -> SteadyTrain:
+    """Search the periodic orbit from ``start`` (static equilibrium by default), then record one more cycle.
+
+    ``method``: ``repeat`` (the classical one) or ``anderson``. The record of the last cycle of a train that does not settle is given
+    with its status saying so.
+    """
+    template = [start or runner.initial_state()]
+
+    def cycle(vector: Array) -> Array:
+        end, record = runner.cycle(_unpack(vector, template[0], runner))
+        template[0] = replace(end, cam_angle=0.0)
+        return _pack(end, runner) if record.status.code != "diverged" or np.all(np.isfinite(record.q)) else np.full_like(vector, np.nan)
+
+    vector, weights = _pack(template[0], runner), _weights(template[0], runner)
+    search = (accelerate if method == "anderson" else repeat_cycles)(cycle, vector, weights, tolerance, cycles)
+    # the last image is the state the compiled loop itself left behind, its bookkeeping included
+    first = template[0] if np.all(np.isfinite(search.state)) else (start or runner.initial_state())
+    _, record = runner.cycle(first)
+    return SteadyTrain(runner, search, first, record)
+
+
+def _split(state: TrainState, runner: TrainRunner) -> list[tuple[Array, int]]:
+    """Spring states with the number of entries that belong to the motion (positions and velocities)."""
+    return [(values, 2 * spring.unknowns) for values, spring in zip(state.springs, runner.springs, strict=True)]
+
+
+def _pack(state: TrainState, runner: TrainRunner) -> Array:
+    return np.concatenate([state.q, state.v, *[values[:count] for values, count in _split(state, runner)]])
+
+
+def _unpack(vector: Array, template: TrainState, runner: TrainRunner) -> TrainState:
+    state = template.copy()
+    place = len(state.q)
+    state.q[:], state.v[:] = vector[:place], vector[place : 2 * place]
+    place *= 2
+    for values, count in _split(state, runner):
+        values[:count] = vector[place : place + count]
+        place += count
+    return state
+
+
+def _weights(state: TrainState, runner: TrainRunner) -> Array:
+    """One over the scale of every unknown: lift for lengths, a quarter radian for levers, times the cam speed for velocities."""
+    kinematics = runner.system.mechanism.kinematics
+    lift = max(kinematics.maximum_lift if kinematics is not None else 0.0, 1e-4)
+    units = [0.25 if part.unit == "rad" else lift for part in runner.system.mechanism.coordinates]
+    scales = [np.array(units), np.array(units) * runner.cam_speed]
+    for _, count in _split(state, runner):
+        half = count // 2
+        scales.append(np.concatenate((np.full(half, lift), np.full(count - half, lift * runner.cam_speed))))
+    return 1 / np.concatenate(scales)
