@@ -42,7 +42,7 @@ bench: environment-run
 	$(ONE_THREAD) $(BIN)/python -m benchmarks $(ARGS)
 
 identify: environment-run
-	$(BIN)/python -m valvetrain.studies.identify_beehive $(ARGS)
+	$(BIN)/python scripts/identify_beehive.py $(ARGS)
 
 lint: environment-test
 	$(BIN)/ruff check .
