@@ -44,14 +44,15 @@ def compare(
 
 def _find(value: PublishedValue, model: str, quantities: Mapping[Quantity, float]) -> float | None:
     speed = value.engine_speed
-    mine = {key.name: number for key, number in quantities.items() if key.model == model and _same_speed(key.engine_speed, speed)}
+    mine = {key.name: number for key, number in quantities.items() if key.model == model and same_speed(key.engine_speed, speed)}
     if _CLASH.fullmatch(value.quantity):
         angles = [number for name, number in mine.items() if _CLASH.fullmatch(name)]
         return min(angles, key=lambda angle: abs(_turn_difference(angle - value.value)), default=None)
     return mine.get(value.quantity)
 
 
-def _same_speed(one: float | None, other: float | None) -> bool:
+def same_speed(one: float | None, other: float | None) -> bool:
+    """True for two engine speeds (rad/s) that agree to 0.01 %, or that are both absent."""
     if one is None or other is None:
         return one is other
     return abs(one - other) <= 1e-4 * max(abs(one), abs(other))

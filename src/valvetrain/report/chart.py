@@ -1,0 +1,162 @@
+"""What a figure shows, free of any drawing library: panels of lines, marks and maps.
+
+Two renderers read it: ``plotly_chart`` for the page and ``svg_chart`` for the picture files, so both show the same data.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.report import theme
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A curve; ``dash`` is solid, dash or dot; ``label`` is written beside its end where ``direct`` is set."""
+
+    x: Array
+    y: Array
+    name: str
+    colour: str
+    width: float = 1.7
+    dash: str = "solid"
+    in_legend: bool = True
+    direct: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Marks:
+    """Single points, published values or events, each with a text beside it (empty for none)."""
+
+    x: Array
+    y: Array
+    name: str
+    colour: str
+    symbol: str = "circle"
+    labels: tuple[str, ...] = ()
+    in_legend: bool = True
+    filled: bool = False
+    size: float = 9.0
+
+
+@dataclass(frozen=True, eq=False)
+class HeatMap:
+    """``z`` (y, x) as colour, from zero; the scale is drawn out at small values, the numbers stay as they are."""
+
+    x: Array
+    y: Array
+    z: Array
+    name: str
+    unit: str
+    power: float = 0.5
+    colours: tuple[str, ...] = theme.SEQUENTIAL
+
+
+Layer = Line | Marks | HeatMap
+
+
+@dataclass(frozen=True, slots=True)
+class Band:
+    """A lightly shaded stretch of the x axis with a word on top."""
+
+    first: float
+    last: float
+    words: str
+    shaded: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A thin line across the panel at ``value`` of axis ``x`` or ``y``, with a word."""
+
+    axis: str
+    value: float
+    words: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One pair of axes. Ranges are (low, high) or None for what the data need; labels carry the unit."""
+
+    x_label: str
+    y_label: str
+    layers: tuple[Layer, ...]
+    title: str = ""
+    bands: tuple[Band, ...] = ()
+    rules: tuple[Rule, ...] = ()
+    x_range: tuple[float, float] | None = None
+    y_range: tuple[float, float] | None = None
+    x_step: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """A figure: ``panels`` filled row by row into ``columns``; ``height`` in pixels of the page."""
+
+    key: str
+    title: str
+    caption: str
+    panels: tuple[Panel, ...]
+    columns: int = 1
+    height: int = 380
+    legend: bool = True
+
+    @property
+    def rows(self) -> int:
+        """Rows of panels."""
+        return -(-len(self.panels) // self.columns)
+
+
+def visible_range(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Axis ranges of a panel: those given, else what its layers need (y with a margin, from what x shows)."""
+    x_values = [np.asarray(layer.x, dtype=float) for layer in panel.layers]
+    x_range = panel.x_range or _limits(x_values, 0.0)
+    if panel.y_range is not None:
+        return x_range, panel.y_range
+    y_values = []
+    for layer, x in zip(panel.layers, x_values, strict=True):
+        y = np.asarray(layer.y, dtype=float)
+        y_values.append(y if isinstance(layer, HeatMap) else y[(x >= x_range[0]) & (x <= x_range[1])])
+    maps = any(isinstance(layer, HeatMap) for layer in panel.layers)
+    return x_range, _limits(y_values, 0.0 if maps else 0.07)
+
+
+def _limits(arrays: list[Array], margin: float) -> tuple[float, float]:
+    joined = np.concatenate([array[np.isfinite(array)].ravel() for array in arrays]) if arrays else np.zeros(0)
+    if joined.size == 0:
+        return 0.0, 1.0
+    low, high = float(joined.min()), float(joined.max())
+    room = (high - low) * margin
+    if high - low <= 1e-12 * max(abs(high), abs(low), 1e-300):
+        room = 0.5 * abs(high) or 1.0
+    return low - room, high + room
+
+
+def legend_entries(chart: Chart) -> list[Line | Marks]:
+    """The lines and marks that need a key, each name once."""
+    seen: dict[str, Line | Marks] = {}
+    for panel in chart.panels:
+        for layer in panel.layers:
+            if isinstance(layer, (Line, Marks)) and layer.in_legend and layer.name:
+                seen.setdefault(layer.name, layer)
+    return list(seen.values())
+
+
+def thin(x: Array, y: Array, limit: int = 2000) -> tuple[Array, Array]:
+    """At most about ``limit`` points of a curve, the smallest and largest of every stretch among them, so no spike is lost."""
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    if len(x) <= limit:
+        return x, y
+    size = int(np.ceil(2 * len(x) / limit))
+    starts = np.arange(0, len(x), size)
+    keep = [np.array([0, len(x) - 1])]
+    full = [start for start in starts if np.any(np.isfinite(y[start : start + size]))]
+    for pick in (np.nanargmin, np.nanargmax):
+        keep.append(np.array([start + int(pick(y[start : start + size])) for start in full]))
+    index = np.unique(np.concatenate(keep).astype(int))
+    return x[index], y[index]

@@ -1,0 +1,76 @@
+"""The table computed / published / difference / role / verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from valvetrain.report import theme
+from valvetrain.report.page import Cell, Grid
+from valvetrain.report.table import Table, table
+from valvetrain.report.words import in_unit, number, quantity_words, speed_words
+from valvetrain.solution.comparison import Comparison
+
+HEADERS = ("quantity", "published by", "published", "computed by", "computed", "difference", "", "unit", "role", "verdict")
+
+
+def comparison_table(rows: Sequence[Comparison]) -> Table:
+    """All rows as a table in the units shown, for ``comparison.csv``."""
+
+    def shown(value: float | None, unit: str) -> float | None:
+        return None if value is None else in_unit(value, unit)
+
+    def words(values: list[object]) -> np.ndarray:
+        return np.array(values, dtype=object)
+
+    return table(
+        ("quantity", "", words([row.quantity for row in rows])),
+        ("engine speed", "rpm", words([None if row.engine_speed is None else float(speed_words(row.engine_speed)[:-4]) for row in rows])),
+        ("published by", "", words([row.origin for row in rows])), ("published", "", words([shown(row.published, row.unit) for row in rows])),
+        ("computed by", "", words([row.model for row in rows])), ("computed", "", words([shown(row.computed, row.unit) for row in rows])),
+        ("difference", "", words([shown(row.difference, row.unit) for row in rows])), ("unit", "", words([row.unit for row in rows])),
+        ("relative difference", "", words([row.relative_difference for row in rows])),
+        ("tolerance", "", words([shown(row.tolerance, row.unit) for row in rows])), ("role", "", words([row.role for row in rows])),
+        ("verdict", "", words([row.verdict for row in rows])), ("source", "", words([row.source for row in rows])),
+    )  # fmt: skip
+
+
+def comparison_grid(rows: Sequence[Comparison]) -> Grid:
+    """The same for the page, grouped by engine speed, statics and modes first."""
+    lines: list[tuple[tuple[Cell, ...], str]] = []
+    speeds = sorted({row.engine_speed for row in rows}, key=lambda speed: -1.0 if speed is None else speed)
+    for speed in speeds:
+        lines.append(((Cell("Statics and modes" if speed is None else f"Engine speed {speed_words(speed)}"),), ""))
+        lines += [(_cells(row), row.role) for row in rows if row.engine_speed == speed]
+    roles = tuple(dict.fromkeys(row.role for row in rows))
+    return Grid(HEADERS, tuple(lines), roles if len(roles) > 1 else ())
+
+
+def _cells(row: Comparison) -> tuple[Cell, ...]:
+    sign, words, _, _ = theme.origin_style(row.origin)
+    relative = row.relative_difference
+    wraps = row.unit == "deg" and row.quantity.endswith("_cam_angle")
+    share = "" if relative is None or wraps else f"{100 * relative:+.1f} %".replace("-", "−")
+    difference = "–" if row.difference is None else _signed(in_unit(row.difference, row.unit))
+    return (
+        Cell(quantity_words(row.quantity), hint=row.quantity), Cell(sign, "tag", words), Cell(_in(row.published, row.unit), "number"),
+        Cell(theme.model_words(row.model) if row.model else "", "quiet"), Cell(_in(row.computed, row.unit), "number"),
+        Cell(difference, "number"), Cell(share, "number quiet"), Cell(row.unit, "quiet"), Cell(row.role, "quiet"),
+        Cell(row.verdict, tone(row), row.source),
+    )  # fmt: skip
+
+
+def tone(row: Comparison) -> str:
+    """``good`` or ``bad`` where a tolerance or bound decides, ``quiet`` where nothing was stated."""
+    if row.verdict.startswith("within"):
+        return "good"
+    return "bad" if row.verdict.startswith(("misses", "beyond")) else "quiet"
+
+
+def _in(value: float | None, unit: str) -> str:
+    return "–" if value is None else number(in_unit(value, unit))
+
+
+def _signed(value: float) -> str:
+    return ("+" if value > 0 else "") + number(value, 3)

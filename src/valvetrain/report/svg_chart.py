@@ -1,0 +1,244 @@
+"""Charts as SVG pictures, written directly: no drawing library to load, a few milliseconds a figure.
+
+docs/decisions records the timing that spoke for this against matplotlib and kaleido.
+"""
+
+from __future__ import annotations
+
+import base64
+import struct
+import zlib
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.report import theme
+from valvetrain.report.chart import Chart, HeatMap, Line, Marks, Panel, legend_entries, visible_range
+
+Array = NDArray[np.float64]
+WIDTH = 960
+_TITLE, _LEGEND, _LEFT, _RIGHT, _BOTTOM, _GAP_X, _GAP_Y = 30, 24, 64, 22, 46, 74, 66
+_DASHES = {"solid": "", "dash": ' stroke-dasharray="6 4"', "dot": ' stroke-dasharray="2 3"'}
+
+
+class _Frame:
+    """One panel's place on the picture and the way from its numbers to pixels."""
+
+    def __init__(self, panel: Panel, left: float, top: float, wide: float, high: float) -> None:
+        self.panel, self.left, self.top, self.wide, self.high = panel, left, top, wide, high
+        self.x_range, self.y_range = visible_range(panel)
+
+    def x(self, value: Array | float) -> Array:
+        low, high = self.x_range
+        return self.left + (np.asarray(value, dtype=float) - low) / (high - low) * self.wide
+
+    def y(self, value: Array | float) -> Array:
+        low, high = self.y_range
+        return self.top + self.high - (np.asarray(value, dtype=float) - low) / (high - low) * self.high
+
+
+def svg(chart: Chart) -> str:
+    """The chart as one SVG document without any outside reference."""
+    height = chart.height + _TITLE
+    maps = any(isinstance(layer, HeatMap) for panel in chart.panels for layer in panel.layers)
+    right = _RIGHT + (84 if maps else 0)
+    top = _TITLE + (_LEGEND if chart.legend and legend_entries(chart) else 0) + 26
+    wide = (WIDTH - _LEFT - right - (chart.columns - 1) * _GAP_X) / chart.columns
+    high = (height - top - _BOTTOM - (chart.rows - 1) * _GAP_Y) / chart.rows
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}" '
+        f'font-family="{escape(theme.FONT, quote=True)}" font-size="12" fill="{theme.INK}">',
+        f'<rect width="{WIDTH}" height="{height}" fill="{theme.PAPER}"/>',
+        _text(_LEFT, 21, chart.title, size=15, weight=600),
+    ]
+    if chart.legend:
+        parts.append(_legend(chart))
+    for index, panel in enumerate(chart.panels):
+        row, column = divmod(index, chart.columns)
+        frame = _Frame(panel, _LEFT + column * (wide + _GAP_X), top + row * (high + _GAP_Y), wide, high)
+        parts += _panel(frame, f"{chart.key}-{index}")
+    return "\n".join([*parts, "</svg>\n"])
+
+
+def ticks(low: float, high: float, count: int = 6, step: float | None = None) -> tuple[Array, int]:
+    """Round tick values inside ``low`` to ``high`` and the decimals they need."""
+    raw = (high - low) / count
+    if step is None:
+        scale = 10.0 ** np.floor(np.log10(raw))
+        step = float(next(nice * scale for nice in (1, 2, 2.5, 5, 10) if nice * scale >= raw))
+    values = np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step
+    decimals = max(0, -int(np.floor(np.log10(step) + 1e-9)))
+    if abs(step * 10**decimals - round(step * 10**decimals)) > 1e-9:
+        decimals += 1
+    return values, decimals
+
+
+def _panel(frame: _Frame, name: str) -> list[str]:
+    panel = frame.panel
+    parts = [_bands(frame), _grid(frame)]
+    clip = f'<clipPath id="{name}"><rect x="{frame.left:.1f}" y="{frame.top:.1f}" width="{frame.wide:.1f}" height="{frame.high:.1f}"/></clipPath>'
+    parts.append(clip + f'<g clip-path="url(#{name})">')
+    for layer in panel.layers:
+        if isinstance(layer, HeatMap):
+            parts.append(_heat(frame, layer))
+        elif isinstance(layer, Line):
+            parts.append(_line(frame, layer))
+    parts.append("</g>")
+    parts += [_rules(frame)]
+    parts += [_marks(frame, layer) for layer in panel.layers if isinstance(layer, Marks)]
+    parts += [_direct(frame, layer) for layer in panel.layers if isinstance(layer, Line) and layer.direct and len(layer.x)]
+    parts += [_colour_bar(frame, layer) for layer in panel.layers if isinstance(layer, HeatMap)]
+    if panel.title:
+        parts.append(_text(frame.left, frame.top - (20 if panel.bands else 7), panel.title, size=12.5, weight=600))
+    return parts
+
+
+def _text(
+    x: float, y: float, words: str, *, size: float = 11.5, colour: str = theme.INK, anchor: str = "start", weight: int = 400, turn: bool = False
+) -> str:
+    turned = f' transform="rotate(-90 {x:.1f} {y:.1f})"' if turn else ""
+    look = f'font-size="{size}" fill="{colour}" text-anchor="{anchor}"' + (f' font-weight="{weight}"' if weight != 400 else "")
+    return f'<text x="{x:.1f}" y="{y:.1f}" {look}{turned}>{escape(words)}</text>'
+
+
+def _grid(frame: _Frame) -> str:
+    parts, base = [], frame.top + frame.high
+    values, decimals = ticks(*frame.y_range, count=max(3, int(frame.high / 45)))
+    for value, place in zip(values, frame.y(values), strict=True):
+        parts.append(f'<path d="M{frame.left:.1f} {place:.1f}h{frame.wide:.1f}" stroke="{theme.GRID}"/>')
+        parts.append(_text(frame.left - 7, place + 4, f"{value + 0.0:.{decimals}f}", colour=theme.MUTED, anchor="end"))
+    values, decimals = ticks(*frame.x_range, count=max(3, int(frame.wide / 75)), step=frame.panel.x_step)
+    for value, place in zip(values, frame.x(values), strict=True):
+        parts.append(f'<path d="M{place:.1f} {base:.1f}v4" stroke="{theme.RULE}"/>')
+        parts.append(_text(place, base + 17, f"{value + 0.0:.{decimals}f}", colour=theme.MUTED, anchor="middle"))
+    parts.append(f'<path d="M{frame.left:.1f} {base:.1f}h{frame.wide:.1f}" stroke="{theme.RULE}"/>')
+    parts.append(_text(frame.left + frame.wide / 2, base + 36, frame.panel.x_label, colour=theme.MUTED, anchor="middle", size=12))
+    parts.append(_text(frame.left - 48, frame.top + frame.high / 2, frame.panel.y_label, colour=theme.MUTED, anchor="middle", size=12, turn=True))
+    return "".join(parts)
+
+
+def _bands(frame: _Frame) -> str:
+    parts = []
+    for band in frame.panel.bands:
+        first, last = np.clip([band.first, band.last], *frame.x_range)
+        left, right = float(frame.x(first)), float(frame.x(last))
+        if band.shaded:
+            parts.append(f'<rect x="{left:.1f}" y="{frame.top:.1f}" width="{right - left:.1f}" height="{frame.high:.1f}" fill="{theme.BAND}"/>')
+        if right - left > 20:
+            parts.append(_text((left + right) / 2, frame.top - 5, band.words, colour=theme.MUTED, anchor="middle", size=11))
+    return "".join(parts)
+
+
+def _rules(frame: _Frame) -> str:
+    parts = []
+    for rule in frame.panel.rules:
+        if rule.axis == "x":
+            place = float(frame.x(rule.value))
+            path, words = f"M{place:.1f} {frame.top:.1f}v{frame.high:.1f}", _text(place + 4, frame.top + 13, rule.words, colour=theme.MUTED)
+        else:
+            place = float(frame.y(rule.value))
+            path = f"M{frame.left:.1f} {place:.1f}h{frame.wide:.1f}"
+            words = _text(frame.left + frame.wide, place - 4, rule.words, colour=theme.MUTED, anchor="end")
+        parts.append(f'<path d="{path}" stroke="{theme.MUTED}" stroke-dasharray="1.5 3"/>{words}')
+    return "".join(parts)
+
+
+def _line(frame: _Frame, line: Line) -> str:
+    x, y = frame.x(line.x), frame.y(line.y)
+    commands, pen = [], "M"
+    for across, down in zip(np.round(x, 2).tolist(), np.round(y, 2).tolist(), strict=True):
+        if across != across or down != down:
+            pen = "M"
+            continue
+        commands.append(f"{pen}{across:g} {down:g}")
+        pen = "L"
+    style = f'stroke="{line.colour}" stroke-width="{line.width}" stroke-linejoin="round"{_DASHES[line.dash]}'
+    return f'<path d="{"".join(commands)}" fill="none" {style}/>'
+
+
+def _direct(frame: _Frame, line: Line) -> str:
+    return _text(float(frame.x(line.x[-1])) + 4, float(frame.y(line.y[-1])) + 4, line.direct, colour=line.colour)
+
+
+def _marks(frame: _Frame, marks: Marks) -> str:
+    parts = []
+    labels = marks.labels or ("",) * len(marks.x)
+    for x, y, label in zip(np.asarray(marks.x, dtype=float), np.asarray(marks.y, dtype=float), labels, strict=True):
+        if not (frame.x_range[0] <= x <= frame.x_range[1] and frame.y_range[0] <= y <= frame.y_range[1]):
+            continue
+        across, down = float(frame.x(x)), float(frame.y(y))
+        parts.append(_symbol(across, down, marks))
+        if label:
+            parts.append(_text(across, down - 9, label, colour=marks.colour, anchor="middle", size=11))
+    return "".join(parts)
+
+
+def _symbol(x: float, y: float, marks: Marks) -> str:
+    half = marks.size / 2
+    look = f'fill="{marks.colour if marks.filled else "none"}" stroke="{marks.colour}" stroke-width="1.8"'
+    if marks.symbol == "circle":
+        return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{half}" {look}/>'
+    steps = {
+        "diamond": [(0, -1.2), (1.2, 0), (0, 1.2), (-1.2, 0)], "triangle": [(0, -1.1), (1.1, 0.9), (-1.1, 0.9)],
+    }.get(marks.symbol, [(-1, -1), (1, -1), (1, 1), (-1, 1)])  # fmt: skip
+    points = " ".join(f"{x + half * right:.1f},{y + half * down:.1f}" for right, down in steps)
+    return f'<polygon points="{points}" {look}/>'
+
+
+def _legend(chart: Chart) -> str:
+    parts, x, y = [], float(_LEFT), _TITLE + 14
+    for entry in legend_entries(chart):
+        if isinstance(entry, Line):
+            style = f'stroke="{entry.colour}" stroke-width="{max(entry.width, 1.8)}"{_DASHES[entry.dash]}'
+            parts.append(f'<path d="M{x:.1f} {y - 4}h20" {style}/>')
+        else:
+            parts.append(_symbol(x + 10, y - 4, entry))
+        parts.append(_text(x + 26, y, entry.name, size=12))
+        x += 26 + 6.4 * len(entry.name) + 20
+    return "".join(parts)
+
+
+def _heat(frame: _Frame, heat: HeatMap) -> str:
+    top = float(np.nanmax(heat.z, initial=0.0)) or 1.0
+    pixels = _coloured(np.nan_to_num(heat.z) / top, heat)[::-1]
+    x, y = np.asarray(heat.x, dtype=float), np.asarray(heat.y, dtype=float)
+    half_x, half_y = (np.ptp(values) / max(len(values) - 1, 1) / 2 for values in (x, y))
+    left, right = float(frame.x(x.min() - half_x)), float(frame.x(x.max() + half_x))
+    upper, lower = float(frame.y(y.max() + half_y)), float(frame.y(y.min() - half_y))
+    link = "data:image/png;base64," + base64.b64encode(png(pixels)).decode()
+    box = f'x="{left:.1f}" y="{upper:.1f}" width="{right - left:.1f}" height="{lower - upper:.1f}"'
+    return f'<image {box} preserveAspectRatio="none" style="image-rendering:pixelated" href="{link}"/>'
+
+
+def _coloured(share: Array, heat: HeatMap) -> NDArray[np.uint8]:
+    stops = np.array([[int(colour[place : place + 2], 16) for place in (1, 3, 5)] for colour in heat.colours], dtype=float)
+    position = np.clip(share, 0, 1) ** heat.power * (len(stops) - 1)
+    channels = [np.interp(position, np.arange(len(stops)), stops[:, channel]) for channel in range(3)]
+    return np.stack(channels, axis=-1).round().astype(np.uint8)
+
+
+def png(pixels: NDArray[np.uint8]) -> bytes:
+    """An RGB picture (row, column, 3) as PNG."""
+    rows, columns, _ = pixels.shape
+    raw = np.concatenate([np.zeros((rows, 1), dtype=np.uint8), pixels.reshape(rows, -1)], axis=1).tobytes()
+
+    def chunk(kind: bytes, content: bytes) -> bytes:
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    header = struct.pack(">IIBBBBB", columns, rows, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(raw, 6)) + chunk(b"IEND", b"")
+
+
+def _colour_bar(frame: _Frame, heat: HeatMap) -> str:
+    left, count = frame.left + frame.wide + 14, 60
+    top = float(np.nanmax(heat.z, initial=0.0)) or 1.0
+    shares = np.linspace(1, 0, count)
+    link = "data:image/png;base64," + base64.b64encode(png(_coloured(shares[:, None], heat))).decode()
+    parts = [f'<image x="{left:.1f}" y="{frame.top:.1f}" width="10" height="{frame.high:.1f}" preserveAspectRatio="none" href="{link}"/>']
+    values, decimals = ticks(0.0, top, count=5)
+    for value in values:
+        parts.append(_text(left + 14, frame.top + frame.high * (1 - value / top) + 4, f"{value:.{decimals}f}", colour=theme.MUTED, size=11))
+    middle = frame.top + frame.high / 2
+    parts.append(_text(left + 64, middle, f"{heat.name} ({heat.unit})", colour=theme.MUTED, anchor="middle", turn=True))
+    return "".join(parts)

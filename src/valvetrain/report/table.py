@@ -1,0 +1,76 @@
+"""Tables: the data of every figure, made before the figure, and writable as CSV."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """A named column with its unit (as shown), floats or words."""
+
+    name: str
+    unit: str
+    values: NDArray[Any]
+
+    @property
+    def header(self) -> str:
+        """Name and unit, as a reader sees them."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Columns of equal length; raises :class:`InputError` for columns that differ in length."""
+
+    columns: tuple[Column, ...]
+
+    def __post_init__(self) -> None:
+        if len({len(column.values) for column in self.columns}) > 1:
+            raise InputError(f"the columns {[column.name for column in self.columns]} of a table differ in length")
+
+    def __len__(self) -> int:
+        return len(self.columns[0].values) if self.columns else 0
+
+    def __contains__(self, name: str) -> bool:
+        return any(column.name == name for column in self.columns)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.column(name).values
+
+    def column(self, name: str) -> Column:
+        """The column of that name; KeyError where there is none."""
+        for column in self.columns:
+            if column.name == name:
+                return column
+        raise KeyError(name)
+
+    def rows(self) -> Iterable[tuple[Any, ...]]:
+        """Row by row, as plain Python values."""
+        return zip(*(column.values.tolist() for column in self.columns), strict=True)
+
+    def csv(self) -> str:
+        """The table as CSV text with units in its header."""
+        lines = [",".join(quoted(column.header) for column in self.columns)]
+        lines += [",".join(quoted(value) for value in row) for row in self.rows()]
+        return "\n".join(lines) + "\n"
+
+
+def table(*columns: tuple[str, str, Sequence[Any] | NDArray[Any]]) -> Table:
+    """A table from (name, unit, values) triples."""
+    return Table(tuple(Column(name, unit, np.asarray(values)) for name, unit, values in columns))
+
+
+def quoted(value: Any) -> str:
+    """One CSV cell: floats to the last digit, nothing for None, quotes where needed."""
+    if value is None:
+        return ""
+    text = repr(value) if isinstance(value, float) else str(value)
+    return '"' + text.replace('"', '""') + '"' if any(sign in text for sign in ',"\n') else text

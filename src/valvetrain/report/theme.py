@@ -1,0 +1,63 @@
+"""The look of every page and figure: colours, type, marks. Nothing here knows what is drawn."""
+
+from __future__ import annotations
+
+INK = "#1b2430"
+MUTED = "#5f6b7a"
+RULE = "#c9d0d9"
+GRID = "#e9edf1"
+BAND = "#f4f6f9"
+PAPER = "#ffffff"
+ALERT = "#b3261e"
+
+FONT = "'Source Sans 3', 'Segoe UI', 'Helvetica Neue', 'Liberation Sans', Arial, sans-serif"
+
+#: One colour per spring model, the same in every figure; a new model takes the next spare one.
+MODEL_COLOURS = {
+    "finite-element": "#1f5aa6", "modal": "#d9772b", "rod": "#16877a", "multi-mass": "#7a4fa0", "massless": "#7b8794", "solid": "#a33b53",
+}  # fmt: skip
+_SPARE = ("#3c7d3f", "#8c6d1f", "#4b5aa8")
+
+MODEL_WORDS = {
+    "finite-element": "finite-element rod", "modal": "modal model", "rod": "equivalent rod", "multi-mass": "multi-mass chain",
+    "massless": "massless spring", "solid": "solid finite elements",
+}  # fmt: skip
+
+#: What produced a published value -> short sign, words, colour, mark.
+ORIGINS = {
+    "solid finite elements": ("FE", "published, solid FE", "#0f2c57", "circle"),
+    "analytical modal": ("AN", "published, analytical modal", "#8f4514", "diamond"),
+    "engine head test": ("EX", "published, engine head test", "#15713d", "triangle"),
+}
+
+#: Colours of a series that belongs to no model, in order.
+SERIES = ("#1f5aa6", "#d9772b", "#16877a", "#7a4fa0", "#7b8794", "#a33b53")
+
+#: Light to dark, for maps of a quantity that starts at zero.
+SEQUENTIAL = ("#ffffff", "#dbe8f4", "#a9cbe6", "#66a3d2", "#2f74b5", "#174a8a", "#3a1752", "#a3263f")
+
+
+def model_colour(model: str) -> str:
+    """Colour of a spring model; the same name always gives the same colour."""
+    return MODEL_COLOURS.get(model, _SPARE[sum(map(ord, model)) % len(_SPARE)])
+
+
+def model_words(model: str) -> str:
+    """A spring model's name as a reader knows it."""
+    return MODEL_WORDS.get(model, model.replace("-", " "))
+
+
+def origin_style(origin: str) -> tuple[str, str, str, str]:
+    """Short sign, words, colour and mark of what produced a published value."""
+    return ORIGINS.get(origin, (origin[:2].upper() or "?", f"published, {origin}" if origin else "published", INK, "square"))
+
+
+def mix(first: str, second: str, share: float) -> str:
+    """Colour between two ``#rrggbb`` colours; ``share`` 0 gives the first."""
+    ends = [[int(text[place : place + 2], 16) for place in (1, 3, 5)] for text in (first, second)]
+    return "#" + "".join(f"{round(one + (two - one) * share):02x}" for one, two in zip(*ends, strict=True))
+
+
+def ramp(count: int, first: str = "#9fc3e6", last: str = "#12294f") -> tuple[str, ...]:
+    """``count`` colours from light to dark, for things with an order such as coils."""
+    return tuple(mix(first, last, index / max(count - 1, 1)) for index in range(count))

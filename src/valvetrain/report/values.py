@@ -1,0 +1,66 @@
+"""The values of a case with their status, as rows for a page."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.curves import Constant, PiecewiseLinear, Table
+from valvetrain.report.words import in_unit, number
+
+#: Last word of a key path -> unit shown.
+_UNITS = {
+    "wire_diameter": "mm", "mean_diameter": "mm", "outer_diameter": "mm", "pitch": "mm", "precompression": "mm", "installed_height": "mm",
+    "ratio_frequency": "Hz", "engine_speeds": "rpm", "held_coils": "turns", "ground_coils": "turns", "total_coils": "turns",
+    "youngs_modulus": "GPa", "shear_modulus": "GPa", "density": "kg/m^3", "mass_damping": "1/s", "stiffness_damping": "s",
+    "rate": "N/mm", "preload": "N", "mass": "g",
+}  # fmt: skip
+
+
+def case_rows(case: Case) -> list[tuple[str, str, str, str]]:
+    """Key path, value, status and source of everything in the case that carries a note, in the case's order."""
+    return [(path, _value(case, path), note.status or "", note.source) for path, note in case.notes.items()]
+
+
+def _value(case: Case, path: str) -> str:
+    item: Any = case
+    for key in path.split("."):
+        if isinstance(item, (list, tuple)) and key.isdigit() and int(key) < len(item):
+            item = item[int(key)]
+        elif hasattr(item, key):
+            item = getattr(item, key)
+        elif isinstance(item, dict) and key in item:
+            item = item[key]
+        else:
+            return ""
+    return value_words(item, path.rsplit(".", 1)[-1])
+
+
+def value_words(item: Any, key: str) -> str:
+    """One value as text: numbers and curves in the unit its key is shown in, others in short words."""
+    unit = _UNITS.get(key, "")
+    if isinstance(item, bool) or item is None:
+        return "" if item is None else str(item).lower()
+    if isinstance(item, (int, float)):
+        return _number(float(item), unit)
+    if isinstance(item, Constant):
+        return _number(item.level, unit)
+    if isinstance(item, (PiecewiseLinear, Table)):
+        pairs = ", ".join(f"{number(_shown(value, unit))} at {coil:g}" for coil, value in zip(item.coils, item.values, strict=True))
+        return f"{pairs} ({unit} at coil number)"
+    if isinstance(item, tuple) and all(isinstance(entry, (int, float)) for entry in item):
+        return ", ".join(number(_shown(float(entry), unit)) for entry in item) + (f" {unit}" if unit else "")
+    if hasattr(item, "youngs_modulus"):
+        parts = (("E", item.youngs_modulus, "GPa"), ("G", item.shear_modulus, "GPa"), ("density", item.density, "kg/m^3"))
+        return f"{item.name}: " + ", ".join(f"{name} {_number(value, shown)}" for name, value, shown in parts)
+    if isinstance(item, str):
+        return item
+    return str(getattr(item, "kind", type(item).__name__)).replace("_", " ")
+
+
+def _shown(value: float, unit: str) -> float:
+    return value if unit in ("", "turns", "s", "1/s") else in_unit(value, unit)
+
+
+def _number(value: float, unit: str) -> str:
+    return f"{number(_shown(value, unit))} {unit.replace('^3', '³')}".strip()

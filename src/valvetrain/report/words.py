@@ -1,0 +1,62 @@
+"""Numbers and names as a reader sees them."""
+
+from __future__ import annotations
+
+import math
+import re
+
+#: SI unit -> unit shown where nothing else is asked, and the factor between.
+SHOWN = {
+    "m": ("mm", 1e3), "rad": ("deg", 180 / math.pi), "m/s": ("m/s", 1.0), "m/s2": ("m/s²", 1.0), "s": ("ms", 1e3), "N/m": ("N/mm", 1e-3),
+    "rad/s": ("rpm", 30 / math.pi), "kg": ("g", 1e3), "Pa": ("MPa", 1e-6), "1": ("", 1.0), "N": ("N", 1.0), "Hz": ("Hz", 1.0), "J": ("J", 1.0),
+    "N s": ("mN s", 1e3),
+}  # fmt: skip
+
+
+def rpm(engine_speed: float) -> float:
+    """rad/s as revolutions per minute, rounded to what nobody would call rounding."""
+    return round(engine_speed * 30 / math.pi, 6)
+
+
+def speed_words(engine_speed: float) -> str:
+    """An engine speed as text, such as ``5600 rpm``."""
+    return f"{rpm(engine_speed):g} rpm"
+
+
+def in_unit(value: float, unit: str) -> float:
+    """SI ``value`` in ``unit``; raises :class:`valvetrain.errors.InputError` for an unknown unit."""
+    from valvetrain.units import unit_factor
+
+    return value / unit_factor(unit) if unit not in ("", "1") else value
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """A number with ``digits`` significant digits, a real minus sign, and powers of ten as such; a dash for None."""
+    if value is None:
+        return "–"
+    if value == 0:
+        return "0"
+    size = abs(value)
+    if size >= 1e6 or size < 1e-4:
+        mantissa, power = f"{value:.{max(digits - 2, 1)}e}".split("e")
+        return _scientific(mantissa, int(power))
+    decimals = max(0, digits - 1 - math.floor(math.log10(size)))
+    text = f"{value:.{min(decimals, 6)}f}"
+    if "." in text:
+        text = text.rstrip("0").rstrip(".")
+    return text.replace("-", "−")
+
+
+def _scientific(mantissa: str, power: int) -> str:
+    raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"{mantissa.rstrip('0').rstrip('.')}·10{raised}".replace("-", "−")
+
+
+def quantity_words(name: str) -> str:
+    """A quantity's name in words: ``stage_2_peak_cam_angle`` -> ``Stage II peak, cam angle``."""
+    text = name.replace("_", " ")
+    for digit, roman in (("1", "I"), ("2", "II"), ("3", "III")):
+        text = re.sub(rf"\bstage {digit}\b", f"Stage {roman}", text)
+    text = re.sub(r"\bcoil (\d) (\d)\b", r"coils \1–\2", text)
+    text = re.sub(r"\s+cam angle$", ", cam angle", text)
+    return text[:1].upper() + text[1:]
