@@ -36,12 +36,12 @@ class CoilContacts:
     def count(self) -> int:
         return len(self.gap)
 
-    @property
-    def regular(self) -> int:
-        """Length of the leading run in which both nodes count up by one at a constant fraction."""
-        if not self.count:
+    def regular(self, inner: int) -> int:
+        """Length of the leading run of contacts among nodes 1 .. ``inner``, both counting up by one at a constant fraction."""
+        if not self.count or self.lower[0] < 1 or self.upper[0] > inner:
             return 0
         steady = (np.diff(self.upper) == 1) & (np.diff(self.lower) == 1) & (np.abs(np.diff(self.fraction)) < 1e-9)
+        steady &= (self.upper[1:] <= inner) & (self.lower[1:] < inner)
         return self.count if np.all(steady) else int(np.argmin(steady)) + 1
 
 

@@ -82,7 +82,7 @@ class MultiMassSpring:
 
     def integers(self) -> NDArray[np.int64]:
         c = self.layout.contacts
-        return np.concatenate(([self.unknowns, c.count, c.regular], c.upper, c.lower)).astype(np.int64)
+        return np.concatenate(([self.unknowns, c.count, c.regular(self.unknowns)], c.upper, c.lower)).astype(np.int64)
 
     def with_time_step(self, time_step: float) -> MultiMassSpring:
         return self
@@ -124,7 +124,8 @@ class MultiMassSpring:
         layout = self.layout
         push = layout.stiffness * (np.diff(nodes) + self.stiffness_damping * np.diff(velocities))
         rows, depth = chain_statics.contact_rows(layout), chain_statics.contact_depths(layout, nodes)
-        contact = np.where(depth > 0, np.maximum(layout.contacts.stiffness * (depth + self.contact_damping_time * (rows @ velocities)), 0), 0)
+        push_back = layout.contacts.stiffness * (depth + self.contact_damping_time * (rows @ velocities))
+        contact = np.where(depth > 0, np.maximum(push_back, 0.0), 0.0)
         return np.append(push, 0.0) - np.concatenate(([0.0], push)) - contact @ rows, contact
 
     def energy(

@@ -1,0 +1,140 @@
+"""A spring reduced to rate, preload and mass: what the uniform models (massless, rod, modal) need."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.springs.chain_layout import Array, ChainLayout, chain_from_definition
+from valvetrain.springs.chain_statics import contact_depths, solve_static, static_curve
+from valvetrain.springs.massless import check_masses
+from valvetrain.springs.multi_mass import CONTACT_STIFFNESS, MultiMassSpring
+
+#: Elements per turn of the chain that reduces a definition.
+REDUCTION_MESH = 24
+
+
+class Card(Protocol):
+    """What a spring card must tell: rate (N/m), preload at the seat (N), mass (kg) or None."""
+
+    @property
+    def rate(self) -> float: ...
+
+    @property
+    def preload(self) -> float: ...
+
+    @property
+    def mass(self) -> float | None: ...
+
+
+@dataclass(frozen=True)
+class EquivalentSpring:
+    """Uniform spring of ``rate`` (N/m), ``preload`` (N) and vibrating ``active_mass`` (kg); ``held_mass`` (kg) rides on the retainer."""
+
+    rate: float
+    preload: float
+    active_mass: float
+    held_mass: float = 0.0
+    name: str = "spring"
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.rate) and self.rate > 0):
+            raise InputError(f"rate of spring '{self.name}' is {self.rate} N/m; give a positive rate")
+        if not self.active_mass > 0:
+            raise InputError(f"mass of spring '{self.name}' is {self.active_mass} kg; a vibrating spring needs a positive mass")
+        check_masses(self.name, self.preload, self.active_mass, 0.0, self.held_mass)
+
+    @classmethod
+    def from_card(cls, card: Card, name: str = "spring") -> EquivalentSpring:
+        """All of the card's mass vibrates. Raises :class:`InputError` when the card tells no mass."""
+        if card.mass is None:
+            raise InputError(f"spring card '{name}' gives no mass; add it, or use the massless spring")
+        return cls(card.rate, card.preload, card.mass, name=name)
+
+    @classmethod
+    def from_definition(cls, spring: SpringDefinition, precompression: float) -> EquivalentSpring:
+        """Same tangent rate, preload and first surge frequency as the wire at its installed state, coils that touch kept closed.
+
+        Equal first frequency fixes the mass (rate / (4 f1**2)): for a cylindrical spring the wire's own, for a beehive the mass that
+        vibrates. Turns resting on the retainer count as held.
+        """
+        layout = reduction_chain(spring)
+        force, rate = static_curve(layout, np.array([precompression]))
+        first = float(MultiMassSpring(layout, precompression).frequencies(0.0, 1)[0])
+        nodes = solve_static(layout, precompression)
+        riding = layout.masses[nodes[1:-1] > 0.999 * precompression] if precompression > 0 else np.zeros(0)
+        return cls(float(rate[0]), float(force[0]), float(rate[0]) / (4 * first**2), float(layout.retainer_mass + riding.sum()), spring.name)
+
+    @property
+    def wave_speed(self) -> float:
+        """a = sqrt(rate / mass), spring lengths per second (1/s): twice the first surge frequency."""
+        return float(np.sqrt(self.rate / self.active_mass))
+
+    @property
+    def surge_frequency(self) -> float:
+        """First natural frequency (Hz), both ends held: a / 2."""
+        return self.wave_speed / 2
+
+    @property
+    def impedance(self) -> float:
+        """Force per end velocity of a travelling wave, sqrt(rate * mass) (N s/m)."""
+        return float(np.sqrt(self.rate * self.active_mass))
+
+
+def reduction_chain(spring: SpringDefinition) -> ChainLayout:
+    """Fine chain of the wire used to reduce a definition."""
+    first, last = spring.free_coils
+    return chain_from_definition(spring, max(2, round((last - first) * REDUCTION_MESH)), CONTACT_STIFFNESS)
+
+
+def free_range(layout: ChainLayout, precompression: float) -> tuple[int, int]:
+    """First and last node of the wire that rests on nothing at the installed state."""
+    nodes, contacts = solve_static(layout, precompression), layout.contacts
+    closed = contact_depths(layout, nodes) > -1e-9
+    last = len(nodes) - 1
+    middle = last // 2
+    bound = np.zeros(last + 1, dtype=bool)
+    bound[0] = bound[last] = True
+    # A node whose own underside rests bounds from below, one carried from above bounds from above.
+    resting = contacts.upper[closed & (contacts.upper < middle)]
+    carried = contacts.lower[closed & (contacts.upper > middle) & (contacts.lower > middle)]
+    low = int(resting.max()) if len(resting) else 0
+    high = int(carried.min()) if len(carried) else last
+    return low, max(high, low + 2)
+
+
+@dataclass(frozen=True, eq=False)
+class InstalledGaps:
+    """Gaps of the free wire at the installed state, arrays over its places.
+
+    ``turns`` (n,) coil numbers and ``flow`` (n,) the share 0..1 of compliance passed there (in which a wave runs uniformly).
+    ``upper_coil`` (p,) coil number of the upper partner of each gap ``gap`` (p,) in m; it meets the wire one turn below. Places beyond
+    ``turns`` lie on the seat or on the retainer and move with them.
+    """
+
+    turns: Array
+    flow: Array
+    upper_coil: Array
+    gap: Array
+
+    def position(self, coil: Array) -> Array:
+        """Flow coordinate of coil numbers, 0 on the seat and 1 on the retainer."""
+        return np.interp(coil, self.turns, self.flow)
+
+
+def installed_gaps(spring: SpringDefinition, precompression: float) -> InstalledGaps:
+    """Gaps of ``spring`` at ``precompression`` (m) by the static chain, coils closed where they touch."""
+    layout = reduction_chain(spring)
+    low, high = free_range(layout, precompression)
+    nodes, contacts = solve_static(layout, precompression), layout.contacts
+    turns = layout.coil_number[low : high + 1]
+    flow = np.concatenate(([0.0], np.cumsum(1 / layout.stiffness[low:high])))
+    # A turn resting on the seat or carried by the retainer can only meet one that is free.
+    real = (contacts.upper_coil > turns[0]) & (contacts.upper_coil - 1 < turns[-1]) & (contacts.upper_coil < spring.total_coils)
+    coil, gap = contacts.upper_coil[real], np.maximum(-contact_depths(layout, nodes)[real], 0.0)
+    order = np.argsort(coil)
+    return InstalledGaps(turns, flow / flow[-1], coil[order], gap[order])

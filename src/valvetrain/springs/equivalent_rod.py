@@ -1,0 +1,114 @@
+"""Equivalent rod: the damped wave equation U'' + 2 mu U' = a**2 U_xixi, on a grid that a wave crosses cell by cell.
+
+With cell length a h (Courant number one) the explicit step IS d'Alembert's solution: a step of the end velocity travels undistorted.
+See docs/decisions/rod-at-unit-courant.md. Source: Vasilyev, Bakhracheva and Storojakov, valve gear model, equations 1 to 3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.springs import rod_kernels
+from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.equivalent import EquivalentSpring
+
+#: More cells than this add cost and no physics: the grid is then finer than any train excites.
+MOST_CELLS = 1000
+
+
+def cells_for_step(wave_speed: float, time_step: float, courant: float) -> int:
+    """Largest number of cells that a step (s) of the train carries at a Courant number up to ``courant``."""
+    if not time_step > 0:
+        raise InputError(f"time step {time_step} s of the rod must be positive")
+    return int(np.clip(np.floor(courant / (wave_speed * time_step) * (1 + 1e-9)), 3, MOST_CELLS))
+
+
+@dataclass(frozen=True)
+class EquivalentRod:
+    """Uniform rod of ``cells`` cells with the rate, preload and mass of ``spring``.
+
+    ``friction`` mu (1/s) of the wave equation (20 to 30 without a damper). Half a cell and the held coils ride on the retainer.
+    """
+
+    spring: EquivalentSpring
+    cells: int = 200
+    friction: float = 0.0
+    name: str = "rod"
+
+    def __post_init__(self) -> None:
+        if self.cells < 3:
+            raise InputError(f"the rod of spring '{self.spring.name}' has {self.cells} cells; give at least 3 (200 is usual)")
+        if not (np.isfinite(self.friction) and self.friction >= 0):
+            raise InputError(f"friction of the rod of spring '{self.spring.name}' is {self.friction} 1/s; give zero or a positive number")
+
+    @property
+    def unknowns(self) -> int:
+        return self.cells - 1
+
+    @property
+    def cell_stiffness(self) -> float:
+        return self.spring.rate * self.cells
+
+    @property
+    def cell_mass(self) -> float:
+        return self.spring.active_mass / self.cells
+
+    @property
+    def kernel(self) -> Any:
+        return rod_kernels.advance_rod
+
+    def parameters(self) -> Array:
+        return np.array([self.spring.preload, self.cell_stiffness, self.cell_mass, 2 * self.friction])
+
+    def integers(self) -> NDArray[np.int64]:
+        return np.array([self.unknowns], dtype=np.int64)
+
+    def with_time_step(self, time_step: float) -> EquivalentRod:
+        """The grid whose Courant number at ``time_step`` (s) is as near one from below as whole cells allow."""
+        return replace(self, cells=cells_for_step(self.spring.wave_speed, time_step, 1.0))
+
+    def initial_state(self, retainer_displacement: float) -> Array:
+        state = np.zeros(2 * self.unknowns + 1)
+        state[: self.unknowns] = retainer_displacement * np.arange(1, self.cells) / self.cells
+        return state
+
+    def stable_time_step(self) -> float:
+        """Time (s) in which a wave crosses one cell: Courant number one."""
+        return 1 / (self.spring.wave_speed * self.cells)
+
+    def _nodes(self, state: Array, displacement: float) -> Array:
+        return np.concatenate(([0.0], state[: self.unknowns], [displacement]))
+
+    def energy(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
+    ) -> SpringEnergy:
+        """Elastic energy counted from the installed position."""
+        n, nodes = self.unknowns, self._nodes(state, retainer_displacement)
+        velocity = state[n : 2 * n]
+        if time_step > 0:
+            kick = self.cell_stiffness / self.cell_mass * np.diff(nodes, 2) - 2 * self.friction * velocity
+            velocity = velocity + time_step / 2 * kick
+        elastic = self.spring.preload * retainer_displacement + self.cell_stiffness * np.sum(np.diff(nodes) ** 2) / 2
+        return SpringEnergy(float(self.cell_mass * np.sum(velocity**2) / 2), float(elastic), 0.0, float(state[2 * n]))
+
+    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+        retainer = self.spring.preload + self.cell_stiffness * (retainer_displacement - state[self.unknowns - 1])
+        return EndForces(float(retainer), float(self.spring.preload + self.cell_stiffness * state[0]))
+
+    def tangent(self, state: Array, retainer_displacement: float) -> float:
+        return self.cell_stiffness
+
+    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+        """``coil_number`` is the share 0..1 of the active length: a uniform rod knows no turns."""
+        velocity = np.concatenate(([0.0], state[self.unknowns : 2 * self.unknowns], [retainer_velocity]))
+        share = np.linspace(0.0, 1.0, self.cells + 1)
+        return SpringOutputs(*self.force(state, retainer_displacement), share, -self._nodes(state, retainer_displacement), -velocity)
+
+    def retainer_mass(self) -> float:
+        """Half a cell plus the held end coils (kg); the rest of the inertia acts through the waves."""
+        return self.cell_mass / 2 + self.spring.held_mass
