@@ -24,7 +24,7 @@ STATUSES: tuple[str, ...] = get_args(ValueStatus)
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """Where a value comes from: ``status`` (measured, published, assumed, identified) and ``source`` (key of the references, then the place)."""
+    """Where a value comes from: ``status`` and ``source`` (key of the references, then the place)."""
 
     status: ValueStatus | None = None
     source: str = ""

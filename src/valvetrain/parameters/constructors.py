@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.curves import Constant, Curve, FunctionCurve, PiecewiseLinear
+from valvetrain.parameters.curve_forms import Parabola
+from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC, Material
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
 
@@ -59,15 +60,11 @@ def barrel(
     upper_end: EndCoil = CLOSED_GROUND, name: str = "barrel",
 ) -> SpringDefinition:  # fmt: skip
     """Barrel (or, with a slimmer middle, hourglass) spring: mean diameter parabolic over the turns; lengths in m."""
-
-    def diameter(coil: np.ndarray) -> np.ndarray:
-        across = 2 * coil / total_coils - 1
-        return middle_mean_diameter + (end_mean_diameter - middle_mean_diameter) * across**2
-
     law: Curve = Constant(pitch)
     if closed_coils > 0:
         law = pitch_with_closed_ends(total_coils, wire_diameter, pitch, closed_coils, closed_coils)
-    return _spring(wire_diameter, FunctionCurve(diameter), law, total_coils, material, lower_end, upper_end, name)
+    diameter = Parabola(end_mean_diameter, middle_mean_diameter, total_coils)
+    return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name)
 
 
 def hourglass(

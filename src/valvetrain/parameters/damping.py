@@ -68,8 +68,8 @@ class DampingParameters:
         split_off = self.stiffness_share is not None and abs(stiffness * circular / 2 - share * self.ratio) > AGREEMENT * self.ratio
         if abs(total - self.ratio) > AGREEMENT * self.ratio or split_off:
             raise InputError(
-                f"mass_damping {mass:g} 1/s and stiffness_damping {stiffness:g} s make a ratio of {total:.4g} at {self.ratio_frequency:g} Hz, "
-                f"but ratio says {self.ratio:g} (share {share:g}); give the damping one way"
+                f"mass_damping {mass:g} 1/s and stiffness_damping {stiffness:g} s make a ratio of {total:.4g} "
+                f"at {self.ratio_frequency:g} Hz, but ratio says {self.ratio:g} (share {share:g}); give the damping one way"
             )
         self._set(max(mass, 0.0), max(stiffness, 0.0))
 

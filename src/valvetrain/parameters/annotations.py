@@ -1,0 +1,52 @@
+"""Takes the notes (status, source) out of a case file's tree, leaving the bare values."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.case import STATUSES, Note
+from valvetrain.parameters.changes import nearest
+
+_VALUE_KEYS = {"value", "status", "source", "comment"}
+#: Tables in which these keys are data of their own.
+_OWN_MEANING = ("published", "train.published")
+
+
+def split_notes(tree: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Note], dict[str, str]]:
+    """Bare tree, notes by key path, and the reason of each bad note by key path.
+
+    ``{ value = "4 mm", status = "published", source = "key" }`` becomes "4 mm" with a note; ``status`` and ``source`` in any other table
+    are a note on the whole table.
+    """
+    notes: dict[str, Note] = {}
+    bad: dict[str, str] = {}
+    clean = {key: _walk(value, key, notes, bad) for key, value in tree.items()}
+    return clean, notes, bad
+
+
+def _walk(value: Any, path: str, notes: dict[str, Note], bad: dict[str, str]) -> Any:
+    if path in _OWN_MEANING:
+        return value
+    if isinstance(value, list):
+        return [_walk(item, f"{path}.{index}", notes, bad) for index, item in enumerate(value)]
+    if not isinstance(value, dict):
+        return value
+    note = {key: value[key] for key in ("status", "source") if key in value}
+    if note:
+        try:
+            notes[path] = _note(note)
+        except InputError as error:
+            bad[path] = error.reason
+    if "value" in value and set(value) <= _VALUE_KEYS:
+        return _walk(value["value"], path, notes, bad)
+    return {key: _walk(item, f"{path}.{key}", notes, bad) for key, item in value.items() if key not in note}
+
+
+def _note(raw: dict[str, Any]) -> Note:
+    status, source = raw.get("status"), raw.get("source", "")
+    if not isinstance(source, str):
+        raise InputError("source must be text, such as the key of a reference")
+    if status is not None and status not in STATUSES:
+        raise InputError(f"status '{str(status)[:30]}' is unknown; {nearest(str(status), STATUSES)}")
+    return Note(status, source)

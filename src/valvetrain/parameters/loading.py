@@ -1,0 +1,116 @@
+"""Case files and the case library: TOML text in, a frozen :class:`Case` or one clear :class:`InputError` out."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import PydanticCustomError
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.annotations import split_notes
+from valvetrain.parameters.case import Case, CaseSummary
+from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.schema_case import CaseModel
+from valvetrain.parameters.schema_types import first_problem
+from valvetrain.parameters.toml_lines import find_line
+
+LIBRARY = Path(__file__).parent / "library"
+#: Larger files are no case file.
+MOST_BYTES = 5_000_000
+
+
+def load_case(name_or_path: str | os.PathLike[str]) -> Case:
+    """The case of a library name (``gu2021-beehive``) or a TOML file.
+
+    Raises :class:`InputError` with one sentence: file, line, key path, what is wrong and the remedy.
+    """
+    text = os.fspath(name_or_path)
+    if not isinstance(text, str) or not text.strip() or "\0" in text:
+        raise InputError("a case is called by the name of a library case or the path of a TOML file; give one")
+    names = library_names()
+    if text in names:
+        return read_case(LIBRARY / f"{text}.toml")
+    path = Path(text)
+    if path.suffix == ".toml" or os.sep in text or path.is_file():
+        return read_case(path)
+    raise InputError(f"there is no case '{_one_line(text, 60)}' in the library; {nearest(text, names)} (a file ends in .toml)")
+
+
+def read_case(path: Path) -> Case:
+    """The case in the file ``path``; errors as :func:`load_case`."""
+    return parse_case(_read_text(path), name=path.stem, folder=path.parent, where=path.name)
+
+
+def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str = "case") -> Case:
+    """The case written in ``text``; ``folder`` is where the files it names are looked for, ``where`` names it in messages."""
+    tree = _parse_toml(text, where)
+    if not tree:
+        raise InputError("the case file is empty; it needs at least one of [spring], [spring_card], [lift_law] and [train]", where)
+    try:
+        bare, notes, bad = split_notes(tree)
+        for note_path, reason in bad.items():
+            raise _located(text, tuple(note_path.split(".")), reason, where)
+        return CaseModel.model_validate(bare).build(name, folder, notes)
+    except ValidationError as error:
+        raise _located(text, *first_problem(error), where) from None
+    except PydanticCustomError as error:
+        context = error.context or {}
+        raise _located(text, tuple(context.get("path", ())), str(context.get("reason", error)), where) from None
+    except RecursionError:
+        raise InputError("the tables are nested too deeply; flatten them", where) from None
+
+
+def library_names() -> tuple[str, ...]:
+    """Names of the cases that ship with the package."""
+    return tuple(sorted(path.stem for path in LIBRARY.glob("*.toml")))
+
+
+def list_cases() -> tuple[CaseSummary, ...]:
+    """One line per library case; what each holds is read from its tables, without building it."""
+    summaries = []
+    for name in library_names():
+        tree = _parse_toml(_read_text(LIBRARY / f"{name}.toml"), name)
+        holds = tuple(key for key in ("spring", "spring_card", "lift_law", "train", "published") if key in tree)
+        summaries.append(CaseSummary(name, str(tree.get("title", "")), holds, tuple(map(str, tree.get("sources", ())))))
+    return tuple(summaries)
+
+
+def _read_text(path: Path) -> str:
+    try:
+        if path.is_dir():
+            raise InputError("is a folder; give the TOML file in it", path.name or str(path))
+        if path.stat().st_size > MOST_BYTES:
+            raise InputError(f"is larger than {MOST_BYTES // 1_000_000} MB, so it is no case file; give another", path.name)
+        return path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError("is no text file; a case is TOML in UTF-8", path.name) from None
+    except FileNotFoundError:
+        raise InputError(f"there is no file '{_one_line(str(path), 120)}'; check the path, or list the library with 'valvetrain cases'") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "bad path"
+        raise InputError(f"the file cannot be read ({reason}); check the path and its permissions", _one_line(path.name, 60)) from None
+
+
+def _parse_toml(text: str, where: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError("the values are nested too deeply; flatten them", where) from None
+    except ValueError as error:
+        raise InputError(f"is not valid TOML: {_one_line(str(error), 160)}; correct or complete it there", where) from None
+
+
+def _located(text: str, path: tuple[str | int, ...], reason: str, where: str) -> InputError:
+    line = find_line(text, path)
+    place = where if line is None else f"{where}, line {line}"
+    key = ".".join(str(part) for part in path)
+    return InputError(_one_line(reason, 400), f"{place}, {_one_line(key, 80)}" if key else place)
+
+
+def _one_line(text: str, limit: int) -> str:
+    clean = " ".join("".join(char if char.isprintable() else " " for char in text).split())
+    return clean if len(clean) <= limit else clean[: limit - 3] + "..."

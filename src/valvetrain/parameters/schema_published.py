@@ -1,0 +1,108 @@
+"""The [[published]] tables: groups of published numbers of one model at one speed."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import PlainValidator
+
+from valvetrain.parameters.case import PublishedValue
+from valvetrain.parameters.schema_types import AngularSpeed, StrictModel, guarded, problem, validate_as
+from valvetrain.units import dimension_of, parse_quantity
+
+#: Dimension by the ending of a quantity's name (docs/quantities.md); the first ending that fits counts.
+DIMENSION_BY_ENDING: tuple[tuple[str, str], ...] = (
+    ("preload", "force"),
+    ("_force", "force"),
+    ("_load", "force"),
+    ("_cam_angle", "angle"),
+    ("_frequency", "frequency"),
+    ("_velocity", "velocity"),
+    ("_velocity_range", "velocity"),
+    ("_acceleration", "acceleration"),
+    ("_displacement", "length"),
+    ("_displacement_range", "length"),
+    ("_compression", "length"),
+    ("_gap", "length"),
+    ("_length", "length"),
+    ("_height", "length"),
+    ("_lift", "length"),
+    ("_diameter", "length"),
+    ("_duration", "time"),
+    ("_rate", "stiffness"),
+    ("_impulse", "impulse"),
+    ("_energy", "energy"),
+    ("_stress", "pressure"),
+    ("_mass", "mass"),
+    ("_speed", "angular speed"),
+    ("_ratio", "ratio"),
+    ("_count", "ratio"),
+)
+
+
+def dimension_of_quantity(name: str) -> str | None:
+    """Dimension (see `valvetrain.units`) that the name of a quantity promises; None when it promises none."""
+    return next((dimension for ending, dimension in DIMENSION_BY_ENDING if name.endswith(ending)), None)
+
+
+class ValueModel(StrictModel):
+    """One number, with how firmly it is stated and how near a computed one should be."""
+
+    value: Any
+    relation: Literal["equal", "about", "at-most", "at-least"] = "equal"
+    tolerance: Any = None
+    origin: str = ""
+
+    def read(self, quantity: str) -> tuple[float, str, float | None]:
+        """SI value, the unit it was written in and the SI tolerance (given in percent or in the same dimension)."""
+        dimension = dimension_of_quantity(quantity)
+        value = guarded(parse_quantity, self.value, dimension, path=("value",))
+        unit = str(self.value).strip().lstrip("+-0123456789.").strip()
+        if unit[:1] in "eE" and unit[1:2] in tuple("+-0123456789"):
+            unit = unit[1:].lstrip("+-0123456789").strip()
+        if self.tolerance is None:
+            return value, unit, None
+        if isinstance(self.tolerance, str) and self.tolerance.strip().endswith("%"):
+            return value, unit, abs(value) * guarded(parse_quantity, self.tolerance, "ratio", path=("tolerance",))
+        tolerance = guarded(parse_quantity, self.tolerance, dimension or dimension_of(unit), path=("tolerance",))
+        if tolerance < 0:
+            raise problem("a tolerance is zero or more", ("tolerance",))
+        return value, unit, tolerance
+
+
+def _read_value(raw: Any) -> ValueModel:
+    return validate_as(ValueModel, raw if isinstance(raw, dict) else {"value": raw})
+
+
+class PublishedModel(StrictModel):
+    """One group of published values."""
+
+    model: str
+    role: Literal["calibration", "prediction"]
+    source: str
+    origin: str = ""
+    engine_speed: AngularSpeed | None = None
+    quantities: dict[str, Annotated[ValueModel, PlainValidator(_read_value)]]
+
+    def build(self) -> tuple[PublishedValue, ...]:
+        """The flat list of values; raises a located problem."""
+        values = []
+        for name, entry in self.quantities.items():
+            value, unit, tolerance = _placed(entry, name)
+            values.append(
+                PublishedValue(
+                    quantity=name, value=value, unit=unit, origin=entry.origin or self.origin, role=self.role, engine_speed=self.engine_speed,
+                    model=self.model, source=self.source, tolerance=tolerance, relation=entry.relation,
+                )  # fmt: skip
+            )
+        return tuple(values)
+
+
+def _placed(entry: ValueModel, name: str) -> tuple[float, str, float | None]:
+    from pydantic_core import PydanticCustomError
+
+    try:
+        return entry.read(name)
+    except PydanticCustomError as error:
+        context = error.context or {}
+        raise problem(str(context.get("reason", error)), ("quantities", name, *context.get("path", ()))) from error

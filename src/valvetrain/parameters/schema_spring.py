@@ -1,0 +1,175 @@
+"""The [spring] and [spring_card] tables of a case file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import PlainValidator
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.case import SpringCard
+from valvetrain.parameters.curve_forms import add_curves
+from valvetrain.parameters.material import Material
+from valvetrain.parameters.materials import material_by_name
+from valvetrain.parameters.schema_curves import CurveContext, CurveField, HeightForm
+from valvetrain.parameters.schema_types import (
+    Density,
+    Force,
+    Mass,
+    Modulus,
+    PositiveLength,
+    Stiffness,
+    StrictModel,
+    guarded,
+    problem,
+    quantity,
+    validate_as,
+)  # fmt: skip
+from valvetrain.parameters.spring import EndCoil, EndKind, SpringDefinition
+
+#: A spring of more turns than this is a slip of the pen, and would cost minutes to check.
+MOST_COILS = 200.0
+
+
+class EndModel(StrictModel):
+    """One end coil; an open end is held and ground over no turns unless it says so."""
+
+    kind: EndKind = "closed-ground"
+    held_coils: quantity("ratio", low=0.0, high=3.0) | None = None  # type: ignore[valid-type]
+    ground_coils: quantity("ratio", low=0.0, high=3.0) | None = None  # type: ignore[valid-type]
+
+    def build(self) -> EndCoil:
+        usual = EndCoil() if self.kind == "closed-ground" else EndCoil(self.kind, 0.0 if self.kind == "open" else 0.75, 0.0)
+        held = usual.held_coils if self.held_coils is None else self.held_coils
+        ground = usual.ground_coils if self.ground_coils is None else self.ground_coils
+        return EndCoil(self.kind, held, ground)
+
+
+def _read_end(raw: Any) -> EndModel:
+    return validate_as(EndModel, {"kind": raw} if isinstance(raw, str) else raw)
+
+
+class MaterialModel(StrictModel):
+    """A material: a name from the library, values of its own, or a name with some values changed."""
+
+    name: str = ""
+    youngs_modulus: Modulus | None = None
+    shear_modulus: Modulus | None = None
+    poisson_ratio: Annotated[float, quantity("ratio", low=-1.0, high=0.5)] | None = None
+    density: Density | None = None
+
+    def build(self) -> Material:
+        young, shear, density = self.youngs_modulus, self.shear_modulus, self.density
+        if self.poisson_ratio is not None and young is not None:
+            from_ratio = young / (2 * (1 + self.poisson_ratio)) if self.poisson_ratio > -1 else float("inf")
+            if shear is not None and abs(shear / from_ratio - 1) > 0.005:
+                raise InputError(
+                    f"shear_modulus {shear / 1e9:g} GPa contradicts youngs_modulus and poisson_ratio, "
+                    f"which make {from_ratio / 1e9:.4g} GPa; drop one"
+                )
+            shear = from_ratio if shear is None else shear
+        if young is not None and shear is not None and density is not None:
+            return Material(self.name or "unnamed", young, shear, density)
+        if not self.name:
+            raise InputError("a material needs youngs_modulus, shear_modulus (or poisson_ratio) and density, or a name from the library")
+        known = material_by_name(self.name)
+        return Material(self.name, young or known.youngs_modulus, shear or known.shear_modulus, density or known.density)
+
+
+def _read_material(raw: Any) -> Material:
+    model = validate_as(MaterialModel, {"name": raw} if isinstance(raw, str) else raw)
+    material: Material = guarded(model.build)
+    return material
+
+
+EndField = Annotated[EndModel, PlainValidator(_read_end)]
+
+
+class SpringModel(StrictModel):
+    """The [spring] table."""
+
+    name: str = ""
+    wire_diameter: CurveField
+    mean_diameter: CurveField | None = None
+    outer_diameter: CurveField | None = None
+    pitch: CurveField | None = None
+    height: HeightForm | None = None
+    total_coils: quantity("ratio", low=0.0, high=MOST_COILS, open_low=True)  # type: ignore[valid-type]
+    hand: Literal["right", "left"] = "right"
+    material: Annotated[Material, PlainValidator(_read_material)]
+    ends: EndField | None = None
+    lower_end: EndField | None = None
+    upper_end: EndField | None = None
+
+    def build(self, name: str) -> SpringDefinition:
+        """The spring this table defines; raises pydantic's located error or :class:`InputError`."""
+        total = float(self.total_coils)
+        bare = CurveContext(total)
+        wire = guarded(self.wire_diameter.build, bare, path=("wire_diameter",))
+        context = CurveContext(total, wire)
+        diameter_key = self._one_of("mean_diameter", "outer_diameter")
+        diameter = guarded(getattr(self, diameter_key).build, bare, path=(diameter_key,))
+        pitch_key = self._one_of("pitch", "height")
+        pitch = guarded(getattr(self, pitch_key).build, context, path=(pitch_key,))
+        if self.ends is not None and (self.lower_end is not None or self.upper_end is not None):
+            raise problem("'ends' speaks for both ends, so lower_end and upper_end contradict it; give one or the other", ("ends",))
+        lower, upper = self.lower_end or self.ends or EndModel(), self.upper_end or self.ends or EndModel()
+        spring: SpringDefinition = guarded(
+            lambda: SpringDefinition(
+                wire_diameter=wire,
+                mean_diameter=diameter if diameter_key == "mean_diameter" else add_curves(diameter, wire, -1.0),
+                pitch=pitch,
+                total_coils=total,
+                material=self.material,
+                lower_end=lower.build(),
+                upper_end=upper.build(),
+                hand=self.hand,
+                name=self.name or name,
+            )
+        )
+        return spring
+
+    def _one_of(self, first: str, second: str) -> str:
+        given = [name for name in (first, second) if getattr(self, name) is not None]
+        if len(given) == 2:
+            raise problem(f"{first} and {second} are both given and may contradict each other; give one", (second,))
+        if not given:
+            raise problem(f"neither {first} nor {second} is given; add one")
+        return given[0]
+
+
+class SpringCardModel(StrictModel):
+    """The [spring_card] table: a spring by its catalogue card. Rate, or two loads and the lift between them."""
+
+    name: str = "spring card"
+    preload: Force
+    rate: Stiffness | None = None
+    open_load: Force | None = None
+    open_lift: PositiveLength | None = None
+    mass: Mass | None = None
+    installed_height: PositiveLength | None = None
+    solid_height: PositiveLength | None = None
+
+    def build(self) -> SpringCard:
+        rate, load, lift = self.rate, self.open_load, self.open_lift
+        if self.preload < 0:
+            raise problem("a preload is a compressive force, zero or more", ("preload",))
+        from_loads = None if load is None or lift is None else (load - self.preload) / lift
+        if from_loads is not None and from_loads <= 0:
+            raise problem("open_load does not exceed preload, so the rate would not be positive; check both", ("open_load",))
+        if rate is None and from_loads is None:
+            raise problem("the rate is missing; give rate, or open_load and open_lift")
+        if rate is not None and from_loads is not None and abs(from_loads / rate - 1) > 0.02:
+            raise problem(
+                f"rate {rate / 1e3:g} N/mm contradicts the loads, which make {from_loads / 1e3:.4g} N/mm; correct one of them", ("rate",)
+            )
+        rate = rate if rate is not None else from_loads
+        assert rate is not None
+        if load is None and lift is not None:
+            load = self.preload + rate * lift
+        if self.solid_height is not None and self.installed_height is not None and self.solid_height >= self.installed_height:
+            raise problem("solid_height is not below installed_height; check both", ("solid_height",))
+        return SpringCard(
+            rate=rate, preload=self.preload, mass=self.mass, installed_height=self.installed_height,
+            open_load=load, open_lift=lift, solid_height=self.solid_height, name=self.name,
+        )  # fmt: skip

@@ -1,0 +1,116 @@
+"""What the models of a case file share: strictness, quantities with units and errors that know their place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, TypeVar
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.changes import nearest
+from valvetrain.units import parse_quantities, parse_quantity
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+class StrictModel(BaseModel):
+    """A table of the case file: frozen, no unknown keys, no silent conversions."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, arbitrary_types_allowed=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, raw: Any) -> Any:
+        if not isinstance(raw, dict):
+            raise problem(f"a table of {', '.join(cls.model_fields)} is needed here")
+        for key in raw:
+            if key not in cls.model_fields:
+                raise problem(f"key '{key[:60]}' is unknown; {nearest(key, tuple(cls.model_fields))}", (key,))
+        return raw
+
+
+def problem(reason: str, path: tuple[str | int, ...] = ()) -> PydanticCustomError:
+    """An error at ``path`` below the value being validated; ``reason`` is what the user reads."""
+    return PydanticCustomError("input", "{reason}", {"reason": reason, "path": path})
+
+
+def guarded(function: Callable[..., Any], *arguments: Any, path: tuple[str | int, ...] = ()) -> Any:
+    """Call ``function``, turning an :class:`InputError` into one pydantic can place."""
+    try:
+        return function(*arguments)
+    except InputError as error:
+        raise problem(error.reason, path) from error
+
+
+def validate_as(model: type[Model], raw: Any, path: tuple[str | int, ...] = ()) -> Model:
+    """Validate ``raw`` as ``model`` from within another validator, keeping the place of the error."""
+    try:
+        return model.model_validate(raw)
+    except ValidationError as error:
+        inner, reason = first_problem(error)
+        raise problem(reason, (*path, *inner)) from error
+
+
+def first_problem(error: ValidationError) -> tuple[tuple[str | int, ...], str]:
+    """Path and one-sentence reason of the first problem pydantic found."""
+    details = error.errors(include_url=False)[0]
+    location = tuple(details["loc"])
+    context = details.get("ctx") or {}
+    if details["type"] == "input":
+        return (*location, *context.get("path", ())), str(context["reason"])
+    if details["type"] == "missing":
+        return location, f"'{location[-1]}' is missing; add it"
+    if details["type"] == "literal_error":
+        return location, f"{_show(details['input'])} is not among {context['expected']}; choose one of them"
+    text = str(details["msg"]).rstrip(".")
+    return location, f"{_show(details['input'])} does not fit: {text[:1].lower()}{text[1:]}; correct it"
+
+
+def _show(value: Any) -> str:
+    text = "".join(char if char.isprintable() else "?" for char in repr(value))
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def quantity(dimension: str | None, *, low: float | None = None, high: float | None = None, open_low: bool = False) -> Any:
+    """Annotation of an SI float given as text with a unit; bounds are SI, ``open_low`` excludes ``low`` itself."""
+
+    def read(raw: Any) -> float:
+        value = float(guarded(parse_quantity, raw, dimension))
+        if low is not None and (value < low or (open_low and value == low)):
+            raise problem(f"'{raw}' is too small; give a value {'above' if open_low else 'of at least'} {low:g} (SI)")
+        if high is not None and value > high:
+            raise problem(f"'{raw}' is too large; give a value of at most {high:g} (SI)")
+        return value
+
+    return Annotated[float, BeforeValidator(read)]
+
+
+def quantities(dimension: str | None) -> Any:
+    """Annotation of a tuple of SI floats: a list of quantities or ``"0, 1, 2 mm"``."""
+
+    def read(raw: Any) -> tuple[float, ...]:
+        return tuple(guarded(parse_quantities, raw, dimension))
+
+    return Annotated[tuple[float, ...], BeforeValidator(read)]
+
+
+Length = quantity("length")
+PositiveLength = quantity("length", low=0.0, open_low=True)
+Force = quantity("force")
+Stiffness = quantity("stiffness", low=0.0, open_low=True)
+Mass = quantity("mass", low=0.0, open_low=True)
+Modulus = quantity("modulus", low=0.0, open_low=True)
+Density = quantity("density", low=0.0, open_low=True)
+Time = quantity("time", low=0.0)
+PositiveTime = quantity("time", low=0.0, open_low=True)
+Angle = quantity("angle")
+AngularSpeed = quantity("angular speed", low=0.0, open_low=True)
+Frequency = quantity("frequency", low=0.0, open_low=True)
+DampingRate = quantity("damping rate", low=0.0)
+Ratio = quantity("ratio", low=0.0)
+Number = quantity("ratio")
+Lengths = quantities("length")
+Angles = quantities("angle")
+Numbers = quantities("ratio")
