@@ -1,0 +1,235 @@
+"""Identify the unpublished dimensions of the beehive case from its calibration data alone.
+
+Only the published statics, modes and 4200 rpm results are used; 5600 and 8000 rpm are never computed here. Rewrites the
+values marked "identified" in the case library when called with --write.
+
+    python scripts/identify_beehive.py [--write] [--elements-per-coil 24] [--workers 4] [--samples 480] [--keep 10]
+"""
+
+from __future__ import annotations
+
+import argparse
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from importlib import resources
+
+import numpy as np
+
+from valvetrain.analysis.statics import slope_change
+from valvetrain.cam.shaped import Shaped
+from valvetrain.errors import InputError
+from valvetrain.parameters.curves import Constant, PiecewiseLinear
+from valvetrain.parameters.damping import DampingParameters
+from valvetrain.parameters.material import OTEVA_90_SC
+from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.parameters.writing import write_case_values
+from valvetrain.rod.buffer import RodDynamics
+from valvetrain.rod.modes import natural_modes
+from valvetrain.rod.static import compress
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.studies.identification import Identified, Target, Unknown, identify
+from valvetrain.studies.spring_runs import march_case
+
+PRECOMPRESSION = 7e-3
+ENGINE_SPEED = 4200 * 2 * np.pi / 60
+
+#: Unknown dimensions (SI). Starts and spreads say what a valve spring of this size looks like; bounds keep it one.
+UNKNOWNS = (
+    Unknown("wire_diameter", 3.6e-3, 4.1e-3, 3.87e-3, 0.05e-3),
+    Unknown("mean_diameter", 20.5e-3, 24.0e-3, 22.5e-3, 0.4e-3),
+    Unknown("top_mean_diameter", 15.5e-3, 20.0e-3, 17.3e-3, 0.8e-3),
+    Unknown("clearance_at_coil_1", 0.2e-3, 2.2e-3, 1.0e-3, 0.3e-3),
+    Unknown("clearance_at_coil_2", 1.0e-3, 3.6e-3, 2.1e-3, 0.3e-3),
+    Unknown("clearance_at_coil_3", 4.0e-3, 6.5e-3, 5.4e-3, 0.5e-3),
+    Unknown("clearance_at_coil_7", 0.3e-3, 3.5e-3, 1.4e-3, 0.5e-3),
+    Unknown("lower_held_coils", 0.60, 0.98, 0.78, 0.08),
+    Unknown("upper_held_coils", 0.60, 0.98, 0.82, 0.08),
+    Unknown("stiffness_share", 0.40, 1.00, 0.80, 0.20),
+    Unknown("maximum_lift", 8.6e-3, 9.8e-3, 9.2e-3, 0.2e-3),
+    Unknown("ramp_lift", 0.15e-3, 0.60e-3, 0.36e-3, 0.08e-3),
+    Unknown("flank_start", 0.1, 3.0, 1.0, 0.4),
+    Unknown("flank_middle", 0.1, 3.0, 1.0, 0.4),
+    Unknown("nose_start", 0.1, 3.0, 0.8, 0.4),
+    Unknown("nose_middle", 0.1, 3.0, 1.0, 0.4),
+)
+
+#: Calibration data with the weight of a miss; source numbers of the published study, statics, modes and 4200 rpm only.
+TARGETS = (
+    Target("preload", 289.0, 1.5),
+    Target("stiffness_change_compression", 5.0e-3, 0.25e-3),
+    Target("node_2_installed_gap", 0.07e-3, 0.02e-3),
+    Target("mode_1_frequency", 630.0, 4.0),
+    Target("mode_2_frequency", 1120.0, 20.0),
+    Target("mode_3_frequency", 1639.0, 30.0),
+    Target("stage_1_force_range", 12.0, 3.0),
+    Target("stage_2_peak_force", 818.0, 4.0),
+    Target("stage_2_peak_cam_angle", 183.0, 1.0),
+    Target("stage_3_peak_force", 315.0, 8.0),
+    Target("node_2_maximum_displacement", 0.05e-3, 0.015e-3),
+    Target("node_2_peak_acceleration", 5490.0, 2000.0),
+)
+
+
+def spring_of(p: dict[str, float]) -> SpringDefinition:
+    """The beehive of a parameter set; shapes as published (diameter constant to coil 4, pitch linear 1-3, level 3-6, falling to 7)."""
+    c1, c2, c3, c7 = (p[f"clearance_at_coil_{n}"] for n in (1, 2, 3, 7))
+    step = 0.125
+    clearances = (0.0, 0.0, c1 + step * (c2 - c1), c2, c3, c3, c7)
+    return SpringDefinition(
+        wire_diameter=Constant(p["wire_diameter"]),
+        mean_diameter=PiecewiseLinear((0.0, 4.0, 7.0), (p["mean_diameter"], p["mean_diameter"], p["top_mean_diameter"])),
+        pitch=PiecewiseLinear((0.0, 1 - step, 1 + step, 2.0, 3.0, 6.0, 7.0), tuple(p["wire_diameter"] + c for c in clearances)),
+        total_coils=7.0, material=OTEVA_90_SC, name="beehive",
+        lower_end=EndCoil("closed-ground", p["lower_held_coils"], p["lower_held_coils"]),
+        upper_end=EndCoil("closed-ground", p["upper_held_coils"], p["upper_held_coils"]),
+    )  # fmt: skip
+
+
+def law_of(p: dict[str, float]) -> Shaped:
+    """The lift law: published stages, acceleration of the flank drawn by six control values."""
+    shape = (p["flank_start"], 1.0, p["flank_middle"], -p["nose_start"], -p["nose_middle"], -1.0)
+    angles = np.radians((90.0, 127.0, 180.0))
+    return Shaped(
+        maximum_lift=p["maximum_lift"], ramp_lift=p["ramp_lift"], ramp_start=angles[0], event_start=angles[1], nose=angles[2], flank_shape=shape
+    )
+
+
+def evaluate(elements_per_coil: int, vector: np.ndarray) -> dict[str, float] | None:
+    """Calibration quantities of one parameter vector; None for an impossible spring or a failed solution."""
+    p = {u.name: float(v) for u, v in zip(UNKNOWNS, vector, strict=True)}
+    damping = DampingParameters(ratio=0.016, ratio_frequency=630.0, stiffness_share=p["stiffness_share"])
+    dynamics = RodDynamics(mass_damping=damping.mass_damping, stiffness_damping=damping.stiffness_damping)
+    try:
+        law = law_of(p)
+        model = FiniteElementRod(spring_of(p), PRECOMPRESSION, elements_per_coil, dynamics)
+        path = compress(model.statics, np.linspace(0.5e-3, PRECOMPRESSION, 14).tolist())
+        if not path[-1].converged:
+            return None
+        model.__dict__["installed"] = path[-1]
+        modes = natural_modes(model.statics, path[-1].state, 24)
+        axial = modes.natural_frequency[modes.axial_modes(3)]
+        run = march_case(model, law, ENGINE_SPEED, 2, np.radians(0.5))
+    except (InputError, ValueError, np.linalg.LinAlgError, RuntimeError):
+        return None
+    if not run.completed or len(axial) < 3:
+        return None
+    force = np.concatenate([[0.0], [e.retainer_force for e in path]])
+    compression = np.concatenate([[0.0], [e.state.compression for e in path]])
+    values = {"preload": float(force[-1]), "stiffness_change_compression": slope_change(compression, force) or 0.0}
+    values |= {f"mode_{n + 1}_frequency": float(f) for n, f in enumerate(axial)}
+    return values | _node_2(model, path[-1], run) | _forces(run)
+
+
+def _node_2(model: FiniteElementRod, installed, run) -> dict[str, float]:
+    coil = model.mesh.coil_number
+    gaps = model.statics.gaps(installed.state.position).min(axis=0)
+    inside = np.isfinite(gaps)
+    height = np.array([np.interp(2.0, coil, z) for z in run.position[:, :, 2]])
+    velocity = np.array([np.interp(2.0, coil, v) for v in run.velocity[:, :, 2]])
+    acceleration = np.diff(velocity) / np.diff(run.time)
+    gap = float(np.interp(2.0, coil[inside], gaps[inside]))
+    rest = np.interp(2.0, coil, installed.state.position[:, 2]) - max(gap, 0.0)
+    return {
+        "node_2_installed_gap": gap,
+        "node_2_maximum_displacement": float(np.max(height) - rest),
+        "node_2_peak_acceleration": float(np.max(np.abs(acceleration))),
+    }
+
+
+def _forces(run) -> dict[str, float]:
+    force = run.seat_force
+    angle = np.degrees(ENGINE_SPEED / 2 * run.time) % 360.0
+    stage_1, stage_2, stage_3 = angle < 120, (angle > 140) & (angle < 225), (angle > 236) & (angle < 359)
+    top = np.flatnonzero(stage_2)[np.argmax(force[stage_2])]
+    near = slice(top - 8, top + 9)
+    fit = np.polyfit(angle[near] - angle[top], force[near], 2)
+    return {
+        "stage_1_force_range": float(np.ptp(force[stage_1])),
+        "stage_2_peak_force": float(force[top]),
+        "stage_2_peak_cam_angle": float(angle[top] - fit[1] / (2 * fit[0])) if fit[0] < 0 else float(angle[top]),
+        "stage_3_peak_force": float(np.max(force[stage_3])),
+    }
+
+
+def starts(count: int) -> list[np.ndarray]:
+    """The central start and a Latin hypercube of others within one spread."""
+    centre = np.array([u.start for u in UNKNOWNS])
+    spread = np.array([u.spread for u in UNKNOWNS])
+    random = np.random.default_rng(2021)
+    strata = np.argsort(random.random((len(UNKNOWNS), max(count - 1, 1))), axis=1).T
+    offsets = 2 * (strata + random.random(strata.shape)) / max(count - 1, 1) - 1
+    low, high = np.array([u.low for u in UNKNOWNS]), np.array([u.high for u in UNKNOWNS])
+    return [centre, *np.clip(centre + 1.2 * offsets * spread, low, high)][:count]
+
+
+def misfit(values: dict[str, float] | None) -> float:
+    """Sum of squared scaled misses; infinite for an impossible spring."""
+    return np.inf if values is None else float(sum(((values[t.name] - t.value) / t.scale) ** 2 for t in TARGETS))
+
+
+def search(elements: int, workers: int, samples: int, keep: int) -> Identified:
+    """Sample the space, refine the best ``keep`` samples on a coarse mesh, finish the best of them on ``elements`` per coil."""
+    from dataclasses import replace
+
+    with ProcessPoolExecutor(workers) as pool:
+        points = starts(samples)
+        coarse = partial(evaluate, 12)
+        scores = [misfit(v) for v in pool.map(coarse, points)]
+        order = np.argsort(scores)[:keep]
+        print(f"{samples} samples, best misfits {[round(scores[n], 1) for n in order]}", flush=True)
+        best = None
+        for n in order:
+            begin = [replace(u, start=float(v)) for u, v in zip(UNKNOWNS, points[n], strict=True)]
+            found = identify(begin, TARGETS, coarse, pool, iterations=8, prior_weight=0.1)
+            print(f"  start {n}: {found.misfit:.2f}", flush=True)
+            best = found if best is None or found.misfit < best.misfit else best
+        assert best is not None
+        begin = [replace(u, start=float(np.clip(best.parameters[u.name], u.low, u.high))) for u in UNKNOWNS]
+        return identify(begin, TARGETS, partial(evaluate, elements), pool, iterations=10, prior_weight=0.1, report=lambda t: print(t, flush=True))
+
+
+def case_values(p: dict[str, float]) -> dict[str, object]:
+    """The identified values as the case file holds them."""
+    spring, law = spring_of(p), law_of(p)
+    pitch = spring.pitch
+    assert isinstance(pitch, PiecewiseLinear)
+    clearances = ", ".join(f"{1e3 * (value - p['wire_diameter']):.4f}" for value in pitch.values)
+    return {
+        "spring.wire_diameter": f"{1e3 * p['wire_diameter']:.4f} mm",
+        "spring.mean_diameter.values": f"{1e3 * p['mean_diameter']:.4f}, {1e3 * p['mean_diameter']:.4f}, {1e3 * p['top_mean_diameter']:.4f} mm",
+        "spring.pitch.coils": [float(coil) for coil in pitch.coils],
+        "spring.pitch.clearances": f"{clearances} mm",
+        "spring.lower_end.held_coils": round(p["lower_held_coils"], 4),
+        "spring.lower_end.ground_coils": round(p["lower_held_coils"], 4),
+        "spring.upper_end.held_coils": round(p["upper_held_coils"], 4),
+        "spring.upper_end.ground_coils": round(p["upper_held_coils"], 4),
+        "damping.stiffness_share": round(p["stiffness_share"], 4),
+        "lift_law.maximum_lift": f"{1e3 * p['maximum_lift']:.4f} mm",
+        "lift_law.ramp_lift": f"{1e3 * p['ramp_lift']:.4f} mm",
+        "lift_law.flank_shape": [round(float(value), 4) for value in law.flank_shape],
+    }
+
+
+def main() -> None:
+    """Identify, print the result and, with --write, rewrite the case library."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--write", action="store_true")
+    parser.add_argument("--elements-per-coil", type=int, default=24)
+    parser.add_argument("--workers", type=int, default=4)
+    parser.add_argument("--samples", type=int, default=480)
+    parser.add_argument("--keep", type=int, default=10)
+    options = parser.parse_args()
+    found = search(options.elements_per_coil, options.workers, options.samples, options.keep)
+    print(f"misfit {found.misfit:.3f} after {found.iterations} iterations")
+    for name, value in found.parameters.items():
+        print(f"  {name:24s} {value:.6g}  +- {found.standard_error[name]:.2g}")
+    for target in TARGETS:
+        print(f"  {target.name:32s} {found.computed[target.name]:.6g}   published {target.value:.6g}")
+    if options.write:
+        path = resources.files("valvetrain") / "parameters" / "library" / "gu2021-beehive.toml"
+        write_case_values(str(path), case_values(dict(found.parameters)))
+        print(f"rewrote the identified values of {path.name}")
+
+
+if __name__ == "__main__":
+    main()
