@@ -67,7 +67,8 @@ class EquivalentSpring:
         first = float(MultiMassSpring(layout, precompression).frequencies(0.0, 1)[0])
         nodes = solve_static(layout, precompression)
         riding = layout.masses[nodes[1:-1] > 0.999 * precompression] if precompression > 0 else np.zeros(0)
-        return cls(float(rate[0]), float(force[0]), float(rate[0]) / (4 * first**2), float(layout.retainer_mass + riding.sum()), spring.name)
+        mass, held = float(rate[0]) / (4 * first**2), float(layout.retainer_mass + riding.sum())
+        return cls(float(rate[0]), float(force[0]), mass, held, spring.name)
 
     @property
     def wave_speed(self) -> float:

@@ -1,0 +1,60 @@
+"""Compiled step of the modal spring: oscillators hung between seat and retainer, each stepped exactly."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+HEADER = 4
+PER_MODE = 5
+#: Slots per mode in the state: position, velocity; then dissipated energy, last step, and decay and pull per mode.
+
+
+@njit(cache=True)
+def _prepare(parameters, n, state, time_step):
+    """Step factors of every mode: decay exp(-2 z w h) and pull (1 + decay - 2 exp(-z w h) cos(w_d h)) / h."""
+    for i in range(n):
+        base = HEADER + PER_MODE * i
+        omega, ratio = parameters[base + 1], parameters[base + 2]
+        fade = math.exp(-ratio * omega * time_step)
+        turned = math.cos(omega * math.sqrt(1.0 - ratio * ratio) * time_step)
+        state[2 * n + 2 + i] = fade * fade
+        state[3 * n + 2 + i] = (1.0 + fade * fade - 2.0 * fade * turned) / time_step
+    state[2 * n + 1] = time_step
+
+
+@njit(cache=True)
+def advance_modal(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
+    """``parameters`` = preload (N), rate (N/m), mass damping (1/s), 0, then per mode: shape share c (-), circular frequency (rad/s),
+    damping ratio (-), modal stiffness (N/m), seat factor (N/m). ``integers`` = [n modes].
+
+    Mode n moves p = q + c x (absolute), q being the departure from the static shape; it is pulled by its stiffness times (p - c x) and
+    damped on its rate (p' - c x'). With x held the sampled motion is the exact damped oscillation at any step.
+    """
+    n = integers[0]
+    force = parameters[0] + parameters[1] * retainer_displacement
+    retainer, seat, lost = force, force, 0.0
+    fade = 1.0
+    if time_step > 0.0:
+        if state[2 * n + 1] != time_step:
+            _prepare(parameters, n, state, time_step)
+        fade = math.exp(-0.5 * parameters[2] * time_step)
+    for i in range(n):
+        base = HEADER + PER_MODE * i
+        share, omega, stiffness = parameters[base], parameters[base + 1], parameters[base + 3]
+        departure = state[i] - share * retainer_displacement
+        rate = state[n + i] - share * retainer_velocity
+        lag = 2.0 * parameters[base + 2] / omega * rate
+        retainer -= share * stiffness * (departure + lag)
+        seat += parameters[base + 4] * (departure + lag)
+        if time_step > 0.0:
+            lost += time_step * stiffness * lag * rate
+            before = state[n + i]
+            kicked = share * retainer_velocity + state[2 * n + 2 + i] * (fade * before - share * retainer_velocity)
+            kicked -= state[3 * n + 2 + i] * departure
+            state[n + i] = fade * kicked
+            lost += 0.5 * stiffness / (omega * omega) * (1.0 - fade * fade) * (before * before + kicked * kicked)
+            state[i] += time_step * fade * kicked
+    state[2 * n] += lost
+    return retainer, seat

@@ -1,0 +1,178 @@
+"""Two springs one inside the other as one model, with optional rubbing between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.springs.chain_layout import ChainLayout
+from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringModel, SpringOutputs
+from valvetrain.springs.equivalent_rod import EquivalentRod
+from valvetrain.springs.multi_mass import MultiMassSpring
+from valvetrain.springs.nested_kernels import nested_kernel
+from valvetrain.springs.rod_with_clash import EquivalentRodWithClash
+
+#: Sections of the inner spring that rub, however fine its model is.
+RUBBING_SECTIONS = 24
+
+
+@dataclass(frozen=True, slots=True)
+class RadialRubbing:
+    """Coulomb friction of two interfering springs: ``normal_force`` (N) in all, spread evenly over the active length.
+
+    Each section pair at the same share of the active length feels at most ``coefficient`` times its part of the normal force,
+    against its axial slip; it sticks below that. The normal force is an input (a damper spring's press fit): radial coil motion is not modelled.
+    """
+
+    coefficient: float
+    normal_force: float
+
+    def __post_init__(self) -> None:
+        for key in ("coefficient", "normal_force"):
+            if not (np.isfinite(getattr(self, key)) and getattr(self, key) >= 0):
+                raise InputError(f"{key} of the rubbing of nested springs is {getattr(self, key)}; give zero or a positive number")
+
+
+def radial_clearance(outer: SpringDefinition, inner: SpringDefinition, places: int = 201) -> float:
+    """Smallest radial gap (m) between the springs in the free state at equal share of the turns; negative where they interfere."""
+    share = np.linspace(0.0, 1.0, places)
+    bore = outer.mean_diameter.value(share * outer.total_coils) - outer.wire_diameter.value(share * outer.total_coils)
+    return float(np.min(bore - inner.outer_diameter(share * inner.total_coils)) / 2)
+
+
+@dataclass(frozen=True, eq=False)
+class NestedSprings:
+    """``outer`` and ``inner`` side by side between the same seat and retainer: forces, energies and riding masses add.
+
+    ``rubbing`` needs both members to be multi-mass or rod models. Raises :class:`InputError` otherwise.
+    """
+
+    outer: SpringModel
+    inner: SpringModel
+    rubbing: RadialRubbing | None = None
+    name: str = "nested"
+
+    def __post_init__(self) -> None:
+        if self.rubbing is not None and any(_sections(member) is None for member in (self.outer, self.inner)):
+            raise InputError("rubbing of nested springs needs sections that move: choose multi-mass or rod for both, or leave rubbing out")
+
+    @property
+    def members(self) -> tuple[SpringModel, SpringModel]:
+        return self.outer, self.inner
+
+    @property
+    def unknowns(self) -> int:
+        return self.outer.unknowns + self.inner.unknowns
+
+    @property
+    def kernel(self) -> Any:
+        return nested_kernel(self.outer.kernel, self.inner.kernel)
+
+    @cached_property
+    def _pairs(self) -> tuple[NDArray[np.int64], Array]:
+        """Section numbers (s, 2) and inverse masses (s, 2) of the pairs that rub."""
+        if self.rubbing is None:
+            return np.zeros((0, 2), np.int64), np.zeros((0, 2))
+        (outer_share, outer_mass), (inner_share, inner_mass) = _sections(self.outer), _sections(self.inner)  # type: ignore[misc]
+        count = min(RUBBING_SECTIONS, len(inner_share))
+        inner = np.unique(np.round(np.linspace(0, len(inner_share) - 1, count)).astype(np.int64))
+        outer = np.argmin(np.abs(outer_share[None, :] - inner_share[inner, None]), axis=1)
+        return np.column_stack((outer, inner)), np.column_stack((1 / outer_mass[outer], 1 / inner_mass[inner]))
+
+    def parameters(self) -> Array:
+        pairs, inverse = self._pairs
+        limit = 0.0
+        if self.rubbing is not None:
+            limit = self.rubbing.coefficient * self.rubbing.normal_force / len(pairs)
+        return np.concatenate(([limit], self.outer.parameters(), self.inner.parameters(), inverse.ravel()))
+
+    @cached_property
+    def _outer_size(self) -> int:
+        return len(self.outer.initial_state(0.0))
+
+    def integers(self) -> NDArray[np.int64]:
+        pairs, _ = self._pairs
+        outer, inner = self.outer.integers(), self.inner.integers()
+        values = [len(member.parameters()) for member in self.members]
+        head = [self.outer.unknowns, self.inner.unknowns, *values, len(outer), len(inner), len(pairs), self._outer_size]
+        return np.concatenate((head, pairs.ravel(), outer, inner)).astype(np.int64)
+
+    def with_time_step(self, time_step: float) -> NestedSprings:
+        return replace(self, outer=self.outer.with_time_step(time_step), inner=self.inner.with_time_step(time_step))
+
+    def initial_state(self, retainer_displacement: float) -> Array:
+        buffers = [member.initial_state(retainer_displacement) for member in self.members]
+        positions = [b[: member.unknowns] for b, member in zip(buffers, self.members, strict=True)]
+        return np.concatenate((*positions, np.zeros(self.unknowns + 1), *buffers))
+
+    def _split(self, state: Array) -> tuple[Array, Array]:
+        """Copies of the members' buffers with the current positions and velocities."""
+        n, m = self.outer.unknowns, self.inner.unknowns
+        start = 2 * (n + m) + 1
+        outer, inner = state[start : start + self._outer_size].copy(), state[start + self._outer_size :].copy()
+        outer[:n], outer[n : 2 * n] = state[:n], state[n + m : 2 * n + m]
+        inner[:m], inner[m : 2 * m] = state[n : n + m], state[2 * n + m : 2 * (n + m)]
+        return outer, inner
+
+    def stable_time_step(self) -> float:
+        return min(member.stable_time_step() for member in self.members)
+
+    def energy(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
+    ) -> SpringEnergy:
+        parts = [
+            member.energy(own, retainer_displacement, retainer_velocity, time_step)
+            for member, own in zip(self.members, self._split(state), strict=True)
+        ]
+        kinetic, elastic, contact, dissipated = (sum(column) for column in zip(*parts, strict=True))
+        return SpringEnergy(kinetic, elastic, contact, dissipated + float(state[2 * self.unknowns]))
+
+    def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
+        outer, inner = self._split(state)
+        first = self.outer.force(outer, retainer_displacement, retainer_velocity)
+        second = self.inner.force(inner, retainer_displacement, retainer_velocity)
+        return EndForces(first.retainer + second.retainer, first.seat + second.seat)
+
+    def tangent(self, state: Array, retainer_displacement: float) -> float:
+        return sum(member.tangent(own, retainer_displacement) for member, own in zip(self.members, self._split(state), strict=True))
+
+    def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
+        """Sections of the outer spring with the forces of both; :meth:`member_outputs` gives each alone."""
+        outer, _ = self.member_outputs(state, retainer_displacement, retainer_velocity)
+        both = self.force(state, retainer_displacement, retainer_velocity)
+        return replace(outer, retainer_force=both.retainer, seat_force=both.seat)
+
+    def member_outputs(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> tuple[SpringOutputs, SpringOutputs]:
+        """Outputs of the outer and of the inner spring."""
+        outer, inner = self._split(state)
+        return (
+            self.outer.outputs(outer, retainer_displacement, retainer_velocity),
+            self.inner.outputs(inner, retainer_displacement, retainer_velocity),
+        )
+
+    def retainer_mass(self) -> float:
+        """Sum of both members' riding masses (kg)."""
+        return self.outer.retainer_mass() + self.inner.retainer_mass()
+
+
+def _sections(model: SpringModel) -> tuple[Array, Array] | None:
+    """Share 0..1 of the active length and mass (kg) of every inner section, or None where a model has no sections."""
+    if isinstance(model, EquivalentRod):
+        return np.arange(1, model.cells) / model.cells, np.full(model.cells - 1, model.cell_mass)
+    layout: ChainLayout | None = None
+    if isinstance(model, MultiMassSpring):
+        layout = model.layout
+    elif isinstance(model, EquivalentRodWithClash):
+        layout = model.chain.layout
+    if layout is None:
+        return None
+    flow = np.cumsum(1 / layout.stiffness)
+    return flow[:-1] / flow[-1], layout.masses
