@@ -18,7 +18,8 @@ class ModifiedSine(FlankEvents):
     @property
     def joints(self) -> tuple[float, ...]:
         rise, fall = self.opening_end - self.opening_start, self.closing_end - self.closing_start
-        inner = [start + span * share for start, span in ((self.opening_start, rise), (self.closing_start, fall)) for share in (0.125, 0.875)]
+        flanks = ((self.opening_start, rise), (self.closing_start, fall))
+        inner = [start + span * share for start, span in flanks for share in (0.125, 0.875)]
         return tuple(sorted((self.opening_start, self.opening_end, self.closing_start, self.closing_end, *inner)))
 
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:

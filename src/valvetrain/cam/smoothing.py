@@ -10,14 +10,15 @@ from valvetrain.cam.contract import Array
 from valvetrain.errors import InputError
 
 
-def smoothed_spline(angles: Array, lifts: Array, degree: int, deviation: float) -> Any:
+def smoothed_spline(cam_angles: Array, lifts: Array, degree: int, deviation: float) -> Any:
     """B-spline (scipy) of least squared jerk at a root-mean-square distance ``deviation`` (m) from the table.
 
-    Its lift and first (degree - 1) / 2 derivatives are zero at both ends. Penalised regression; the weight of the jerk is found by bisection.
-    Raises :class:`InputError` when no curve between the table and a straight base circle is that far away.
+    Its lift and first (degree - 1) / 2 derivatives are zero at both ends. Penalised regression; the weight of the jerk
+    is found by bisection. Raises :class:`InputError` when no curve between the table and a straight base circle is that far away.
     """
     from scipy.interpolate import BSpline
 
+    angles = cam_angles
     knots = np.concatenate([np.full(degree, angles[0]), angles, np.full(degree, angles[-1])])
     held = (degree + 1) // 2
     count = len(knots) - degree - 1

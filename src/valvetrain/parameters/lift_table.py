@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from itertools import pairwise
 from pathlib import Path
 
 from valvetrain.errors import InputError
@@ -32,18 +33,18 @@ def read_lift_table(path: Path, angle_unit: str, angle_of: str, lift_unit: str) 
 
 
 def event_of_table(
-    angles: tuple[float, ...], lifts: tuple[float, ...], threshold: float = 0.0
+    cam_angles: tuple[float, ...], lifts: tuple[float, ...], threshold: float = 0.0
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """The lifting part of a table, from the last station of zero lift before it to the first after it.
 
     Lifts up to ``threshold`` (m) count as zero. A table over a whole revolution may start within the event. Raises
     :class:`InputError` when the table has no base circle on both sides, or no lift.
     """
-    lifted = [lift > threshold for lift in lifts]
+    angles, lifted = cam_angles, [lift > threshold for lift in lifts]
     if not any(lifted):
         raise InputError("the table holds no lift above its base circle; check the unit and the smoothing")
     turn = 2 * math.pi
-    gap, widest = angles[0] + turn - angles[-1], max(late - early for early, late in zip(angles, angles[1:], strict=False))
+    gap, widest = angles[0] + turn - angles[-1], max(late - early for early, late in pairwise(angles))
     if (lifted[0] or lifted[-1]) and gap < 1.01 * widest:
         start = _middle_of_longest_rest(lifted)
         whole = angles[-1] - angles[0] > turn - 1e-6

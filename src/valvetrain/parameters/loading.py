@@ -89,7 +89,8 @@ def _read_text(path: Path) -> str:
     except UnicodeDecodeError:
         raise InputError("is no text file; a case is TOML in UTF-8", path.name) from None
     except FileNotFoundError:
-        raise InputError(f"there is no file '{_one_line(str(path), 120)}'; check the path, or list the library with 'valvetrain cases'") from None
+        name = _one_line(str(path), 120)
+        raise InputError(f"there is no file '{name}'; check the path, or list the library with 'valvetrain cases'") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "bad path"
         raise InputError(f"the file cannot be read ({reason}); check the path and its permissions", _one_line(path.name, 60)) from None

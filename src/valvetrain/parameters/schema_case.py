@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import PlainValidator
+from pydantic import Field, PlainValidator
 from pydantic_core import PydanticCustomError
 
 from valvetrain.parameters.case import Case, Installation, Note, Operation, RodOptions
@@ -41,8 +41,9 @@ class InstallationModel(StrictModel):
     seats: Literal["planes", "clamps"] = "planes"
 
     def build(self, spring: SpringDefinition | None) -> Installation:
+        """The installation of ``spring``; refuses one that would be stretched or solid."""
         if self.precompression is not None and self.installed_height is not None:
-            raise problem("precompression and installed_height are both given and may contradict each other; give one", ("installed_height",))
+            raise problem("precompression and installed_height are both given and may contradict; give one", ("installed_height",))
         compression = self.precompression or 0.0
         if self.installed_height is not None and spring is not None:
             compression = spring.free_length - self.installed_height
@@ -64,6 +65,7 @@ class DampingModel(StrictModel):
     stiffness_damping: Time | None = None
 
     def build(self) -> DampingParameters:
+        """The damping; refuses two ways of giving it that disagree."""
         made: DampingParameters = guarded(lambda: DampingParameters(**self.model_dump()))
         return made
 
@@ -76,6 +78,7 @@ class OperationModel(StrictModel):
     cycles: int = 2
 
     def build(self) -> Operation:
+        """The operation, with engine (crank) speeds."""
         if self.engine_speeds is not None and self.cam_speeds is not None:
             raise problem("engine_speeds and cam_speeds are both given; give one (an engine speed is twice the cam speed)", ("cam_speeds",))
         speeds = self.engine_speeds if self.engine_speeds is not None else tuple(2 * speed for speed in self.cam_speeds or ())
@@ -97,6 +100,7 @@ class RodModel(StrictModel):
     time_step: PositiveTime | None = None
 
     def build(self) -> RodOptions:
+        """The constants of the rod."""
         if not 4 <= self.elements_per_coil <= 1000:
             raise problem("elements_per_coil must be a whole number from 4 to 1000", ("elements_per_coil",))
         return RodOptions(**self.model_dump())
@@ -117,7 +121,7 @@ class CaseModel(StrictModel):
     name: str | None = None
     title: str = ""
     description: str = ""
-    sources: list[str] = []
+    sources: list[str] = Field(default_factory=list)
     spring: SpringModel | None = None
     spring_card: SpringCardModel | None = None
     lift_law: LiftField | None = None
@@ -126,7 +130,7 @@ class CaseModel(StrictModel):
     operation: OperationModel = OperationModel()
     rod: RodModel = RodModel()
     train: Annotated[Any, PlainValidator(_read_train)] = None
-    published: list[PublishedModel] = []
+    published: list[PublishedModel] = Field(default_factory=list)
 
     def build(self, name: str, folder: Path, notes: dict[str, Note]) -> Case:
         """The case; ``folder`` is where relative file names start. Raises a located problem for tables that contradict each other."""

@@ -29,6 +29,7 @@ class ConstantForm(StrictModel):
     level: float
 
     def build(self, context: CurveContext) -> Curve:
+        """The curve; raises :class:`InputError` when this form lacks or repeats something."""
         return Constant(self.level)
 
 
@@ -44,6 +45,7 @@ class KnotsForm(StrictModel):
     clearances: Lengths | None = None
 
     def build(self, context: CurveContext) -> Curve:
+        """The curve; raises :class:`InputError` when this form lacks or repeats something."""
         if (self.values is None) == (self.clearances is None):
             raise InputError("a curve over coils has either values or clearances (pitch less wire diameter); give one of them")
         numbers = self.values if self.values is not None else self.clearances
@@ -71,6 +73,7 @@ class FormulaForm(StrictModel):
     ramp: Number = 0.5
 
     def build(self, context: CurveContext) -> Curve:
+        """The curve; raises :class:`InputError` when this form lacks or repeats something."""
         total = context.total_coils
         if self.formula in ("linear", "conical"):
             lower, upper = self._need("lower", "upper")
@@ -103,6 +106,7 @@ class HeightForm(StrictModel):
     values: Lengths
 
     def build(self, context: CurveContext) -> Curve:
+        """The curve; raises :class:`InputError` when this form lacks or repeats something."""
         return SlopeOf(Table(self.coils, self.values))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -64,12 +65,13 @@ class LiftModel(StrictModel):
         return own
 
     def _in_order(self, *names: str) -> None:
-        for first, second in zip(names, names[1:], strict=False):
+        for first, second in pairwise(names):
             early, late = getattr(self, first), getattr(self, second)
             # A dwell may have no length; a flank may not.
             if late < early or (late == early and (first, second) != ("opening_end", "closing_start")):
                 raise problem(
-                    f"{second} ({math.degrees(late):g} deg) must come after {first} ({math.degrees(early):g} deg); put the events in order", (second,)
+                    f"{second} ({math.degrees(late):g} deg) must come after {first} ({math.degrees(early):g} deg); put the events in order",
+                    (second,),
                 )
         if names and getattr(self, names[-1]) - getattr(self, names[0]) > TURN + 1e-9:
             raise problem(f"the event from {names[0]} to {names[-1]} is longer than one cam revolution; shorten it", (names[-1],))
@@ -107,6 +109,7 @@ class PolydyneModel(LiftModel):
     design_engine_speed: quantity("angular speed", low=0.0) | None = None  # type: ignore[valid-type]
 
     def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class; refuses a deflection given in part."""
         own = super().values(folder)
         parts = (own.pop("effective_mass"), own.pop("effective_stiffness"), own.pop("design_engine_speed"))
         if any(part is None for part in parts):
@@ -126,6 +129,7 @@ class SinePowerModel(LiftModel):
     power: int = 4
 
     def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class; refuses a power out of range."""
         if not 2 <= self.power <= 40:
             raise problem("power must be a whole number from 2 to 40", ("power",))
         return super().values(folder)
@@ -144,6 +148,7 @@ class RampedModel(LiftModel):
     nose_acceleration: quantity("cam acceleration", high=0.0) | None = None  # type: ignore[valid-type]
 
     def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class; refuses ramps above the lift and events out of order."""
         self._in_order("ramp_start", "event_start", "event_end", "ramp_end")
         if self.ramp_lift >= self.maximum_lift:
             raise problem("ramp_lift is not below maximum_lift; lower it", ("ramp_lift",))
@@ -162,6 +167,7 @@ class ShapedModel(LiftModel):
     ramp_blend: quantity("ratio", low=0.01, high=0.99) = 0.3  # type: ignore[valid-type]
 
     def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class; refuses events out of order."""
         self._in_order("ramp_start", "event_start", "nose")
         return {name: getattr(self, name) for name in type(self).model_fields if name not in LiftModel.model_fields}
 
@@ -175,6 +181,7 @@ class StationsModel(LiftModel):
     accelerations: quantities("cam acceleration")  # type: ignore[valid-type]
 
     def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class; refuses stations of unequal number or out of order."""
         own = super().values(folder)
         for name in ("lifts", "velocities", "accelerations"):
             if len(own[name]) != len(self.cam_angles):
@@ -198,6 +205,7 @@ class SplineModel(LiftModel):
     smoothing: Length = 0.0
 
     def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class; refuses tables that contradict themselves."""
         angles, lifts = self._table(folder)
         if len(angles) != len(lifts):
             raise problem(f"lifts has {len(lifts)} entries but cam_angles {len(angles)}; give one lift per angle", ("lifts",))
@@ -231,22 +239,21 @@ class SplineModel(LiftModel):
         return table
 
 
-def check_angles(angles: tuple[float, ...], path: tuple[str, ...]) -> None:
+def check_angles(cam_angles: tuple[float, ...], path: tuple[str, ...]) -> None:
     """Refuse stations that do not increase, are too few or span more than one revolution."""
-    if len(angles) < 4:
-        raise problem(f"a lift table needs at least four stations; it has {len(angles)}", path)
-    for early, late in zip(angles, angles[1:], strict=False):
+    if len(cam_angles) < 4:
+        raise problem(f"a lift table needs at least four stations; it has {len(cam_angles)}", path)
+    for early, late in pairwise(cam_angles):
         if late - early < 1e-6:
             raise problem(f"the angles must increase; {math.degrees(late):g} deg follows {math.degrees(early):g} deg", path)
-    if angles[-1] - angles[0] > TURN + 1e-9:
+    if cam_angles[-1] - cam_angles[0] > TURN + 1e-9:
         raise problem("the lift table spans more than one cam revolution; cut it (or say angle_of = 'crank')", path)
 
 
 def _mirrored(angles: tuple[float, ...], lifts: tuple[float, ...], about: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
     if abs(angles[-1] - about) > 1e-6:
-        raise problem(
-            f"half a table must end at mirror_angle; it ends at {math.degrees(angles[-1]):g} deg, not {math.degrees(about):g} deg", ("mirror_angle",)
-        )
+        last, mirror = math.degrees(angles[-1]), math.degrees(about)
+        raise problem(f"half a table must end at mirror_angle; it ends at {last:g} deg, not {mirror:g} deg", ("mirror_angle",))
     return (*angles[:-1], *(2 * about - angle for angle in angles[::-1])), (*lifts[:-1], *lifts[::-1])
 
 

@@ -91,9 +91,17 @@ class PublishedModel(StrictModel):
             value, unit, tolerance = _placed(entry, name)
             values.append(
                 PublishedValue(
-                    quantity=name, value=value, unit=unit, origin=entry.origin or self.origin, role=self.role, engine_speed=self.engine_speed,
-                    model=self.model, source=self.source, tolerance=tolerance, relation=entry.relation,
-                )  # fmt: skip
+                    quantity=name,
+                    value=value,
+                    unit=unit,
+                    origin=entry.origin or self.origin,
+                    role=self.role,
+                    engine_speed=self.engine_speed,
+                    model=self.model,
+                    source=self.source,
+                    tolerance=tolerance,
+                    relation=entry.relation,
+                )
             )
         return tuple(values)
 

@@ -39,6 +39,7 @@ class EndModel(StrictModel):
     ground_coils: quantity("ratio", low=0.0, high=3.0) | None = None  # type: ignore[valid-type]
 
     def build(self) -> EndCoil:
+        """The end coil, with the usual turns of its kind where none are given."""
         usual = EndCoil() if self.kind == "closed-ground" else EndCoil(self.kind, 0.0 if self.kind == "open" else 0.75, 0.0)
         held = usual.held_coils if self.held_coils is None else self.held_coils
         ground = usual.ground_coils if self.ground_coils is None else self.ground_coils
@@ -59,6 +60,7 @@ class MaterialModel(StrictModel):
     density: Density | None = None
 
     def build(self) -> Material:
+        """The material; refuses moduli that contradict each other."""
         young, shear, density = self.youngs_modulus, self.shear_modulus, self.density
         if self.poisson_ratio is not None and young is not None:
             from_ratio = young / (2 * (1 + self.poisson_ratio)) if self.poisson_ratio > -1 else float("inf")
@@ -151,6 +153,7 @@ class SpringCardModel(StrictModel):
     solid_height: PositiveLength | None = None
 
     def build(self) -> SpringCard:
+        """The card; refuses a rate that contradicts the loads."""
         rate, load, lift = self.rate, self.open_load, self.open_lift
         if self.preload < 0:
             raise problem("a preload is a compressive force, zero or more", ("preload",))

@@ -1,0 +1,102 @@
+"""The frozen case: copies by key path, differences, citations, transport to another process."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import pickle
+
+import pytest
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.case import Case, DampingParameters, Note, PublishedValue, RodOptions
+from valvetrain.parameters.constructors import barrel
+from valvetrain.parameters.loading import load_case
+
+
+@pytest.fixture(scope="module")
+def beehive() -> Case:
+    return load_case("gu2021-beehive")
+
+
+def test_replace_takes_dotted_paths_and_leaves_the_original(beehive):
+    coarse = beehive.replace({"rod.elements_per_coil": 12, "lift_law.maximum_lift": 0.0091}, name="coarse")
+    assert (coarse.rod.elements_per_coil, coarse.name) == (12, "coarse")
+    assert beehive.rod.elements_per_coil == RodOptions().elements_per_coil
+    assert beehive.diff(coarse) == {
+        "name": ("gu2021-beehive", "coarse"),
+        "rod.elements_per_coil": (24, 12),
+        "lift_law.values.maximum_lift": (beehive.lift_law.values["maximum_lift"], 0.0091),
+    }
+    assert beehive.diff(beehive) == {}
+
+
+def test_replace_names_the_nearest_path(beehive):
+    with pytest.raises(InputError, match=r"rod\.element_per_coil.*did you mean elements_per_coil"):
+        beehive.replace({"rod.element_per_coil": 12})
+    with pytest.raises(InputError, match="did you mean damping"):
+        beehive.replace(dampin=None)
+    with pytest.raises(InputError, match="has no parts to set"):
+        beehive.replace({"name.first": 1})
+
+
+def test_a_case_is_frozen(beehive):
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        beehive.name = "other"
+    with pytest.raises(TypeError):
+        beehive.notes["x"] = Note()
+
+
+def test_pickled_cases_are_equal(beehive):
+    assert pickle.loads(pickle.dumps(beehive)) == beehive
+    spring = barrel(4e-3, 20e-3, 26e-3, 8e-3, 7)
+    assert pickle.loads(pickle.dumps(spring)) == spring
+
+
+def test_cite_collects_keys_once():
+    case = Case(
+        "x",
+        sources=("first2020",),
+        notes={"spring": Note("published", "second2021, figure 3"), "rod": Note("assumed", "a guess of ours")},
+        published=(PublishedValue("preload", 1.0, "N", source="first2020, table 1"),),
+    )
+    assert case.cite() == ("first2020", "second2021")
+
+
+def test_damping_from_a_ratio_is_split_by_share():
+    circular = 2 * math.pi * 630
+    damping = DampingParameters(ratio=0.016, ratio_frequency=630, stiffness_share=0.75)
+    assert damping.mass_damping == pytest.approx(2 * 0.016 * circular * 0.25)
+    assert damping.stiffness_damping == pytest.approx(2 * 0.016 / circular * 0.75)
+    assert damping.ratio_at(630) == pytest.approx(0.016)
+
+
+def test_standard_job_coefficients_are_the_stated_ratio():
+    # Both variants of the benchmark jobs are stated as 1.6 % at 600 Hz.
+    assert DampingParameters(stiffness_damping=8.48826e-6).ratio_at(600) == pytest.approx(0.016, rel=1e-5)
+    assert DampingParameters(mass_damping=120.637).ratio_at(600) == pytest.approx(0.016, rel=1e-5)
+
+
+def test_one_coefficient_leaves_the_rest_of_the_ratio_to_the_other():
+    damping = DampingParameters(ratio=0.016, ratio_frequency=630, mass_damping=28.0)
+    assert damping.ratio_at(630) == pytest.approx(0.016)
+    assert damping.replace(stiffness_share=1.0).mass_damping == 0.0
+    assert damping.replace(mass_damping=5.0, stiffness_damping=0.0).ratio is None
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"ratio": 0.016}, "together"),
+        ({"stiffness_share": 0.5}, "stiffness_share splits"),
+        ({"ratio": 0.016, "ratio_frequency": 630, "mass_damping": 50.0, "stiffness_damping": 8e-6}, "give the damping one way"),
+        ({"ratio": 0.016, "ratio_frequency": 630, "mass_damping": 500.0}, "more than the ratio"),
+        ({"ratio": 0.016, "ratio_frequency": 630, "stiffness_share": 1.5}, "between 0"),
+        ({"ratio": 3.0, "ratio_frequency": 630}, "below 1"),
+        ({"mass_damping": -1.0}, "zero or more"),
+        ({"mass_damping": math.nan}, "finite"),
+    ],
+)
+def test_contradictory_damping_is_refused(values, words):
+    with pytest.raises(InputError, match=words):
+        DampingParameters(**values)
