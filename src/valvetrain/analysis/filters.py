@@ -38,11 +38,26 @@ def low_pass(time: Array, values: Array, cutoff_frequency: float) -> Array:
 
 
 def filtered_force(solution: Solution, cutoff_frequency: float, channel: str = "seat_force") -> Array | None:
-    """A force channel below ``cutoff_frequency`` (Hz); None when the run is sampled too coarsely or unevenly for it."""
+    """A force channel (sample,) below ``cutoff_frequency`` (Hz); None when the run is sampled too coarsely or unevenly for it.
+
+    Where the run holds substeps (``<channel>_fine``) these are filtered, and each sample gets the largest value of its interval.
+    """
     try:
+        if solution.has(f"{channel}_fine"):
+            return _filtered_substeps(solution, cutoff_frequency, f"{channel}_fine")
         return low_pass(solution.time, solution.channel(channel), cutoff_frequency)
     except InputError:
         return None
+
+
+def _filtered_substeps(solution: Solution, cutoff_frequency: float, channel: str) -> Array:
+    fine = solution.channel(channel)
+    count = fine.shape[1]
+    interval = float(solution.time[1] - solution.time[0]) / count
+    # The last sample has no substeps after it; its row repeats the end value and takes no part.
+    series = fine[:-1].ravel()
+    filtered = low_pass(interval * np.arange(len(series)), series, cutoff_frequency).reshape(-1, count)
+    return np.append(filtered.max(axis=1), filtered[-1, -1])
 
 
 def bandwidth_quantities(cycle: Cycle, stages: Stages = Stages()) -> dict[str, float]:
