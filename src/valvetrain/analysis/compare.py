@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 #: What produced a published value -> the spring model of ours that stands for the same thing.
 COUNTERPARTS = {"solid finite elements": "finite-element", "engine head test": "finite-element", "analytical modal": "modal"}
-_CLASH = re.compile(r"clash_\d+_cam_angle")
+#: Angles of one kind that are counted through a cycle: an extra one early on would shift the count of all that follow.
+_COUNTED = re.compile(r"(clash|stage_1_peak)_\d+_cam_angle")
 
 
 def compare(
@@ -25,7 +26,7 @@ def compare(
     """One row per published value, in their order.
 
     A published value meets the computed one of the same name and engine speed by the counterpart of its model; where
-    there is none the row says so. The k-th published collision meets the nearest computed one.
+    there is none the row says so. Counted angles (collisions, peaks of Stage I) meet the nearest computed one of their kind.
     """
     rows = []
     for value in published:
@@ -45,8 +46,10 @@ def compare(
 def _find(value: PublishedValue, model: str, quantities: Mapping[Quantity, float]) -> float | None:
     speed = value.engine_speed
     mine = {key.name: number for key, number in quantities.items() if key.model == model and same_speed(key.engine_speed, speed)}
-    if _CLASH.fullmatch(value.quantity):
-        angles = [number for name, number in mine.items() if _CLASH.fullmatch(name)]
+    counted = _COUNTED.fullmatch(value.quantity)
+    if counted:
+        kin = ((_COUNTED.fullmatch(name), number) for name, number in mine.items())
+        angles = [number for match, number in kin if match and match[1] == counted[1]]
         return min(angles, key=lambda angle: abs(_turn_difference(angle - value.value)), default=None)
     return mine.get(value.quantity)
 
@@ -83,9 +86,12 @@ def verdict(value: PublishedValue, difference: float | None) -> str:
 
 
 def _size(value: PublishedValue, difference: float, signed: bool = False) -> str:
+    from valvetrain.units import unit_factor
+
     sign = "+" if signed else ""
     if unit_of(value.quantity) == "rad":
-        return f"{np.degrees(difference):{sign}.1f} deg"
+        degrees = round(float(np.degrees(difference)), 1) + 0.0  # no minus nought
+        return f"{degrees:{sign}.1f} deg"
     if value.value == 0:
-        return f"{difference:{sign}.3g} {unit_of(value.quantity)}"
+        return f"{difference / unit_factor(value.unit):{sign}.3g} {value.unit}"
     return f"{100 * difference / abs(value.value):{sign}.1f} %"

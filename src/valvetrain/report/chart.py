@@ -5,6 +5,7 @@ Two renderers read it: ``plotly_chart`` for the page and ``svg_chart`` for the p
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,6 +95,20 @@ class Panel:
     x_step: float | None = None
 
 
+def rule_levels(panel: Panel) -> list[int]:
+    """How many lines down the words of each upright rule stand, so that those of near neighbours do not meet."""
+    (low, high), levels = visible_range(panel)[0], [0] * len(panel.rules)
+    upright = sorted((rule.value, index) for index, rule in enumerate(panel.rules) if rule.axis == "x" and rule.words)
+    for (before, first), (after, second) in itertools.pairwise(upright):
+        levels[second] = levels[first] + 1 if after - before < 0.3 * (high - low) else 0
+    return levels
+
+
+def shares_axis(chart: Chart) -> bool:
+    """True when panels stand above each other over one x axis, which is then labelled once, at the bottom."""
+    return chart.columns == 1 and len(chart.panels) > 1 and len({panel.x_label for panel in chart.panels}) == 1
+
+
 @dataclass(frozen=True, eq=False)
 class Chart:
     """A figure: ``panels`` filled row by row into ``columns``; ``height`` in pixels of the page."""
@@ -123,7 +138,9 @@ def visible_range(panel: Panel) -> tuple[tuple[float, float], tuple[float, float
         y = np.asarray(layer.y, dtype=float)
         y_values.append(y if isinstance(layer, HeatMap) else y[(x >= x_range[0]) & (x <= x_range[1])])
     maps = any(isinstance(layer, HeatMap) for layer in panel.layers)
-    return x_range, _limits(y_values, 0.0 if maps else 0.07)
+    low, high = _limits(y_values, 0.0 if maps else 0.07)
+    worded = any(isinstance(layer, Marks) and any(layer.labels) for layer in panel.layers)
+    return x_range, (low, high + 0.05 * (high - low) if worded else high)
 
 
 def _limits(arrays: list[Array], margin: float) -> tuple[float, float]:

@@ -9,10 +9,10 @@ import numpy as np
 from valvetrain.report import theme
 from valvetrain.report.page import Cell, Grid
 from valvetrain.report.table import Table, table
-from valvetrain.report.words import in_unit, number, quantity_words, speed_words
+from valvetrain.report.words import in_unit, number, quantity_words, speed_words, unit_words
 from valvetrain.solution.comparison import Comparison
 
-HEADERS = ("quantity", "published by", "published", "computed by", "computed", "difference", "", "unit", "role", "verdict")
+HEADERS = ("quantity", "source", "published", "model", "computed", "difference", "", "unit", "role", "verdict")
 
 
 def comparison_table(rows: Sequence[Comparison]) -> Table:
@@ -27,8 +27,10 @@ def comparison_table(rows: Sequence[Comparison]) -> Table:
     return table(
         ("quantity", "", words([row.quantity for row in rows])),
         ("engine speed", "rpm", words([None if row.engine_speed is None else float(speed_words(row.engine_speed)[:-4]) for row in rows])),
-        ("published by", "", words([row.origin for row in rows])), ("published", "", words([shown(row.published, row.unit) for row in rows])),
-        ("computed by", "", words([row.model for row in rows])), ("computed", "", words([shown(row.computed, row.unit) for row in rows])),
+        ("published by", "", words([row.origin for row in rows])),
+        ("published", "", words([shown(row.published, row.unit) for row in rows])),
+        ("computed by", "", words([row.model for row in rows])),
+        ("computed", "", words([shown(row.computed, row.unit) for row in rows])),
         ("difference", "", words([shown(row.difference, row.unit) for row in rows])), ("unit", "", words([row.unit for row in rows])),
         ("relative difference", "", words([row.relative_difference for row in rows])),
         ("tolerance", "", words([shown(row.tolerance, row.unit) for row in rows])), ("role", "", words([row.role for row in rows])),
@@ -52,13 +54,20 @@ def _cells(row: Comparison) -> tuple[Cell, ...]:
     relative = row.relative_difference
     wraps = row.unit == "deg" and row.quantity.endswith("_cam_angle")
     share = "" if relative is None or wraps else f"{100 * relative:+.1f} %".replace("-", "−")
-    difference = "–" if row.difference is None else _signed(in_unit(row.difference, row.unit))
+    exact = row.difference is not None and abs(row.difference) < 1e-9 * max(abs(row.published), abs(row.computed or 0.0))
+    difference = "–" if row.difference is None else "0" if exact else _signed(in_unit(row.difference, row.unit))
     return (
-        Cell(quantity_words(row.quantity), hint=row.quantity), Cell(sign, "tag", words), Cell(_in(row.published, row.unit), "number"),
-        Cell(theme.model_words(row.model) if row.model else "", "quiet"), Cell(_in(row.computed, row.unit), "number"),
-        Cell(difference, "number"), Cell(share, "number quiet"), Cell(row.unit, "quiet"), Cell(row.role, "quiet"),
-        Cell(row.verdict, tone(row), row.source),
-    )  # fmt: skip
+        Cell(quantity_words(row.quantity), hint=row.quantity),
+        Cell(sign, "tag", words),
+        Cell(_in(row.published, row.unit), "number"),
+        Cell(theme.model_words(row.model) if row.model else "", "quiet", row.model),
+        Cell(_in(row.computed, row.unit), "number"),
+        Cell(difference, "number"),
+        Cell(share, "number quiet"),
+        Cell(unit_words(row.unit), "quiet"),
+        Cell(row.role, "quiet"),
+        Cell("no tolerance stated" if row.verdict.startswith("differs") else row.verdict.replace(" -", " −"), tone(row), row.source),
+    )
 
 
 def tone(row: Comparison) -> str:

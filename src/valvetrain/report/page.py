@@ -135,9 +135,9 @@ def render(page: Page) -> str:
     loader = jinja2.FunctionLoader(_template)
     environment = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     drawn = {chart.key: to_json(chart) for chart in charts(page)}
-    return environment.get_template("page.html.j2").render(
-        page=page, drawn=drawn, style=_static("page.css").replace("FONT_STACK", theme.FONT), script=_static("page.js"), plotly=plotly_script()
-    )
+    style = _static("page.css").replace("FONT_STACK", theme.FONT)
+    library = plotly_script() if drawn else ""
+    return environment.get_template("page.html.j2").render(page=page, drawn=drawn, style=style, script=_static("page.js"), plotly=library)
 
 
 def plotly_script() -> str:

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from valvetrain.report import theme
-from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, legend_entries, visible_range
+from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, legend_entries, rule_levels, shares_axis, visible_range
 
 _SYMBOLS = {"circle": "circle", "diamond": "diamond", "triangle": "triangle-up", "square": "square"}
-_TOP, _BOTTOM, _LEFT, _RIGHT, _GAP_X, _GAP_Y = 58, 46, 64, 22, 74, 64
+_SIDES = {"top": "top center", "right": "middle right", "left": "middle left", "bottom": "bottom center"}
+_TOP, _BOTTOM, _LEFT, _RIGHT, _GAP_X, _GAP_Y, _GAP_SHARED = 50, 46, 64, 22, 74, 64, 34
 
 
 def figure(chart: Chart) -> dict[str, Any]:
@@ -72,9 +73,11 @@ def _domain(chart: Chart, index: int) -> tuple[list[float], list[float]]:
     width, height = 960.0, float(chart.height)
     right = _RIGHT + (70 if any(isinstance(layer, HeatMap) for panel in chart.panels for layer in panel.layers) else 0)
     wide = (width - _LEFT - right - (chart.columns - 1) * _GAP_X) / chart.columns
-    top = _TOP if chart.legend else _TOP - 24
-    high = (height - top - _BOTTOM - (chart.rows - 1) * _GAP_Y) / chart.rows
-    left, upper = _LEFT + column * (wide + _GAP_X), top + row * (high + _GAP_Y)
+    above = 10 if any(panel.title for panel in chart.panels) else 0 if any(panel.bands for panel in chart.panels) else -12
+    top = (_TOP if chart.legend else _TOP - 26) + above
+    gap = _GAP_SHARED if shares_axis(chart) else _GAP_Y
+    high = (height - top - _BOTTOM - (chart.rows - 1) * gap) / chart.rows
+    left, upper = _LEFT + column * (wide + _GAP_X), top + row * (high + gap)
     return [left / width, (left + wide) / width], [1 - (upper + high) / height, 1 - upper / height]
 
 
@@ -88,11 +91,11 @@ def _add_axes(layout: dict[str, Any], chart: Chart, panel: Panel, index: int, su
     title = {"font": {"size": 12.5, "color": theme.MUTED}, "standoff": 6}
     layout[f"xaxis{suffix}"] = common | {
         "domain": x_domain, "anchor": f"y{suffix}", "range": list(x_range), "showgrid": False, "showline": True,
-        "title": title | {"text": panel.x_label},
+        "title": title | {"text": "" if shares_axis(chart) and index < len(chart.panels) - 1 else panel.x_label},
     }  # fmt: skip
     if panel.x_step:
         layout[f"xaxis{suffix}"] |= {"dtick": panel.x_step, "tick0": 0}
-    if index and chart.columns == 1 and chart.panels[0].x_label == panel.x_label:
+    if index and shares_axis(chart):
         layout[f"xaxis{suffix}"]["matches"] = "x"
     layout[f"yaxis{suffix}"] = common | {
         "domain": y_domain, "anchor": f"x{suffix}", "range": list(y_range), "showline": False, "title": title | {"text": panel.y_label}
@@ -109,11 +112,11 @@ def _add_furniture(layout: dict[str, Any], panel: Panel, suffix: str, x_domain: 
             shapes.append(across | box | {"line": {"width": 0}, "layer": "below"})
         if band.words:
             notes.append(across | small | {"x": (band.first + band.last) / 2, "y": 1, "yanchor": "bottom", "text": band.words})
-    for rule in panel.rules:
+    for level, rule in zip(rule_levels(panel), panel.rules, strict=True):
         thin_line = {"type": "line", "layer": "below", "line": {"color": theme.MUTED, "width": 1, "dash": "dot"}}
         if rule.axis == "x":
             shapes.append(across | thin_line | {"x0": rule.value, "x1": rule.value, "y0": 0, "y1": 1})
-            place = across | {"x": rule.value, "y": 0.98, "xanchor": "left", "yanchor": "top", "xshift": 3}
+            place = across | {"x": rule.value, "y": 0.98 - 0.08 * level, "xanchor": "left", "yanchor": "top", "xshift": 3}
         else:
             along = {"xref": f"x{suffix} domain", "yref": f"y{suffix}"}
             shapes.append(along | thin_line | {"x0": 0, "x1": 1, "y0": rule.value, "y1": rule.value})
@@ -131,6 +134,11 @@ def _add_furniture(layout: dict[str, Any], panel: Panel, suffix: str, x_domain: 
         notes.append(place | bold | {"text": f"<b>{panel.title}</b>"})
 
 
+def _spaced(label: str, side: str) -> str:
+    """Words beside a mark keep clear of it."""
+    return {"middle right": f"  {label}", "middle left": f"{label}  "}.get(side, label)
+
+
 def _trace(layer: Layer) -> dict[str, Any]:
     place = {"x": packed(layer.x), "y": packed(layer.y), "name": layer.name}
     if isinstance(layer, Line):
@@ -139,8 +147,10 @@ def _trace(layer: Layer) -> dict[str, Any]:
         return place | {"type": "scatter", "mode": "lines", "line": style, "hovertemplate": "%{x:.2f}, %{y:.4g}"}
     if isinstance(layer, Marks):
         symbol = _SYMBOLS.get(layer.symbol, "circle") + ("" if layer.filled else "-open")
+        side = _SIDES[theme.LABEL_SIDES.get(layer.symbol, "top")]
         marker = {"symbol": symbol, "size": layer.size, "color": layer.colour, "line": {"width": 1.8, "color": layer.colour}}
-        text = {"mode": "markers+text", "text": list(layer.labels), "textposition": "top center"} if any(layer.labels) else {"mode": "markers"}
+        words_shown = {"mode": "markers+text", "text": [_spaced(label, side) for label in layer.labels], "textposition": side}
+        text = words_shown if any(layer.labels) else {"mode": "markers"}
         words = {"textfont": {"size": 11.5, "color": layer.colour}, "cliponaxis": False}
         return place | {"type": "scatter", "marker": marker, "hovertemplate": "%{x:.2f}, %{y:.4g}"} | text | words
     top = float(np.nanmax(layer.z, initial=0.0))

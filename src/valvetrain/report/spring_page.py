@@ -12,11 +12,18 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart
 from valvetrain.report.comparison_grid import comparison_grid, tone
 from valvetrain.report.figures import coils, energy, force, lift, modes, nodes, statics
-from valvetrain.report.page import Block, Card, Cards, Cell, Figure, Grid, Page, Section, Tabs, Text, text
+from valvetrain.report.page import Block, Card, Cards, Cell, Figure, Grid, Page, Section, Tabs, text
 from valvetrain.report.values import case_rows
 from valvetrain.report.words import in_unit, number, speed_words
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.result import Solution
+
+#: Quantities on the cards of the summary.
+HEADLINES = {
+    "stage_2_peak_force": "Stage II peak",
+    "stage_2_second_peak_force": "Stage II second peak",
+    "stage_3_peak_force": "Stage III spike",
+}
 
 
 def spring_page(study: SpringStudy) -> Page:
@@ -38,7 +45,8 @@ def spring_page(study: SpringStudy) -> Page:
         ("case", case.name), ("engine speeds", ", ".join(speed_words(speed) for speed in study.engine_speeds) or "none run"),
         ("models", ", ".join(theme.model_words(model) for model in study.models) or "none run"), ("runs", _ended(study)),
     )  # fmt: skip
-    footer = "Angles are cam degrees" + (f"; {case.lift_law.zero_of_angle}" if _zero_words(study) else "") + ". Engine speed is crank speed."
+    zero = _zero_words(study)
+    footer = "Angles are cam degrees" + (f" ({zero})" if zero else "") + ". Engine speed is crank speed."
     shown = tuple(section for section in sections if section.blocks)
     return Page(case.title or case.name, "Spring study", case.description, facts, shown, footer)
 
@@ -91,7 +99,7 @@ def _prediction_words(rows: tuple[Comparison, ...]) -> str:
 
 def _card(study: SpringStudy, engine_speed: float) -> Card:
     lines = []
-    for name, words in (("stage_2_peak_force", "Stage II peak"), ("stage_2_second_peak_force", "Stage II second peak"), ("stage_3_peak_force", "Stage III spike")):
+    for name, words in HEADLINES.items():
         rows = [row for row in study.comparisons if row.quantity == name and same_speed(row.engine_speed, engine_speed)]
         rod = next((row.computed for row in rows if row.model == "finite-element" and row.computed is not None), None)
         if rod is not None:
@@ -181,7 +189,8 @@ def _comparison(study: SpringStudy) -> tuple[Block, ...]:
         return ()
     lead = (
         "Role calibration: the value was open to the identification of the unpublished dimensions. Role prediction: it was not. "
-        "The rod model stands beside the solid finite elements (FE) and the engine head test (EX), the modal model beside the analytical one (AN). "
+        "The rod model stands beside the solid finite elements (FE) and the engine head test (EX), the modal model beside the "
+        "analytical one (AN). "
         "Without a stated tolerance the verdict only says how far apart the two are."
     )
     return (text(lead, "quiet"), comparison_grid(study.comparisons))
@@ -189,8 +198,8 @@ def _comparison(study: SpringStudy) -> tuple[Block, ...]:
 
 def _case(study: SpringStudy) -> tuple[Block, ...]:
     rows = tuple(
-        ((Cell(path.replace(".", " / ").replace("_", " ")), Cell(value), Cell(status, "tag" if status else ""), Cell(source, "quiet")), status)
-        for path, value, status, source in case_rows(study.case)
+        ((Cell(path.replace(".", " / ").replace("_", " ")), Cell(value), Cell(status, "tag" if status else ""), Cell(why, "quiet long")), status)
+        for path, value, status, why in case_rows(study.case)
     )
     blocks: list[Block] = []
     if rows:
@@ -208,7 +217,7 @@ def _runs(study: SpringStudy) -> tuple[Block, ...]:
         facts = {**run.provenance.options, **run.statistics}
         words = ", ".join(f"{key.replace('_', ' ')} {_plain(value)}" for key, value in facts.items() if value is not None)
         state = Cell(run.status.sentence(), "good" if run.status.completed else "bad")
-        rows.append(((Cell(theme.model_words(run.model)), Cell(speed_words(run.engine_speed), "number"), state, Cell(words, "quiet")), ""))
+        rows.append(((Cell(theme.model_words(run.model)), Cell(speed_words(run.engine_speed), "number"), state, Cell(words, "quiet long")), ""))
     source = study.solutions[0].provenance if study.solutions else study.provenance
     versions = {"valvetrain": source.package_version, "Python": source.python_version, **source.dependencies}
     listed = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
@@ -235,5 +244,3 @@ def _case_references(study: SpringStudy) -> list[str]:
     known = references()
     return [known[key].text() if key in known else key for key in study.case.cite()]
 
-
-__all__ = ["Text", "spring_page"]

@@ -14,11 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.report import theme
-from valvetrain.report.chart import Chart, HeatMap, Line, Marks, Panel, legend_entries, visible_range
+from valvetrain.report.chart import Chart, HeatMap, Line, Marks, Panel, legend_entries, rule_levels, shares_axis, visible_range
 
 Array = NDArray[np.float64]
 WIDTH = 960
 _TITLE, _LEGEND, _LEFT, _RIGHT, _BOTTOM, _GAP_X, _GAP_Y = 30, 24, 64, 22, 46, 74, 66
+#: Side of a mark -> steps right and down in px, and the anchor of the words there.
+_BESIDE = {"top": (0, -9, "middle"), "right": (9, 4, "start"), "left": (-9, 4, "end"), "bottom": (0, 19, "middle")}
 _DASHES = {"solid": "", "dash": ' stroke-dasharray="6 4"', "dot": ' stroke-dasharray="2 3"'}
 
 
@@ -45,7 +47,8 @@ def svg(chart: Chart) -> str:
     right = _RIGHT + (84 if maps else 0)
     top = _TITLE + (_LEGEND if chart.legend and legend_entries(chart) else 0) + 26
     wide = (WIDTH - _LEFT - right - (chart.columns - 1) * _GAP_X) / chart.columns
-    high = (height - top - _BOTTOM - (chart.rows - 1) * _GAP_Y) / chart.rows
+    gap = 34 if shares_axis(chart) else _GAP_Y
+    high = (height - top - _BOTTOM - (chart.rows - 1) * gap) / chart.rows
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}" '
         f'font-family="{escape(theme.FONT, quote=True)}" font-size="12" fill="{theme.INK}">',
@@ -56,8 +59,9 @@ def svg(chart: Chart) -> str:
         parts.append(_legend(chart))
     for index, panel in enumerate(chart.panels):
         row, column = divmod(index, chart.columns)
-        frame = _Frame(panel, _LEFT + column * (wide + _GAP_X), top + row * (high + _GAP_Y), wide, high)
-        parts += _panel(frame, f"{chart.key}-{index}")
+        frame = _Frame(panel, _LEFT + column * (wide + _GAP_X), top + row * (high + gap), wide, high)
+        named = not shares_axis(chart) or index == len(chart.panels) - 1
+        parts += _panel(frame, f"{chart.key}-{index}", named)
     return "\n".join([*parts, "</svg>\n"])
 
 
@@ -74,9 +78,9 @@ def ticks(low: float, high: float, count: int = 6, step: float | None = None) ->
     return values, decimals
 
 
-def _panel(frame: _Frame, name: str) -> list[str]:
+def _panel(frame: _Frame, name: str, x_named: bool) -> list[str]:
     panel = frame.panel
-    parts = [_bands(frame), _grid(frame)]
+    parts = [_bands(frame), _grid(frame, x_named)]
     clip = f'<clipPath id="{name}"><rect x="{frame.left:.1f}" y="{frame.top:.1f}" width="{frame.wide:.1f}" height="{frame.high:.1f}"/></clipPath>'
     parts.append(clip + f'<g clip-path="url(#{name})">')
     for layer in panel.layers:
@@ -102,7 +106,7 @@ def _text(
     return f'<text x="{x:.1f}" y="{y:.1f}" {look}{turned}>{escape(words)}</text>'
 
 
-def _grid(frame: _Frame) -> str:
+def _grid(frame: _Frame, x_named: bool) -> str:
     parts, base = [], frame.top + frame.high
     values, decimals = ticks(*frame.y_range, count=max(3, int(frame.high / 45)))
     for value, place in zip(values, frame.y(values), strict=True):
@@ -113,7 +117,8 @@ def _grid(frame: _Frame) -> str:
         parts.append(f'<path d="M{place:.1f} {base:.1f}v4" stroke="{theme.RULE}"/>')
         parts.append(_text(place, base + 17, f"{value + 0.0:.{decimals}f}", colour=theme.MUTED, anchor="middle"))
     parts.append(f'<path d="M{frame.left:.1f} {base:.1f}h{frame.wide:.1f}" stroke="{theme.RULE}"/>')
-    parts.append(_text(frame.left + frame.wide / 2, base + 36, frame.panel.x_label, colour=theme.MUTED, anchor="middle", size=12))
+    if x_named:
+        parts.append(_text(frame.left + frame.wide / 2, base + 36, frame.panel.x_label, colour=theme.MUTED, anchor="middle", size=12))
     parts.append(_text(frame.left - 48, frame.top + frame.high / 2, frame.panel.y_label, colour=theme.MUTED, anchor="middle", size=12, turn=True))
     return "".join(parts)
 
@@ -132,10 +137,10 @@ def _bands(frame: _Frame) -> str:
 
 def _rules(frame: _Frame) -> str:
     parts = []
-    for rule in frame.panel.rules:
+    for level, rule in zip(rule_levels(frame.panel), frame.panel.rules, strict=True):
         if rule.axis == "x":
             place = float(frame.x(rule.value))
-            path, words = f"M{place:.1f} {frame.top:.1f}v{frame.high:.1f}", _text(place + 4, frame.top + 13, rule.words, colour=theme.MUTED)
+            path, words = f"M{place:.1f} {frame.top:.1f}v{frame.high:.1f}", _text(place + 4, frame.top + 13 + 15 * level, rule.words, colour=theme.MUTED)
         else:
             place = float(frame.y(rule.value))
             path = f"M{frame.left:.1f} {place:.1f}h{frame.wide:.1f}"
@@ -170,7 +175,8 @@ def _marks(frame: _Frame, marks: Marks) -> str:
         across, down = float(frame.x(x)), float(frame.y(y))
         parts.append(_symbol(across, down, marks))
         if label:
-            parts.append(_text(across, down - 9, label, colour=marks.colour, anchor="middle", size=11))
+            right, lower, anchor = _BESIDE[theme.LABEL_SIDES.get(marks.symbol, "top")]
+            parts.append(_text(across + right, down + lower, label, colour=marks.colour, anchor=anchor, size=11))
     return "".join(parts)
 
 

@@ -25,9 +25,9 @@ MODEL_WORDS = {
 
 #: What produced a published value -> short sign, words, colour, mark.
 ORIGINS = {
-    "solid finite elements": ("FE", "published, solid FE", "#0f2c57", "circle"),
-    "analytical modal": ("AN", "published, analytical modal", "#8f4514", "diamond"),
-    "engine head test": ("EX", "published, engine head test", "#15713d", "triangle"),
+    "solid finite elements": ("FE", "FE, published", "#0f2c57", "circle"),
+    "analytical modal": ("AN", "AN, published", "#8f4514", "diamond"),
+    "engine head test": ("EX", "EX, published", "#15713d", "triangle"),
 }
 
 #: Colours of a series that belongs to no model, in order.
@@ -49,7 +49,12 @@ def model_words(model: str) -> str:
 
 def origin_style(origin: str) -> tuple[str, str, str, str]:
     """Short sign, words, colour and mark of what produced a published value."""
-    return ORIGINS.get(origin, (origin[:2].upper() or "?", f"published, {origin}" if origin else "published", INK, "square"))
+    sign = origin[:2].upper() or "?"
+    return ORIGINS.get(origin, (sign, f"{sign}, published", INK, "square"))
+
+
+#: Where the words beside a mark stand, so that marks of several origins at one place stay readable.
+LABEL_SIDES = {"circle": "top", "diamond": "right", "triangle": "left", "square": "bottom"}
 
 
 def mix(first: str, second: str, share: float) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from valvetrain.parameters.case import Case
@@ -13,6 +14,7 @@ _UNITS = {
     "wire_diameter": "mm", "mean_diameter": "mm", "outer_diameter": "mm", "pitch": "mm", "precompression": "mm", "installed_height": "mm",
     "ratio_frequency": "Hz", "engine_speeds": "rpm", "held_coils": "turns", "ground_coils": "turns", "total_coils": "turns",
     "youngs_modulus": "GPa", "shear_modulus": "GPa", "density": "kg/m^3", "mass_damping": "1/s", "stiffness_damping": "s",
+    "maximum_lift": "mm", "ramp_lift": "mm", "ramp_start": "deg", "event_start": "deg", "nose": "deg", "lifts": "mm", "cam_angles": "deg",
     "rate": "N/mm", "preload": "N", "mass": "g",
 }  # fmt: skip
 
@@ -29,8 +31,10 @@ def _value(case: Case, path: str) -> str:
             item = item[int(key)]
         elif hasattr(item, key):
             item = getattr(item, key)
-        elif isinstance(item, dict) and key in item:
+        elif isinstance(item, Mapping) and key in item:
             item = item[key]
+        elif isinstance(getattr(item, "values", None), Mapping) and key in item.values:
+            item = item.values[key]  # a lift law keeps the values of its kind in one mapping
         else:
             return ""
     return value_words(item, path.rsplit(".", 1)[-1])

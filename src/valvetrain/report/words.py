@@ -47,6 +47,11 @@ def number(value: float | None, digits: int = 4) -> str:
     return text.replace("-", "−")
 
 
+def unit_words(unit: str) -> str:
+    """A unit as printed: ``mm/s^2`` -> ``mm/s²``, ``us`` -> ``µs``."""
+    return unit.replace("^2", "²").replace("^3", "³").replace("us", "µs")
+
+
 def _scientific(mantissa: str, power: int) -> str:
     raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
     return f"{mantissa.rstrip('0').rstrip('.')}·10{raised}".replace("-", "−")

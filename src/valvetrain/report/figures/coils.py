@@ -40,7 +40,8 @@ def position_chart(data: Table, engine_speed: float) -> Chart:
         whole = float(name.split()[1]) % 1 == 0
         x, y = thin(data["cam angle"], data[name])
         lines.append(Line(x, y, name, colour, width=1.7 if whole else 0.9, in_legend=False, direct=name.split()[1] if whole else ""))
-    panel = Panel(ANGLE_LABEL, "height of the wire axis above the seat (mm)", tuple(lines), bands=stage_bands(), x_range=(0, 360), x_step=30)
+    y_label = "height of the wire axis above the seat (mm)"
+    panel = Panel(ANGLE_LABEL, y_label, tuple(lines), bands=stage_bands(), x_range=(0, 360), x_step=30)
     speed = speed_words(engine_speed)
     caption = f"Coil positions at {speed}: the wire every half turn, whole coil numbers labelled. Waves run up and down between the coils."
     return Chart(f"coils-{rpm(engine_speed):g}", f"Coil positions at {speed}", caption, (panel,), height=430, legend=False)

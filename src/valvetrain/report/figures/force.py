@@ -78,14 +78,14 @@ def stage_bands(stages: Stages = Stages()) -> tuple[Band, ...]:
     return tuple(Band(float(edges[stage][0]), float(edges[stage][1]), names[stage], shaded=stage == 2) for stage in names)
 
 
-def model_lines(data: Table, column: str, suffix: str = "", **style) -> list[Layer]:
+def model_lines(data: Table, column: str, suffix: str = "", width: float = 1.7, dash: str = "solid") -> list[Layer]:
     """One line per model of a long table with columns ``run``, ``cam angle`` and ``column``."""
     lines: list[Layer] = []
     for model in dict.fromkeys(data["run"].tolist()):
         mine = data["run"] == model
         x, y = thin(data["cam angle"][mine], data[column][mine])
         if np.any(np.isfinite(y)):
-            lines.append(Line(x, y, theme.model_words(model) + suffix, theme.model_colour(model), **style))
+            lines.append(Line(x, y, theme.model_words(model) + suffix, theme.model_colour(model), width, dash))
     # The reference model is drawn last, on top of the simpler ones.
     return sorted(lines, key=lambda line: line.colour == theme.model_colour("finite-element"))  # type: ignore[union-attr]
 

@@ -41,14 +41,12 @@ def modes_chart(shapes: Table, frequencies: Table, published: Sequence[Published
     lines = []
     names = [column.name for column in shapes.columns[1:]]
     for index, (name, colour) in enumerate(zip(names, theme.SERIES, strict=False)):
-        words = f"{name}: {number(float(axial[index]), 4)} Hz"
-        stated = known.get(f"mode_{index + 1}_frequency")
-        words += f" (published {number(stated, 4)})" if stated is not None else ""
-        lines.append(Line(*thin(shapes["coil number"], shapes[name]), words, colour))
-    left = Panel("coil number (turns from the lower wire tip)", "axial part of the shape", tuple(lines), title="Axial mode shapes", y_range=(-1.15, 1.15))
+        lines.append(Line(*thin(shapes["coil number"], shapes[name]), f"{name}, {number(float(axial[index]), 4)} Hz", colour))
+    x_label = "coil number (turns from the lower wire tip)"
+    left = Panel(x_label, "axial part of the shape", tuple(lines), title="Axial mode shapes", y_range=(-1.15, 1.15))
     caption = (
-        "Modes about the installed state, both ends held. A coil spring has many modes; the axial ones are those that carry force from end to end, "
-        "found by the residue of the axial force transmission. Dotted lines: published frequencies."
+        "Modes about the installed state, both ends held. A coil spring has many modes; the axial ones are those that carry force from end "
+        "to end, found by the residue of the axial force transmission. Dotted lines: published frequencies."
     )
     return Chart("modes", "Natural modes", caption, (left, _frequency_panel(frequencies, axial, known)), columns=2, height=400)
 
@@ -63,6 +61,6 @@ def _frequency_panel(frequencies: Table, axial: np.ndarray, known: dict[str, flo
         Marks(found[~mine], share[~mine], "other mode", theme.MODEL_COLOURS["massless"], size=5, filled=True),
         Marks(found[mine], share[mine], "axial mode", theme.SERIES[0], size=8, filled=True),
     )
-    rules = tuple(Rule("x", value) for value in known.values())
+    rules = tuple(Rule("x", value, f"{value:g} Hz") for value in known.values())
     label = "force transmission (largest = 1)"
     return Panel("natural frequency (Hz)", label, layers, title="All modes", rules=rules, x_range=(0, top), y_range=(0, 1.15))

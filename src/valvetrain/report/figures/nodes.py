@@ -24,9 +24,9 @@ _MOTIONS = {
 
 
 def node_table(run: Solution) -> Table | None:
-    """``cam angle`` (deg) and ``node 1 displacement`` (mm), ``velocity`` (m/s), ``acceleration`` (km/s2) and so on; None without wire points.
+    """``cam angle`` (deg), ``node 1 displacement`` (mm), ``node 1 velocity`` (m/s), ``node 1 acceleration`` (km/s2), the same of node 2.
 
-    The displacement of node 2 is zero where coil 2 touches coil 1 (its gap), as the source of the beehive case has it.
+    None without wire points. The displacement of node 2 is zero where coil 2 touches coil 1 (its gap), as in the beehive's source.
     """
     cycle = reported_cycle(run)
     columns: list = [("cam angle", "deg", np.degrees(cycle.cam_angle))]
@@ -60,7 +60,7 @@ def published_motion(study: SpringStudy, engine_speed: float) -> Table:
 
 def node_chart(data: Table, published: Table, engine_speed: float) -> Chart:
     """Three panels over one cam angle axis; published extremes marked."""
-    panels = []
+    panels: list[Panel] = []
     for word, _, _, label in _MOTIONS.values():
         layers: list[Layer] = []
         for node in (1, 2):

@@ -33,13 +33,15 @@ def static_chart(data: Table, published: Sequence[PublishedValue], precompressio
     force: list = [Line(*thin(data["compression"], data["force"]), theme.model_words("finite-element"), colour)]
     if "preload" in values:
         sign, words, dark, symbol = theme.origin_style(values["preload"].model)
-        point, label = np.array([installed]), (f"{sign} {values['preload'].value:g} N",)
-        force.append(Marks(point, np.array([values["preload"].value]), words, dark, symbol, label))
-    knees = [Rule("x", values["stiffness_change_compression"].value * 1e3, "published change")] if "stiffness_change_compression" in values else []
+        preload = values["preload"].value
+        force.append(Marks(np.array([installed]), np.array([preload]), words, dark, symbol, (f"{sign} {preload:g} N",)))
+    change = values.get("stiffness_change_compression")
+    knees = [] if change is None else [Rule("x", change.value * 1e3, f"published change, {change.value * 1e3:g} mm")]
     stiffness = Line(*thin(data["compression"], data["stiffness"]), theme.model_words("finite-element"), colour)
+    upright, low_high = (*rules, *knees), _round_range(data["stiffness"])
     panels = (
         Panel(x_label, "force (N)", tuple(force), title="Force", rules=tuple(rules)),
-        Panel(x_label, "tangent stiffness (N/mm)", (stiffness,), title="Stiffness k(x)", rules=(*rules, *knees), y_range=_round_range(data["stiffness"])),
+        Panel(x_label, "tangent stiffness (N/mm)", (stiffness,), title="Stiffness k(x)", rules=upright, y_range=low_high),
     )
     caption = (
         "Static compression from the free length, coils closing on the way. The stiffness rises where turns come to lie on the one below; "
