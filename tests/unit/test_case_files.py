@@ -136,6 +136,12 @@ REFUSED = [
     (SPRING.replace("= 6", "= 1e9"), "too large"),
     (SPRING.replace("OTEVA 90 SC", "OTEVA 90"), "did you mean OTEVA 90 SC"),
     (SPRING + 'lower_end = "closed"', "contradict"),
+    (SPRING.replace('"OTEVA 90 SC"', '{ name = "OTEVA 90 SC", poisson_ratio = 0.9 }'), "spring.material.poisson_ratio: '0.9' is too large"),
+    (
+        SPRING.replace('"OTEVA 90 SC"', '{ youngs_modulus = "206 GPa", shear_modulus = "90 GPa", poisson_ratio = 0.3, density = "7.85 g/cm^3" }'),
+        "contradicts youngs_modulus and poisson_ratio",
+    ),
+    (SPRING.replace('"OTEVA 90 SC"', '{ youngs_modulus = "206 GPa", density = "7850 kg/m^3" }'), "or a name from the library"),
     (
         SPRING + '[damping]\nratio = 0.016\nratio_frequency = "630 Hz"\nmass_damping = "50 1/s"\nstiffness_damping = "9e-6 s"',
         "give the damping one way",
@@ -196,7 +202,7 @@ def test_values_are_written_in_place_and_comments_stay(tmp_path):
     before = (LIBRARY / "gu2021-beehive.toml").read_text()
     path.write_text(before)
     clearances = "0, 0, 1, 2, 5.6, 5.6, 1.3 mm"
-    changes = {"spring.wire_diameter": "3.9 mm", "spring.pitch.clearances": clearances, "lift_law.flank_shape": [1, 0.9, -1, -1]}
+    changes = {"spring.wire_diameter": "3.9 mm", "spring.pitch.clearances": clearances, "lift_law.flank_shape": np.array([1, 0.9, -1, -1])}
     write_case_values(path, changes)
     case, after = load_case(path), path.read_text()
     assert float(case.spring.wire_diameter.value(1.0)) == pytest.approx(3.9e-3)

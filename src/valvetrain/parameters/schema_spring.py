@@ -56,7 +56,7 @@ class MaterialModel(StrictModel):
     name: str = ""
     youngs_modulus: Modulus | None = None
     shear_modulus: Modulus | None = None
-    poisson_ratio: Annotated[float, quantity("ratio", low=-1.0, high=0.5)] | None = None
+    poisson_ratio: quantity("ratio", low=-1.0, high=0.5) | None = None  # type: ignore[valid-type]
     density: Density | None = None
 
     def build(self) -> Material:

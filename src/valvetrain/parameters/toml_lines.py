@@ -68,7 +68,7 @@ def _nesting(line: str, depth: int, fence: str) -> tuple[int, str]:
                 return depth, fence
             fence = ""
         else:
-            fence = min(("\"\"\"", "'''"), key=lambda mark: line.find(mark) if mark in line else len(line))
+            fence = min(('"""', "'''"), key=lambda mark: line.find(mark) if mark in line else len(line))
             line = line.partition(fence)[2]
     bare = _STRING.sub("", line).split("#")[0]
     return max(depth, 0) + bare.count("[") + bare.count("{") - bare.count("]") - bare.count("}"), ""

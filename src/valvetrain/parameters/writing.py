@@ -29,7 +29,7 @@ def write_case_values(path: str | os.PathLike[str], changes: Mapping[str, Any]) 
     except (OSError, UnicodeDecodeError, TOMLKitError) as error:
         raise InputError("the case file cannot be read as TOML; check the path and run 'valvetrain check' on it", target.name) from error
     for key_path, value in changes.items():
-        _set(document, key_path, value, target.name)
+        _set(document, key_path, _plain(value), target.name)
     text = tomlkit.dumps(document)
     parse_case(text, target.stem, target.parent, target.name)
     replace_file(target, text)
@@ -45,6 +45,13 @@ def _set(document: Any, key_path: str, value: Any, where: str) -> None:
         current["value"] = value
     else:
         table[int(last) if isinstance(table, list) else last] = value
+
+
+def _plain(value: Any) -> Any:
+    """Numbers and sequences of other libraries as the plain ones TOML knows."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    return [_plain(item) for item in value] if isinstance(value, (list, tuple)) else value
 
 
 def _child(table: Any, key: str, key_path: str, where: str) -> Any:
