@@ -11,12 +11,17 @@ Solved one after the other instead, heavy contact damping pumped energy into cha
 from __future__ import annotations
 
 import math
+import warnings
 
 import numpy as np
 from numba import njit, types
+from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from valvetrain.contact.kernels import FLORES, LANKARANI_NIKRAVESH, contact_force, update_impact
 from valvetrain.mechanism.gaps import penetration_and_gradient, table_value
+
+# Spring kernels enter as first-class functions; numba calls that experimental each time it compiles the loop.
+warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 BILATERAL = -1
 """Law code of an elastic link; contact laws count from zero."""
@@ -28,13 +33,9 @@ SPRING_SIGNATURE = types.UniTuple(f8, 2)(_vector, _integers, _vector, f8, f8, f8
 SPRING_FUNCTION = types.FunctionType(SPRING_SIGNATURE)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def law_force_and_damping(law, parameters, pen, rate):
-    """Rate-free force (N) and damping coefficient (N s/m) of one interaction at this penetration."""
-    if law == BILATERAL:
-        return parameters[0] * pen, parameters[1]
-    if pen <= 0.0:
-        return 0.0, 0.0
+    """Rate-free force (N) and damping coefficient (N s/m) of a contact at this penetration (positive)."""
     still = contact_force(law, parameters, pen, 0.0)
     closing = max(abs(rate), 1e-9)
     return still, max((contact_force(law, parameters, pen, closing) - still) / closing, 0.0)
@@ -42,31 +43,35 @@ def law_force_and_damping(law, parameters, pen, rate):
 
 _SIGNATURE = i8(
     SPRING_FUNCTION, SPRING_FUNCTION, _integers, _integer_matrix, _integers, _integers, _matrix, _matrix, _cube, _matrix,
-    _matrix, i8, i8, _vector, _integers, _vector, _vector, _integers, _vector, _vector, _vector,
+    _cube, i8, i8, _vector, _integers, _vector, _vector, _integers, _vector, _vector, _vector,
     _vector, _integers, _vector, _matrix, _matrix, _matrix, _matrix, _matrix, _matrix,
 )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def _gaps_and_laws(kinds, index, table_of, laws, geometry, law_parameters, tables, q, v, cam_angle, cam_speed, gaps, gradients, totals):
     """Fill ``gaps`` (n, 4): penetration, gap rate of the cam alone, rate-free force, damping coefficient."""
     interactions = kinds.shape[0]
     for k in range(interactions):
-        gradient = gradients[k]
-        pen, per_angle = penetration_and_gradient(kinds[k], index[k], geometry[k], tables[table_of[k]], q, cam_angle, gradient)
+        pen, per_angle = penetration_and_gradient(k, kinds, index, geometry, tables, table_of, q, cam_angle, gradients)
         driven = per_angle * cam_speed
         rate = driven
         for slot in range(4):
             if index[k, slot] >= 0:
-                rate += gradient[slot] * v[index[k, slot]]
+                rate += gradients[k, slot] * v[index[k, slot]]
         gaps[k, 0], gaps[k, 1] = pen, driven
         if laws[k] == LANKARANI_NIKRAVESH or laws[k] == FLORES:
             update_impact(law_parameters[k], pen, rate)
-        gaps[k, 2], gaps[k, 3] = law_force_and_damping(laws[k], law_parameters[k], pen, rate)
+        if laws[k] == BILATERAL:
+            gaps[k, 2], gaps[k, 3] = law_parameters[k, 0] * pen, law_parameters[k, 1]
+        elif pen > 0.0:
+            gaps[k, 2], gaps[k, 3] = law_force_and_damping(laws[k], law_parameters[k], pen, rate)
+        else:
+            gaps[k, 2], gaps[k, 3] = 0.0, 0.0
         totals[4 + interactions + k] = max(totals[4 + interactions + k], pen)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def _kick(index, body, gaps, gradients, step, v):
     """Velocity change by constant and rate-free forces."""
     for i in range(v.shape[0]):
@@ -78,7 +83,7 @@ def _kick(index, body, gaps, gradients, step, v):
                     v[index[k, slot]] -= step * gaps[k, 2] * gradients[k, slot] / body[index[k, slot], 0]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def _damped_rows(index, body, gaps, gradients, step, v, old, rows, dense, right, diagonal):
     """Collect the damped interactions: their places, gradients over the root of mass, right-hand sides and diagonals."""
     count = 0
@@ -104,7 +109,7 @@ def _damped_rows(index, body, gaps, gradients, step, v, old, rows, dense, right,
     return count
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def _solve(count, held, dense, right, diagonal, matrix, impulse):
     """Impulses of all interactions that are not held at their bound: Cholesky in contact space (at most n by n)."""
     for a in range(count):
@@ -126,17 +131,17 @@ def _solve(count, held, dense, right, diagonal, matrix, impulse):
             value = matrix[a, b]
             for c in range(b):
                 value -= matrix[a, c] * matrix[b, c]
-            matrix[a, b] = math.sqrt(value) if a == b else value / matrix[b, b]
+            matrix[a, b] = 1.0 / math.sqrt(value) if a == b else value * matrix[b, b]  # reciprocal diagonal
         for c in range(a):
             impulse[a] -= matrix[a, c] * impulse[c]
-        impulse[a] /= matrix[a, a]
+        impulse[a] *= matrix[a, a]
     for a in range(count - 1, -1, -1):
         for c in range(a + 1, count):
             impulse[a] -= matrix[c, a] * impulse[c]
-        impulse[a] /= matrix[a, a]
+        impulse[a] *= matrix[a, a]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def _damp(index, laws, body, gaps, gradients, step, v, old, rows, held, dense, right, diagonal, matrix, impulse):
     """Damping impulses of all interactions together; adds the mean damping forces to ``gaps[:, 2]``; returns the energy lost (J).
 
@@ -177,13 +182,13 @@ def _damp(index, laws, body, gaps, gradients, step, v, old, rows, held, dense, r
     return lost
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def _account(body, gaps, cam_speed, step, v, old, totals):
     """Add the work of cam and constant forces and the peak forces to ``totals``; returns cam power (W) and largest speed."""
     power, work, bound, interactions = 0.0, 0.0, 0.0, gaps.shape[0]
     for k in range(interactions):
         power += gaps[k, 2] * gaps[k, 1]
-        totals[4 + k] = max(totals[4 + k], gaps[k, 2])
+        totals[4 + k] = max(totals[4 + k], abs(gaps[k, 2]))
     for i in range(v.shape[0]):
         work += body[i, 1] * 0.5 * (old[i] + v[i])
         bound = max(bound, abs(v[i]))
@@ -192,7 +197,7 @@ def _account(body, gaps, cam_speed, step, v, old, totals):
     return power, bound
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def _record(row, motion, force, gap, spring, q, v, old, step, cam_angle, power, gaps, clock):
     count = q.shape[0]
     for i in range(count):
@@ -206,32 +211,25 @@ def _record(row, motion, force, gap, spring, q, v, old, step, cam_angle, power, 
         spring[row, j] = clock[4 + j]
 
 
-@njit(_SIGNATURE, cache=True, error_model="numpy")
-def advance_train(
+@njit(cache=True, error_model="numpy", _nrt=False)
+def _march(
     spring_a, spring_b, kinds, index, table_of, laws, geometry, law_parameters, tables, body,
     gas, gas_coordinate, retainer, parameters_a, integers_a, state_a, parameters_b, integers_b, state_b, q, v,
     clock, counters, totals, record_motion, record_force, record_gap, record_spring, record_state_a, record_state_b,
+    old, gaps, gradients, matrix, dense, right, diagonal, impulse, rows, held,
 ):  # fmt: skip
-    """Advance ``counters[0]`` steps in place; returns the steps done (fewer when the motion left all bounds).
-
-    ``clock`` (9,): cam angle, cam speed, cam acceleration, step, four spring end forces, displacement of a partitioned spring.
-    ``counters`` (4,): steps, record every, unused, exchange interval (0: all advance together). ``body`` (N, 5): mass,
-    constant force, guide damping, friction, friction velocity. ``totals`` (4 + 2 n): work of the cam, of constant and gas forces,
-    dissipated, work on the springs, then peak force and peak penetration per interaction. Records: ``motion`` (S, 3 N + 2)
-    q, v, a, cam angle, cam power; ``force`` and ``gap`` (S, n); ``spring`` (S, 4); spring states (S, unknowns...).
-    """
+    """The loop itself; see :func:`advance_train`. Compiled without reference counting, which would cost more than the physics."""
     step, every, exchange, bound, sample = clock[3], counters[1], counters[3], 0.0, 0
-    size, old = kinds.shape[0], np.zeros(q.shape[0])
-    gaps, gradients, matrix, dense = np.zeros((size, 4)), np.zeros((size, 4)), np.zeros((size, size)), np.zeros((size, q.shape[0]))
-    right, diagonal, impulse = np.zeros(size), np.zeros(size), np.zeros(size)
-    rows, held = np.zeros(size, dtype=np.int64), np.zeros(size, dtype=np.int64)
     for n in range(counters[0]):
         recording = n % every == 0 and sample < record_motion.shape[0]
         cam_angle, cam_speed = clock[0], clock[1]
-        old[:] = v
+        for i in range(q.shape[0]):
+            old[i] = v[i]
         if recording:
-            record_state_a[sample, :] = state_a[: record_state_a.shape[1]]
-            record_state_b[sample, :] = state_b[: record_state_b.shape[1]]
+            for i in range(record_state_a.shape[1]):
+                record_state_a[sample, i] = state_a[i]
+            for i in range(record_state_b.shape[1]):
+                record_state_b[sample, i] = state_b[i]
         _gaps_and_laws(kinds, index, table_of, laws, geometry, law_parameters, tables, q, v, cam_angle, cam_speed, gaps, gradients, totals)
         if exchange <= 0:
             clock[4], clock[5] = spring_a(parameters_a, integers_a, state_a, q[retainer], v[retainer], step)
@@ -245,7 +243,7 @@ def advance_train(
         v[retainer] -= step * (clock[4] + clock[6]) / body[retainer, 0]
         pressed = 0.0
         if gas_coordinate >= 0:
-            pressed, _, _ = table_value(gas, cam_angle)
+            pressed, _, _ = table_value(gas, 0, cam_angle)
             v[gas_coordinate] += step * pressed / body[gas_coordinate, 0]
         totals[2] += _damp(
             index, laws, body, gaps, gradients, step, v, old, rows, held, dense, right, diagonal, matrix, impulse
@@ -266,3 +264,27 @@ def advance_train(
         if not bound < 1e4:
             return n
     return counters[0]
+
+
+@njit(_SIGNATURE, cache=True, error_model="numpy")
+def advance_train(
+    spring_a, spring_b, kinds, index, table_of, laws, geometry, law_parameters, tables, body,
+    gas, gas_coordinate, retainer, parameters_a, integers_a, state_a, parameters_b, integers_b, state_b, q, v,
+    clock, counters, totals, record_motion, record_force, record_gap, record_spring, record_state_a, record_state_b,
+):  # fmt: skip
+    """Advance ``counters[0]`` steps in place; returns the steps done (fewer when the motion left all bounds).
+
+    ``clock`` (9,): cam angle, cam speed, cam acceleration, step, four spring end forces, displacement of a partitioned spring.
+    ``counters`` (4,): steps, record every, unused, exchange interval (0: all advance together). ``body`` (N, 5): mass,
+    constant force, guide damping, friction, friction velocity. ``totals`` (4 + 2 n): work of the cam, of constant and gas forces,
+    dissipated, work on the springs, then peak force and peak penetration per interaction. Records: ``motion`` (S, 3 N + 2)
+    q, v, a, cam angle, cam power; ``force`` and ``gap`` (S, n); ``spring`` (S, 4); spring states (S, unknowns...).
+    """
+    n, count = kinds.shape[0], q.shape[0]
+    return _march(
+        spring_a, spring_b, kinds, index, table_of, laws, geometry, law_parameters, tables, body,
+        gas, gas_coordinate, retainer, parameters_a, integers_a, state_a, parameters_b, integers_b, state_b, q, v,
+        clock, counters, totals, record_motion, record_force, record_gap, record_spring, record_state_a, record_state_b,
+        np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, n)), np.zeros((n, count)),
+        np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64),
+    )  # fmt: skip

@@ -9,10 +9,10 @@ from numba import njit
 from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_LIFT, CAM_ROUND, DISTANCE, LINEAR, POINT_PLANE
 
 
-@njit(cache=True, error_model="numpy", inline="never")
-def table_value(table, cam_angle):
-    """Quintic Hermite value, first and second derivative of a table (nodes, 3) over one turn, periodic."""
-    nodes = table.shape[0]
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def table_value(tables, place_of_table, cam_angle):
+    """Quintic Hermite value, first and second derivative of one of ``tables`` (m, nodes, 3) over one turn, periodic."""
+    nodes, m = tables.shape[1], place_of_table
     spacing = 2.0 * math.pi / nodes
     place = cam_angle / spacing
     cell = math.floor(place)
@@ -21,10 +21,10 @@ def table_value(table, cam_angle):
     right = left + 1
     if right == nodes:
         right = 0
-    value, slope, bend = table[left, 0], table[left, 1] * spacing, table[left, 2] * spacing * spacing
-    rise = table[right, 0] - value - slope - 0.5 * bend
-    slope_gap = table[right, 1] * spacing - slope - bend
-    bend_gap = table[right, 2] * spacing * spacing - bend
+    value, slope, bend = tables[m, left, 0], tables[m, left, 1] * spacing, tables[m, left, 2] * spacing * spacing
+    rise = tables[m, right, 0] - value - slope - 0.5 * bend
+    slope_gap = tables[m, right, 1] * spacing - slope - bend
+    bend_gap = tables[m, right, 2] * spacing * spacing - bend
     c3 = 10.0 * rise - 4.0 * slope_gap + 0.5 * bend_gap
     c4 = -15.0 * rise + 7.0 * slope_gap - bend_gap
     c5 = 6.0 * rise - 3.0 * slope_gap + 0.5 * bend_gap
@@ -34,93 +34,97 @@ def table_value(table, cam_angle):
     return level, first / spacing, second / (spacing * spacing)
 
 
-@njit(cache=True, error_model="numpy")
-def penetration_and_gradient(kind, index, geometry, table, q, cam_angle, gradient):
-    """Penetration (m) and d penetration / d cam_angle (m/rad); ``gradient`` (4,) is filled for the coordinates in ``index``."""
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def penetration_and_gradient(k, kinds, index, geometry, tables, table_of, q, cam_angle, gradients):
+    """Penetration (m) and d penetration / d cam_angle (m/rad) of interaction ``k``; row k of ``gradients`` (n, 4) is filled.
+
+    Whole arrays and a place travel instead of rows: every row view costs a reference count in the loop.
+    """
+    kind = kinds[k]
     for slot in range(4):
-        gradient[slot] = 0.0
+        gradients[k, slot] = 0.0
     if kind == LINEAR:
-        pen = geometry[0]
+        pen = geometry[k, 0]
         for slot in range(4):
-            if index[slot] >= 0:
-                pen += geometry[1 + slot] * q[index[slot]]
-                gradient[slot] = geometry[1 + slot]
+            if index[k, slot] >= 0:
+                pen += geometry[k, 1 + slot] * q[index[k, slot]]
+                gradients[k, slot] = geometry[k, 1 + slot]
         return pen, 0.0
     if kind == CAM_LIFT:
-        lift, slope, _ = table_value(table, cam_angle)
-        pen = geometry[5] * lift - geometry[0]
+        lift, slope, _ = table_value(tables, table_of[k], cam_angle)
+        pen = geometry[k, 5] * lift - geometry[k, 0]
         for slot in range(4):
-            if index[slot] >= 0:
-                pen -= geometry[1 + slot] * q[index[slot]]
-                gradient[slot] = -geometry[1 + slot]
-        return pen, geometry[5] * slope
-    x, y, dx, dy, turn = _planar_point(index, geometry, q)
-    ex, ey = geometry[6], geometry[7]
+            if index[k, slot] >= 0:
+                pen -= geometry[k, 1 + slot] * q[index[k, slot]]
+                gradients[k, slot] = -geometry[k, 1 + slot]
+        return pen, geometry[k, 5] * slope
+    x, y, dx, dy, turn = _planar_point(k, index, geometry, q)
+    ex, ey = geometry[k, 6], geometry[k, 7]
     if kind == CAM_FLAT:
-        direction = geometry[8] + turn
+        direction = geometry[k, 8] + turn
         nx, ny = math.cos(direction), math.sin(direction)
-        height, slope, _ = table_value(table, cam_angle - geometry[10] * (direction - geometry[9]))
-        gradient[0] = -(dx * nx + dy * ny)
-        if geometry[0] != 0.0:
+        height, slope, _ = table_value(tables, table_of[k], cam_angle - geometry[k, 10] * (direction - geometry[k, 9]))
+        gradients[k, 0] = -(dx * nx + dy * ny)
+        if geometry[k, 0] != 0.0:
             # the face turns with the body: X . dn/dq = sign (y nx - x ny)
-            gradient[0] -= geometry[5] * (geometry[10] * slope + y * nx - x * ny)
-        gradient[1] = -(ex * nx + ey * ny)
+            gradients[k, 0] -= geometry[k, 5] * (geometry[k, 10] * slope + y * nx - x * ny)
+        gradients[k, 1] = -(ex * nx + ey * ny)
         return height - x * nx - y * ny, slope
     if kind == CAM_ROUND:
-        return _round_follower(geometry, table, cam_angle, x, y, dx, dy, gradient)
+        return _round_follower(k, geometry, tables, table_of, cam_angle, x, y, dx, dy, gradients)
     if kind == POINT_PLANE:
-        x0, y0 = geometry[1], geometry[2]
-        if geometry[0] != 0.0:
-            x0 += geometry[3]
-            y0 += geometry[4]
-        nx, ny = geometry[8], geometry[9]
-        gradient[0] = dx * nx + dy * ny
-        gradient[1] = ex * nx + ey * ny
-        gradient[2] = -geometry[11]
-        counter = q[index[2]] if index[2] >= 0 else 0.0
-        return nx * (x - x0) + ny * (y - y0) - geometry[11] * counter - geometry[10], 0.0
+        x0, y0 = geometry[k, 1], geometry[k, 2]
+        if geometry[k, 0] != 0.0:
+            x0 += geometry[k, 3]
+            y0 += geometry[k, 4]
+        nx, ny = geometry[k, 8], geometry[k, 9]
+        gradients[k, 0] = dx * nx + dy * ny
+        gradients[k, 1] = ex * nx + ey * ny
+        gradients[k, 2] = -geometry[k, 11]
+        counter = q[index[k, 2]] if index[k, 2] >= 0 else 0.0
+        return nx * (x - x0) + ny * (y - y0) - geometry[k, 11] * counter - geometry[k, 10], 0.0
     # DISTANCE
-    lower = q[index[3]] if index[3] >= 0 else 0.0
-    upper = q[index[2]] if index[2] >= 0 else lower
-    rx, ry = x - geometry[8] - geometry[10] * lower, y - geometry[9] - geometry[11] * lower
+    lower = q[index[k, 3]] if index[k, 3] >= 0 else 0.0
+    upper = q[index[k, 2]] if index[k, 2] >= 0 else lower
+    rx, ry = x - geometry[k, 8] - geometry[k, 10] * lower, y - geometry[k, 9] - geometry[k, 11] * lower
     length = math.sqrt(rx * rx + ry * ry)
     nx, ny = rx / length, ry / length
-    gradient[0] = -(dx * nx + dy * ny)
-    gradient[1] = -(ex * nx + ey * ny)
-    gradient[3] = nx * geometry[10] + ny * geometry[11]
-    if index[2] >= 0:
-        gradient[2] = 1.0
-        gradient[3] -= 1.0
-    return upper - lower - (length - geometry[12]) - geometry[13], 0.0
+    gradients[k, 0] = -(dx * nx + dy * ny)
+    gradients[k, 1] = -(ex * nx + ey * ny)
+    gradients[k, 3] = nx * geometry[k, 10] + ny * geometry[k, 11]
+    if index[k, 2] >= 0:
+        gradients[k, 2] = 1.0
+        gradients[k, 3] -= 1.0
+    return upper - lower - (length - geometry[k, 12]) - geometry[k, 13], 0.0
 
 
-@njit(cache=True, error_model="numpy")
-def _planar_point(index, geometry, q):
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def _planar_point(k, index, geometry, q):
     """Position X, its derivative by the body coordinate, and the angle the body has turned."""
-    body = q[index[0]] if index[0] >= 0 else 0.0
-    support = q[index[1]] if index[1] >= 0 else 0.0
-    x, y = geometry[1] + geometry[6] * support, geometry[2] + geometry[7] * support
-    if geometry[0] == 0.0:
-        return x + geometry[3] * body, y + geometry[4] * body, geometry[3], geometry[4], 0.0
-    turn = geometry[5] * body
+    body = q[index[k, 0]] if index[k, 0] >= 0 else 0.0
+    support = q[index[k, 1]] if index[k, 1] >= 0 else 0.0
+    x, y = geometry[k, 1] + geometry[k, 6] * support, geometry[k, 2] + geometry[k, 7] * support
+    if geometry[k, 0] == 0.0:
+        return x + geometry[k, 3] * body, y + geometry[k, 4] * body, geometry[k, 3], geometry[k, 4], 0.0
+    turn = geometry[k, 5] * body
     c, s = math.cos(turn), math.sin(turn)
-    ax, ay = c * geometry[3] - s * geometry[4], s * geometry[3] + c * geometry[4]
-    return x + ax, y + ay, -geometry[5] * ay, geometry[5] * ax, turn
+    ax, ay = c * geometry[k, 3] - s * geometry[k, 4], s * geometry[k, 3] + c * geometry[k, 4]
+    return x + ax, y + ay, -geometry[k, 5] * ay, geometry[k, 5] * ax, turn
 
 
-@njit(cache=True, error_model="numpy")
-def _round_follower(geometry, table, cam_angle, x, y, dx, dy, gradient):
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def _round_follower(k, geometry, tables, table_of, cam_angle, x, y, dx, dy, gradients):
     distance = math.sqrt(x * x + y * y)
     direction = math.atan2(y, x)
-    away = direction - geometry[9]
+    away = direction - geometry[k, 9]
     away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
-    pitch, slope, bend = table_value(table, cam_angle - geometry[10] * away)
+    pitch, slope, bend = table_value(tables, table_of[k], cam_angle - geometry[k, 10] * away)
     tangent = slope / pitch
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
     gap = pitch - distance
     per_chi = cosine * slope - gap * tangent * (bend / pitch - tangent * tangent) * cosine * cosine * cosine
-    per_x = -cosine * x / distance + per_chi * geometry[10] * y / (distance * distance)
-    per_y = -cosine * y / distance - per_chi * geometry[10] * x / (distance * distance)
-    gradient[0] = per_x * dx + per_y * dy
-    gradient[1] = per_x * geometry[6] + per_y * geometry[7]
+    per_x = -cosine * x / distance + per_chi * geometry[k, 10] * y / (distance * distance)
+    per_y = -cosine * y / distance - per_chi * geometry[k, 10] * x / (distance * distance)
+    gradients[k, 0] = per_x * dx + per_y * dy
+    gradients[k, 1] = per_x * geometry[k, 6] + per_y * geometry[k, 7]
     return gap * cosine, per_chi

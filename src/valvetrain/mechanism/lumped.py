@@ -25,14 +25,18 @@ Array = NDArray[np.float64]
 def closed_gradients(mechanism: AssembledMechanism) -> Array:
     """Gap gradients (n, N) at zero lift, every body at home."""
     count, total = len(mechanism.interactions), len(mechanism.coordinates)
-    gradients, row, home = np.zeros((count, total)), np.zeros(4), np.zeros(total)
+    names, tables = list(mechanism.tables), np.stack(list(mechanism.tables.values()))
+    kinds, table_of, index = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64), np.full((count, 4), -1, dtype=np.int64)
+    geometry = np.stack([interaction.geometry_row() for interaction in mechanism.interactions])
+    gradients, rows, home = np.zeros((count, total)), np.zeros((count, 4)), np.zeros(total)
     for k, interaction in enumerate(mechanism.interactions):
-        index = np.array([mechanism.index(name) if name else -1 for name in interaction.coordinates] + [-1] * 4)[:4]
-        table = mechanism.tables.get(interaction.table, np.zeros((4, 3)))
-        penetration_and_gradient(interaction.kind, index, interaction.geometry_row(), table, home, 0.0, row)
+        kinds[k], table_of[k] = interaction.kind, names.index(interaction.table) if interaction.table else 0
+        for slot, name in enumerate(interaction.coordinates):
+            index[k, slot] = mechanism.index(name) if name else -1
+        penetration_and_gradient(k, kinds, index, geometry, tables, table_of, home, 0.0, rows)
         for slot in range(4):
-            if index[slot] >= 0:
-                gradients[k, index[slot]] += row[slot]
+            if index[k, slot] >= 0:
+                gradients[k, index[k, slot]] += rows[k, slot]
     return gradients
 
 

@@ -57,13 +57,14 @@ def _read_values(raw: Any) -> dict[str, Any]:
     """A table of named numbers with units, of which only the names differ from law to law."""
     if not isinstance(raw, dict):
         raise problem("a table of values is needed here")
-    return {key: _read_value(key, value) for key, value in raw.items()}
+    special = {"damping": "s/m"} if raw.get("law") == "hunt-crossley" else {}
+    return {key: _read_value(key, value, special.get(key, VALUE_DIMENSIONS.get(key, "ratio"))) for key, value in raw.items()}
 
 
-def _read_value(key: str, value: Any) -> Any:
+def _read_value(key: str, value: Any, dimension: str | None) -> Any:
     if isinstance(value, bool | int) or key == "law":
         return value
-    return float(guarded(parse_quantity, value, VALUE_DIMENSIONS.get(key, "ratio"), path=(key,)))
+    return float(guarded(parse_quantity, value, dimension, path=(key,)))
 
 
 Values = Annotated[dict[str, Any], PlainValidator(_read_values)]

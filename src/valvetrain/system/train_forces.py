@@ -13,16 +13,16 @@ Array = NDArray[np.float64]
 
 def gap_state(system: TrainSystem, q: Array, cam_angle: float) -> tuple[Array, Array, Array]:
     """Penetrations (n,) in m, their gradients (n, N) and derivatives by the cam angle (n,) in m/rad."""
-    arrays, row = system.arrays, np.zeros(4)
-    count = len(arrays.kinds)
+    arrays, count = system.arrays, len(system.arrays.kinds)
+    rows = np.zeros((count, 4))
     pens, slopes, gradients = np.zeros(count), np.zeros(count), np.zeros((count, len(q)))
     for k in range(count):
         pens[k], slopes[k] = penetration_and_gradient(
-            arrays.kinds[k], arrays.index[k], arrays.geometry[k], arrays.tables[arrays.table_of[k]], q, cam_angle, row
+            k, arrays.kinds, arrays.index, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows
         )
         for slot in range(4):
             if arrays.index[k, slot] >= 0:
-                gradients[k, arrays.index[k, slot]] += row[slot]
+                gradients[k, arrays.index[k, slot]] += rows[k, slot]
     return pens, gradients, slopes
 
 
@@ -62,7 +62,7 @@ def generalised_forces(system: TrainSystem, q: Array, cam_angle: float) -> Array
     total = arrays.body[:, 1] - forces @ gradients
     total[arrays.retainer] -= system.spring_force(float(q[arrays.retainer]))
     if arrays.gas_coordinate >= 0:
-        total[arrays.gas_coordinate] += table_value(arrays.gas, cam_angle)[0]
+        total[arrays.gas_coordinate] += table_value(arrays.gas, 0, cam_angle)[0]
     return total
 
 

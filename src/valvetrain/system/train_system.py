@@ -26,7 +26,7 @@ class TrainArrays:
     """What the compiled loop reads; shapes: n interactions, N coordinates, m tables.
 
     ``kinds``, ``table_of``, ``laws`` (n,); ``index`` (n, 4); ``geometry`` (n, 16); ``law_parameters`` (n, 8); ``tables``
-    (m, nodes, 3); ``body`` (N, 5) mass, constant force, guide damping, friction, friction velocity; ``gas`` (nodes, 3) N over cam angle.
+    (m, nodes, 3); ``body`` (N, 5) mass, constant force, guide damping, friction, friction velocity; ``gas`` (1, nodes, 3) N over cam angle.
     """
 
     kinds: Integers
@@ -122,7 +122,7 @@ def _assemble(system: TrainSystem) -> TrainArrays:
     for i, part in enumerate(mechanism.coordinates):
         body[i] = part.mass, part.force, part.damping, part.friction, part.friction_velocity
     body[mechanism.index(mechanism.retainer), 0] += system.spring_mass
-    gas = np.zeros((4, 3)) if system.gas is None else np.ascontiguousarray(system.gas, dtype=float)
+    gas = np.zeros((1, 4, 3)) if system.gas is None else np.ascontiguousarray(system.gas, dtype=float)[None]
     return TrainArrays(
         kinds, index, table_of, laws, geometry, law_parameters, np.ascontiguousarray(tables, dtype=float), body, gas,
         -1 if system.gas is None else mechanism.index(mechanism.valve), mechanism.index(mechanism.retainer),
