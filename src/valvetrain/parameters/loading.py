@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.case import Case, CaseSummary
 from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.overrides import with_values
 from valvetrain.parameters.schema_case import CaseModel
 from valvetrain.parameters.schema_types import first_problem
 from valvetrain.parameters.toml_lines import find_line
@@ -23,8 +25,8 @@ LIBRARY = Path(__file__).parent / "library"
 MOST_BYTES = 5_000_000
 
 
-def load_case(name_or_path: str | os.PathLike[str]) -> Case:
-    """The case of a library name (``gu2021-beehive``) or a TOML file.
+def load_case(name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None) -> Case:
+    """The case of a library name (``gu2021-beehive``) or a TOML file, with ``changes`` (key path -> value as a file would hold it).
 
     Raises :class:`InputError` with one sentence: file, line, key path, what is wrong and the remedy.
     """
@@ -33,25 +35,27 @@ def load_case(name_or_path: str | os.PathLike[str]) -> Case:
         raise InputError("a case is called by the name of a library case or the path of a TOML file; give one")
     names = library_names()
     if text in names:
-        return read_case(LIBRARY / f"{text}.toml")
+        return read_case(LIBRARY / f"{text}.toml", changes)
     path = Path(text)
     if path.suffix == ".toml" or os.sep in text or path.is_file():
-        return read_case(path)
+        return read_case(path, changes)
     raise InputError(f"there is no case '{_one_line(text, 60)}' in the library; {nearest(text, names)} (a file ends in .toml)")
 
 
-def read_case(path: Path) -> Case:
+def read_case(path: Path, changes: Mapping[str, Any] | None = None) -> Case:
     """The case in the file ``path``; errors as :func:`load_case`."""
-    return parse_case(_read_text(path), name=path.stem, folder=path.parent, where=path.name)
+    return parse_case(_read_text(path), name=path.stem, folder=path.parent, where=path.name, changes=changes)
 
 
-def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str = "case") -> Case:
+def parse_case(
+    text: str, name: str = "case", folder: Path = Path(), where: str = "case", changes: Mapping[str, Any] | None = None
+) -> Case:
     """The case written in ``text``; ``folder`` is where the files it names are looked for, ``where`` names it in messages."""
     tree = _parse_toml(text, where)
     if not tree:
         raise InputError("the case file is empty; it needs at least one of [spring], [spring_card], [lift_law] and [train]", where)
     try:
-        bare, notes, bad = split_notes(tree)
+        bare, notes, bad = split_notes(with_values(tree, changes) if changes else tree)
         for note_path, reason in bad.items():
             raise _located(text, tuple(note_path.split(".")), reason, where)
         return CaseModel.model_validate(bare).build(name, folder, notes)

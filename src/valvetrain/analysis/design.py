@@ -1,0 +1,63 @@
+"""Named quantities of a spring as it is defined: before anything is solved."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from valvetrain.parameters.case import Case, SpringCard
+    from valvetrain.parameters.spring import SpringDefinition
+
+_SAMPLES = 4001
+
+
+def design_quantities(case: Case) -> dict[str, float]:
+    """Quantities (SI, docs/quantities.md) of the case's spring definition or card; empty for a case that has neither."""
+    found: dict[str, float] = {}
+    if case.spring is not None:
+        found |= definition_quantities(case.spring)
+        found["installed_compression"] = case.installation.precompression
+        found["installed_height"] = case.spring.free_length - case.installation.precompression
+    if case.spring_card is not None:
+        found |= card_quantities(case.spring_card)
+    return found
+
+
+def definition_quantities(spring: SpringDefinition) -> dict[str, float]:
+    """Geometry, mass, and the estimates of rate and first surge frequency in the free state."""
+    coil = np.linspace(0.0, spring.total_coils, _SAMPLES)
+    index = spring.index(coil)
+    rate, active_mass = estimated_rate(spring)
+    return {
+        "total_coil_count": spring.total_coils, "active_coil_count": spring.active_coils, "free_length": spring.free_length,
+        "solid_height": spring.solid_height, "solid_compression": spring.free_length - spring.solid_height,
+        "wire_length": spring.wire_length, "wire_mass": spring.mass, "smallest_index_ratio": float(np.min(index)),
+        "largest_index_ratio": float(np.max(index)), "largest_outer_diameter": float(np.max(spring.outer_diameter(coil))),
+        "smallest_inner_diameter": float(np.min(spring.mean_diameter.value(coil) - spring.wire_diameter.value(coil))),
+        "estimated_rate": rate, "estimated_surge_frequency": 0.5 * float(np.sqrt(rate / active_mass)),
+    }  # fmt: skip
+
+
+def estimated_rate(spring: SpringDefinition) -> tuple[float, float]:
+    """Rate (N/m) of the active turns by torsion of the wire alone, 1/k = integral of 8 D**3 / (G d**4) du, and their mass (kg).
+
+    For a cylindrical spring this is G d**4 / (8 D**3 n) (EN 13906-1); with the mass, 0.5 sqrt(k/m) is its surge frequency.
+    """
+    coil = np.linspace(*spring.free_coils, _SAMPLES)
+    active = (spring.coil_gap(coil + 1.0) > 1e-6) | (spring.coil_gap(coil) > 1e-6)
+    wire, mean = spring.wire_diameter.value(coil), spring.mean_diameter.value(coil)
+    give = np.where(active, 8 * mean**3 / (spring.material.shear_modulus * wire**4), 0.0)
+    weight = np.where(active, np.pi / 4 * wire**2 * spring.material.density * spring.line_speed(coil), 0.0)
+    return 1.0 / float(np.trapezoid(give, coil)), float(np.trapezoid(weight, coil))
+
+
+def card_quantities(card: SpringCard) -> dict[str, float]:
+    """What a spring card tells, and the surge frequency that follows."""
+    values = {
+        "card_rate": card.rate, "card_preload": card.preload, "card_mass": card.mass, "card_installed_height": card.installed_height,
+        "card_open_force": card.open_load, "card_open_lift": card.open_lift, "card_solid_height": card.solid_height,
+        "card_surge_frequency": card.surge_frequency,
+    }  # fmt: skip
+    return {name: value for name, value in values.items() if value is not None}

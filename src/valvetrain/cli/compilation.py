@@ -1,0 +1,28 @@
+"""Which kernels still have to be compiled, so that a first run can say why it takes longer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Any
+
+#: Kind of work -> a kernel that is compiled last in it, and the seconds that all of its kernels take on one core.
+KERNELS: Mapping[str, tuple[str, str, float]] = {
+    "statics": ("valvetrain.rod.energy_kernels", "bend_terms", 4.0), "march": ("valvetrain.rod.march", "march", 12.0),
+}  # fmt: skip
+
+
+def seconds_to_compile(*kinds: str) -> float:
+    """Seconds of compilation that lie ahead for ``kinds`` of :data:`KERNELS`; 0 when all is there."""
+    return sum(seconds for module, name, seconds in map(KERNELS.__getitem__, kinds) if not _compiled(getattr(import_module(module), name)))
+
+
+def _compiled(kernel: Any) -> bool:
+    """Whether ``kernel`` is compiled in this process or has a valid entry in its cache; True where that cannot be told."""
+    if getattr(kernel, "signatures", ()):
+        return True
+    try:
+        # Numba keeps its index private; it checks version and age of the source, which a look at file names would not.
+        return bool(kernel._cache._cache_file._load_index())
+    except (AttributeError, OSError):
+        return True

@@ -1,0 +1,85 @@
+"""The outer rim of the command line: one sentence and an exit code for whatever goes wrong, never a traceback."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from typer.core import TyperGroup
+
+from valvetrain.cli.outcome import tell
+from valvetrain.errors import InputError, MissingExtraError, RunFailedError
+
+WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
+INTERRUPTED_SENTENCE = "interrupted: nothing more is written; start the command again to repeat it"
+#: Set to anything to see where an unexpected error comes from.
+TRACEBACK_VARIABLE = "VALVETRAIN_TRACEBACK"
+
+
+class GuardedGroup(TyperGroup):
+    """A command group whose errors are sentences on standard error with the exit codes of the README."""
+
+    def main(
+        self, args: Sequence[str] | None = None, prog_name: str | None = None, complete_var: str | None = None,
+        standalone_mode: bool = True, windows_expand_args: bool = True, **extra: Any,
+    ) -> Any:  # fmt: skip
+        """Parse, run, and leave by ``SystemExit`` with the exit code (or hand it back when not standalone)."""
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(AttributeError, ValueError):
+                stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # a name may hold what the terminal cannot show
+        try:
+            result = super().main(args, prog_name, complete_var, False, windows_expand_args, **extra)
+            code = result if isinstance(result, int) else 0
+        except Exception as error:
+            code = _report(error)
+        except KeyboardInterrupt:
+            code = interrupted()
+        if not standalone_mode:
+            return code
+        sys.exit(code)
+
+
+def interrupted() -> int:
+    """Say that the user stopped the command; its exit code."""
+    tell(INTERRUPTED_SENTENCE)
+    return INTERRUPTED
+
+
+def _report(error: Exception) -> int:
+    if isinstance(error, (InputError, MissingExtraError)):
+        return _say(str(error), WRONG_INPUT)
+    if isinstance(error, RunFailedError):
+        return _say(str(error), FAILED)
+    if hasattr(error, "format_message"):  # the parser's own errors
+        return _usage(error)
+    if type(error).__name__ == "Abort":
+        return interrupted()
+    if isinstance(error, BrokenPipeError):
+        # The reader has left; nothing may be written to its end any more, at exit either.
+        with contextlib.suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    if os.environ.get(TRACEBACK_VARIABLE):
+        raise error
+    if isinstance(error, MemoryError):
+        return _say("the memory is not enough; ask for fewer elements, steps or engine speeds", FAILED)
+    if isinstance(error, OSError):
+        return _say(f"{error.strerror or error} ({error.filename or 'no file'}); check the disk and the permissions", FAILED)
+    return _say(f"unexpected {type(error).__name__}: {error}; report it with what {TRACEBACK_VARIABLE}=1 prints before", FAILED)
+
+
+def _usage(error: Any) -> int:
+    message = " ".join(error.format_message().split()).rstrip(".").replace(". Did", "; did")
+    context = getattr(error, "ctx", None)
+    command = context.command_path if context is not None else "valvetrain"
+    message = message[:1].lower() + message[1:]
+    remedy = "" if "?" in message else f"; see '{command} --help'"
+    return _say(f"{message}{remedy}", WRONG_INPUT)
+
+
+def _say(sentence: str, code: int) -> int:
+    tell(f"error: {' '.join(sentence.split())}")
+    return code

@@ -1,0 +1,43 @@
+"""The command line ``valvetrain``: a thin door on studies and report."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from valvetrain.cli.guard import GuardedGroup
+from valvetrain.cli.registry import register_all
+
+app = typer.Typer(
+    cls=GuardedGroup, name="valvetrain", add_completion=False, pretty_exceptions_enable=False, invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Dynamics of valve springs and valvetrains, from the static curve to coil clash.",
+    epilog="Exit codes: 0 done, 1 a run failed, 2 wrong input, 130 interrupted.",
+)  # fmt: skip
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from valvetrain import __version__
+
+        typer.echo(f"valvetrain {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def start(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")] = False,
+) -> None:
+    """Dynamics of valve springs and valvetrains, from the static curve to coil clash."""
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+register_all(app)
+
+
+def main() -> None:
+    """The console script."""
+    app(prog_name="valvetrain")

@@ -1,0 +1,75 @@
+"""What a command hands back: one JSON object, the same for people, and what went wrong."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import typer
+from rich.console import Console
+
+#: Width of tables where the output is no terminal.
+PLAIN_WIDTH = 100
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """``data``: the object of ``--json``. ``show`` prints the same for people. ``failures``: a sentence per run that did not complete."""
+
+    data: Mapping[str, Any]
+    show: Callable[[Console], None]
+    failures: tuple[str, ...] = ()
+
+
+def deliver(outcome: Outcome, as_json: bool) -> None:
+    """Print an outcome on standard output, failures on standard error; exit code 1 where a run failed."""
+    if as_json:
+        sys.stdout.write(to_json(outcome.data) + "\n")
+    else:
+        outcome.show(output_console())
+    sys.stdout.flush()
+    for sentence in outcome.failures:
+        tell(f"failed: {sentence}")
+    if outcome.failures:
+        raise typer.Exit(1)
+
+
+def output_console() -> Console:
+    """Standard output for people: a terminal as wide as it is, anything else :data:`PLAIN_WIDTH` columns."""
+    width = None if sys.stdout.isatty() else PLAIN_WIDTH
+    return Console(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
+
+
+def tell(sentence: str) -> None:
+    """One line on standard error, whatever the sentence holds."""
+    clean = "".join(char if char.isprintable() else "?" for char in sentence)
+    sys.stderr.write(clean + "\n")
+    sys.stderr.flush()
+
+
+def measured(value: float | None, unit: str) -> dict[str, Any]:
+    """A number with its unit, as every number of ``--json`` is given."""
+    return {"value": value, "unit": unit}
+
+
+def to_json(data: Mapping[str, Any]) -> str:
+    """One JSON object; what is no finite number becomes null, for JSON has no other word for it."""
+    return json.dumps(_plain(data), indent=2, allow_nan=False)
+
+
+def _plain(item: Any) -> Any:
+    if isinstance(item, Mapping):
+        return {str(key): _plain(value) for key, value in item.items()}
+    if isinstance(item, (list, tuple)):
+        return [_plain(value) for value in item]
+    if hasattr(item, "tolist"):
+        return _plain(item.tolist())
+    if isinstance(item, float):
+        return item if math.isfinite(item) else None
+    if item is None or isinstance(item, (bool, int, str)):
+        return item
+    return str(item)

@@ -1,0 +1,74 @@
+"""Values of a case changed from outside its file, written as the file would hold them."""
+
+from __future__ import annotations
+
+import copy
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from valvetrain.errors import InputError
+
+#: Stands for a value that is taken out of the case.
+REMOVED = object()
+_SOURCE = "set from outside the case file"
+
+
+def read_assignment(text: str, where: str = "") -> tuple[str, Any]:
+    """Key path and value of ``"spring.wire_diameter=4.1 mm"``.
+
+    The value is read as TOML where it is TOML (``24``, ``true``, ``[0, 4, 7]``), else as text (``4.1 mm``); nothing after the sign removes
+    the key. Raises :class:`InputError` without a path or an equals sign.
+    """
+    path, sign, value = text.partition("=")
+    path = path.strip()
+    if not sign or not path or not all(part.strip() for part in path.split(".")):
+        raise InputError(f"'{text[:60]}' sets nothing; write a key path, '=' and a value, as in 'spring.wire_diameter=4.1 mm'", where)
+    return ".".join(part.strip() for part in path.split(".")), _read_value(value.strip())
+
+
+def _read_value(text: str) -> Any:
+    if not text:
+        return REMOVED
+    try:
+        tree = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return tree["value"] if set(tree) == {"value"} else text
+
+
+def with_values(tree: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """A copy of a case file's ``tree`` with the dotted paths in ``changes`` set; a changed value loses its note on status and source.
+
+    Raises :class:`InputError` for a path that leads through a plain value or past the end of a list.
+    """
+    changed: dict[str, Any] = copy.deepcopy(dict(tree))
+    for path, value in changes.items():
+        _set(changed, path, value)
+    return changed
+
+
+def _set(tree: dict[str, Any], path: str, value: Any) -> None:
+    *heads, last = path.split(".")
+    table: Any = tree
+    for depth, head in enumerate(heads):
+        if isinstance(table, list):
+            table = table[_place(table, head, path)]
+        else:
+            table = table.setdefault(head, {})
+        if not isinstance(table, (dict, list)):
+            raise InputError(f"'{'.'.join(heads[: depth + 1])}' is the plain value {table!r}, which has no '{last}'; set it as a whole", path)
+    key: Any = _place(table, last, path) if isinstance(table, list) else last
+    if value is REMOVED:
+        if isinstance(table, dict) and key not in table:
+            raise InputError("is not in the case, so it cannot be removed; check the key path", path)
+        del table[key]
+    else:
+        # What is published has notes of its own, of another form.
+        table[key] = value if "published" in heads else {"value": value, "source": _SOURCE}
+
+
+def _place(table: list[Any], key: str, path: str) -> int:
+    if not key.isdecimal() or int(key) >= len(table):
+        raise InputError(f"'{key}' is no place in a list of {len(table)}; count from 0", path)
+    return int(key)
