@@ -22,7 +22,8 @@ class CoilContacts:
     """Unilateral contacts of a chain of N elements (nodes 0 = seat ... N = retainer), arrays of shape (p,).
 
     ``upper`` node meets the wire between nodes ``lower`` and ``lower + 1`` (share ``fraction`` towards the latter) when the free
-    ``gap`` (m) is used up; ``stiffness`` in N/m; ``upper_coil`` is the coil number of the upper partner (0 for seat planes).
+    ``gap`` (m) is used up; ``stiffness`` in N/m; ``upper_coil`` is the coil number of the upper partner (0 for
+    contacts with the seat plane, the total turns for those with the retainer).
     """
 
     upper: NDArray[np.int64]

@@ -1,6 +1,7 @@
 """Modal spring of fixed stiffness: the static shape moving with the retainer plus any number of surge modes.
 
-Equations 1, 2 and 5 of Gu, Hou, Keating and Ye (2021) in the time domain. With U = x xi + sum q_n sin(n pi xi) (xi = 0 at the seat) mode n obeys
+Equations 1, 2 and 5 of Gu, Hou, Keating and Ye (2021) in the time domain. With
+U = x xi + sum q_n sin(n pi xi) (xi = 0 at the seat, 1 at the retainer) mode n obeys
 q'' + 2 z w q' + w**2 q = -c x'', c = 2 (-1)**(n+1) / (n pi). Stepping p = q + c x removes x'' and leaves exact bookkeeping:
 the retainer feels k x - sum c kappa q and the residual mass that the modes do not carry.
 """

@@ -27,7 +27,8 @@ class RadialRubbing:
     """Coulomb friction of two interfering springs: ``normal_force`` (N) in all, spread evenly over the active length.
 
     Each section pair at the same share of the active length feels at most ``coefficient`` times its part of the normal force,
-    against its axial slip; it sticks below that. The normal force is an input (a damper spring's press fit): radial coil motion is not modelled.
+    against its axial slip; it sticks below that. The normal force is an input (such as a damper spring's press fit): radial
+    motion of the coils is not modelled.
     """
 
     coefficient: float

@@ -45,7 +45,8 @@ def nested_kernel(outer_kernel: Any, inner_kernel: Any) -> Any:
 
     ``parameters`` = [friction limit per section (N), outer's, inner's, inverse masses of the section pairs (1/kg)].
     ``integers`` = [unknowns outer, inner, parameters outer, inner, integers outer, inner, section pairs,
-    length of outer's buffer, pairs of section numbers, outer's, inner's]. ``state`` = positions outer, inner, velocities outer, inner, rubbing loss, outer's buffer, inner's buffer.
+    length of outer's buffer, pairs of section numbers, outer's, inner's].
+    ``state`` = positions outer, inner, velocities outer, inner, rubbing loss, outer's buffer, inner's buffer.
     """
 
     @njit

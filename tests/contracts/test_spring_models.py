@@ -1,0 +1,202 @@
+"""One battery for every spring model: what the spring contract promises."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numba import njit, types
+
+from spring_parts import LINEAR_RATE, MODELS, build_models, drive, raised_cosine
+from valvetrain.springs.contract import SpringModel
+
+NAMES = list(MODELS)
+
+
+def disturbed(model, displacement: float, seed: int = 1) -> np.ndarray:
+    """A state away from equilibrium, contacts open and closed, at rest."""
+    state = model.initial_state(displacement)
+    rng = np.random.default_rng(seed)
+    state[: model.unknowns] += 2e-4 * rng.standard_normal(model.unknowns)
+    return state
+
+
+def usable_step(model) -> float:
+    return min(1e-5, 0.9 * model.stable_time_step())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_is_a_spring_model(name):
+    model = MODELS[name]
+    assert isinstance(model, SpringModel)
+    assert model.parameters().dtype == np.float64 and model.parameters().flags.c_contiguous
+    assert model.integers().dtype == np.int64
+    assert len(model.initial_state(0.0)) >= 2 * model.unknowns
+    assert model.retainer_mass() >= 0 and model.stable_time_step() > 0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_kernel_gives_the_forces_of_the_class_and_zero_step_keeps_the_state(name):
+    model = MODELS[name]
+    state = disturbed(model, 1e-3)
+    state[model.unknowns : 2 * model.unknowns] = 0.3 * np.random.default_rng(2).standard_normal(model.unknowns)
+    before = state.copy()
+    forces = model.kernel(model.parameters(), model.integers(), state, 1e-3, 0.4, 0.0)
+    expected = model.force(before, 1e-3, 0.4)
+    assert forces == pytest.approx(tuple(expected), rel=1e-10, abs=1e-9)
+    assert np.array_equal(state[: 2 * model.unknowns], before[: 2 * model.unknowns])
+    shown = model.outputs(before, 1e-3, 0.4)
+    assert (shown.retainer_force, shown.seat_force) == pytest.approx(tuple(expected), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_tangent_equals_finite_difference(name):
+    model, step = MODELS[name], 1e-9
+    for seed in (1, 2, 3):
+        state = disturbed(model, 2e-3, seed)
+        up, down = (model.force(state, 2e-3 + sign * step).retainer for sign in (1, -1))
+        assert model.tangent(state, 2e-3) == pytest.approx((up - down) / (2 * step), rel=1e-5)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_force_is_the_energy_gradient(name):
+    model, step = MODELS[name], 1e-7
+    for seed in (1, 2, 3):
+        state = disturbed(model, 2e-3, seed)
+        up, down = (model.energy(state, 2e-3 + sign * step).potential for sign in (1, -1))
+        force = model.force(state, 2e-3).retainer
+        assert force == pytest.approx((up - down) / (2 * step), rel=1e-5, abs=1e-3)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_inner_forces_are_the_energy_gradient(name):
+    """One kick of the kernel from rest must point down the potential: m dv = -dE/dq dt, checked by the work it does."""
+    model = MODELS[name]
+    if model.unknowns == 0:
+        pytest.skip("no unknowns")
+    state, step = disturbed(model, 2e-3), 1e-9
+    parameters, integers = model.parameters(), model.integers()
+    kicked = state.copy()
+    model.kernel(parameters, integers, kicked, 2e-3, 0.0, step)
+    move = kicked[: model.unknowns] - state[: model.unknowns]
+    scale = 1e-7 / np.max(np.abs(move))
+    potentials = []
+    for sign in (1, -1):
+        shifted = state.copy()
+        shifted[: model.unknowns] += sign * scale * move
+        potentials.append(model.energy(shifted, 2e-3).potential)
+    downhill = -(potentials[0] - potentials[1]) / (2 * scale)
+    # From rest the kick's kinetic energy is half of force times displacement.
+    assert 2 * model.energy(kicked, 2e-3).kinetic == pytest.approx(downhill, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_static_state_stays_and_its_force_is_the_slope_of_its_energy(name):
+    model = MODELS[name]
+    for displacement in (0.0, 3e-3, 8e-3):
+        state = model.initial_state(displacement)
+        force = model.force(state, displacement)
+        assert force.seat == pytest.approx(force.retainer, rel=1e-8)
+        step = 2e-6
+        energies = [model.energy(model.initial_state(displacement + s), displacement + s).potential for s in (step, -step)]
+        assert force.retainer == pytest.approx((energies[0] - energies[1]) / (2 * step), rel=2e-4)
+        if name in LINEAR_RATE:
+            assert force.retainer == pytest.approx(250.0 + LINEAR_RATE[name] * displacement, rel=1e-9)
+        rest = np.full(200, displacement)
+        forces = drive(model, state, rest, np.zeros(200), usable_step(model))
+        assert np.allclose(forces, force.retainer, rtol=1e-7)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_slow_motion_follows_the_static_curve(name):
+    model, lift = MODELS[name], 4e-3
+    time_step = usable_step(model)
+    displacement, velocity = raised_cosine(lift, 0.2, time_step)
+    half = len(displacement) // 2
+    forces = drive(model, model.initial_state(0.0), displacement[:half], velocity[:half], time_step)
+    static = model.force(model.initial_state(displacement[half - 1]), displacement[half - 1]).retainer
+    if name == "nested-rubbing":
+        # What is left is friction: at most mu N at either end.
+        assert np.all(np.abs(forces[-1] - static) < 0.12 * 60.0)
+    else:
+        assert forces[-1] == pytest.approx(np.full(2, static), rel=3e-3)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(("lift", "duration"), [(4e-3, 8e-3), (9e-3, 5e-3)], ids=["gentle", "clashing"])
+def test_energy_balance(name, lift, duration):
+    """Work of the retainer = energy gained + dissipated, over an event and the surge after it."""
+    model = MODELS[name]
+    # A fine step of the motion, and a quarter of the model's own limit.
+    time_step = min(1e-5, 0.25 * model.stable_time_step())
+    displacement, velocity = raised_cosine(lift, duration, time_step, rest=3e-3)
+    state = model.initial_state(0.0)
+    start = model.energy(state, 0.0)
+    forces = drive(model, state, displacement, velocity, time_step)
+    work = float(np.sum((forces[1:, 0] + forces[:-1, 0]) / 2 * np.diff(displacement)))
+    end = model.energy(state, 0.0, 0.0, time_step)
+    turnover = float(np.sum(np.abs((forces[1:, 0] + forces[:-1, 0]) / 2 * np.diff(displacement))))
+    assert end.total - start.total + end.dissipated == pytest.approx(work, abs=1e-3 * turnover)
+    assert end.dissipated >= -1e-12
+    if name in ("chain-damped", "rod-damped", "modal-damped", "nested-rubbing"):
+        assert end.dissipated > 1e-4 * turnover
+    if name in ("rod", "modal", "chain-card", "chain-no-clash"):
+        assert end.dissipated == 0.0
+
+
+def test_clash_happens_in_the_clashing_event_and_costs_energy():
+    """The battery's contact cases do touch: otherwise its balances would prove nothing."""
+    for name in ("chain", "chain-7-per-coil", "rod-with-clash", "nested"):
+        model = MODELS[name]
+        time_step = 0.5 * model.stable_time_step()
+        displacement, velocity = raised_cosine(9e-3, 5e-3, time_step, rest=3e-3)
+        state = model.initial_state(0.0)
+        drive(model, state, displacement, velocity, time_step)
+        assert model.energy(state, 0.0).dissipated > 1e-6
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_is_deterministic(name):
+    traces = []
+    for models in (MODELS, build_models()):
+        model = models[name]
+        time_step = usable_step(model)
+        displacement, velocity = raised_cosine(6e-3, 4e-3, time_step)
+        traces.append(drive(model, model.initial_state(0.0), displacement, velocity, time_step))
+    assert np.array_equal(*traces)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_with_time_step_is_stable_at_that_step(name):
+    time_step = 4e-6 if MODELS[name].stable_time_step() > 4e-6 else 0.9 * MODELS[name].stable_time_step()
+    model = MODELS[name].with_time_step(time_step)
+    assert model.stable_time_step() >= time_step * (1 - 1e-9)
+    displacement, velocity = raised_cosine(9e-3, 6e-3, time_step, rest=30e-3)
+    forces = drive(model, model.initial_state(0.0), displacement, velocity, time_step)
+    assert np.all(np.abs(forces) < 5e3)
+    static = model.force(model.initial_state(0.0), 0.0).retainer
+    assert abs(np.mean(forces[-1000:, 1]) - static) < 0.2 * static
+
+
+_FIRST_CLASS = types.FunctionType(
+    types.UniTuple(types.float64, 2)(
+        types.Array(types.float64, 1, "C"), types.Array(types.int64, 1, "C"), types.Array(types.float64, 1, "C"),
+        types.float64, types.float64, types.float64,
+    )
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["massless", "massless-table", "chain", "rod", "modal", "nested-rubbing"])
+def test_kernel_fits_a_loop_compiled_once_for_all_models(name):
+    model = MODELS[name]
+
+    @njit(
+        types.UniTuple(types.float64, 2)(
+            _FIRST_CLASS, types.Array(types.float64, 1, "C"), types.Array(types.int64, 1, "C"), types.Array(types.float64, 1, "C")
+        )
+    )
+    def call(kernel, parameters, integers, state):
+        return kernel(parameters, integers, state, 1e-3, 0.0, 0.0)
+
+    state = model.initial_state(0.0)
+    direct = model.kernel(model.parameters(), model.integers(), state.copy(), 1e-3, 0.0, 0.0)
+    assert call(model.kernel, model.parameters(), model.integers(), state) == direct

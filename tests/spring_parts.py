@@ -1,0 +1,70 @@
+"""Springs and a compiled driver that the spring tests share."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from valvetrain.parameters.constructors import cylindrical
+from valvetrain.parameters.spring import OPEN_END
+from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.springs.equivalent_rod import EquivalentRod
+from valvetrain.springs.massless import MasslessSpring, MasslessTable
+from valvetrain.springs.modal import ModalSpring
+from valvetrain.springs.multi_mass import MultiMassSpring
+from valvetrain.springs.nested import NestedSprings, RadialRubbing
+from valvetrain.springs.rod_with_clash import EquivalentRodWithClash
+
+PRECOMPRESSION = 7e-3
+CLOSED_ENDS = cylindrical(3.8e-3, 22e-3, 7e-3, 8.0)
+OPEN_SPRING = cylindrical(3.8e-3, 22e-3, 7e-3, 6.0, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END)
+UNIFORM = EquivalentSpring(rate=30e3, preload=250.0, active_mass=0.04, held_mass=0.004)
+SLIM = EquivalentSpring(rate=14e3, preload=136.0, active_mass=0.02)
+
+
+def build_models() -> dict:
+    """Every spring model of the room once, with and without contact and damping."""
+    return {
+        "massless": MasslessSpring(30e3, 250.0, 0.04),
+        "massless-table": MasslessTable((-1e-3, 0.0, 4e-3, 12e-3), (220.0, 250.0, 390.0, 710.0), 0.04),
+        "chain": MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION),
+        "chain-damped": MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION, mass_damping=60.0, stiffness_damping=2e-6),
+        "chain-no-clash": MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION, contact_stiffness=0.0),
+        "chain-7-per-coil": MultiMassSpring.from_definition(CLOSED_ENDS.replace(total_coils=7.93), PRECOMPRESSION, masses_per_coil=7),
+        "chain-card": MultiMassSpring.from_card(30e3, 250.0, 0.04, elements=5),
+        "chain-one-mass": MultiMassSpring.from_card(30e3, 250.0, 0.04, elements=2),
+        "rod": EquivalentRod(UNIFORM),
+        "rod-damped": EquivalentRod(UNIFORM, friction=30.0),
+        "rod-with-clash": EquivalentRodWithClash.from_definition(CLOSED_ENDS, PRECOMPRESSION, cells=150),
+        "modal": ModalSpring(UNIFORM, 6),
+        "modal-damped": ModalSpring(UNIFORM, 3, (430.0, 800.0, 1200.0), damping_ratio=0.016, mass_damping=20.0),
+        "nested": NestedSprings(MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION), EquivalentRod(SLIM, 100)),
+        "nested-rubbing": NestedSprings(
+            MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION), EquivalentRod(SLIM, 100), RadialRubbing(0.12, 60.0)
+        ),
+    }
+
+
+MODELS = build_models()
+LINEAR_RATE = dict.fromkeys(("massless", "chain-card", "chain-one-mass", "rod", "rod-damped", "modal", "modal-damped"), 30e3)
+
+
+@njit
+def _drive(kernel, parameters, integers, state, displacement, velocity, time_step, forces):
+    for k in range(displacement.shape[0]):
+        forces[k, 0], forces[k, 1] = kernel(parameters, integers, state, displacement[k], velocity[k], time_step)
+
+
+def drive(model, state, displacement, velocity, time_step) -> np.ndarray:
+    """Step ``state`` in place along a prescribed retainer motion; returns retainer and seat force, shape (steps, 2)."""
+    forces = np.empty((len(displacement), 2))
+    _drive(model.kernel, model.parameters(), model.integers(), state, displacement, velocity, time_step, forces)
+    return forces
+
+
+def raised_cosine(lift: float, duration: float, time_step: float, rest: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement (m) and velocity (m/s) of one smooth opening and closing, then ``rest`` seconds closed."""
+    time = np.arange(round((duration + rest) / time_step) + 1) * time_step
+    # sin**4 keeps acceleration and jerk continuous at both ends.
+    phase = np.where(time < duration, np.pi * time / duration, 0.0)
+    return lift * np.sin(phase) ** 4, 4 * lift * np.pi / duration * np.sin(phase) ** 3 * np.cos(phase)
