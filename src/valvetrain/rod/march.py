@@ -27,6 +27,9 @@ CX, CY, CZ, GX, GY, GZ = (ROW[n] for n in ("CX", "CY", "CZ", "GX", "GY", "GZ"))
 PX, PY, PZ, DH, KC, IMPULSE, PEAK, LOSS = (ROW[n] for n in ("PX", "PY", "PZ", "DH", "KC", "IMPULSE", "PEAK", "LOSS"))
 GROUP, ONE, STRIDE = _GROUP, np.uint64(1), np.uint64(_STRIDE)
 
+#: No fast maths here, so that a diverged run is seen; no reference counts either (see step_kernels).
+OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
+
 #: Steps between two looks for coils that come near, and most separate stretches of wire watched at once.
 WATCH_STEPS, STRETCHES = 32, 12
 
@@ -35,7 +38,7 @@ DT, KEEP, KICK, DECAY, GAIN_OLD, GAIN_NEW, VISCOUS, CONTACT_TIME, MASS_DAMPING, 
 FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START = range(7)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OPTIONS)
 def clear_contact(b, vertices):
     """Zero all point forces, so that points leaving the watch list leave nothing behind."""
     for row in (PX, PY, PZ, PX + GROUP, PY + GROUP, PZ + GROUP):
@@ -43,7 +46,7 @@ def clear_contact(b, vertices):
             b[row + j] = 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OPTIONS)
 def watch_contacts(b, integers, reach, stretches):
     """List the stretches of contact points whose gap may close within ``reach`` (m); returns their number."""
     vertices, offset = np.uint64(integers[VERTICES]), np.uint64(integers[OFFSET])
@@ -52,7 +55,7 @@ def watch_contacts(b, integers, reach, stretches):
     for j in range(offset + ONE, vertices - ONE):
         k = j - offset
         near = False
-        if b[KC + j] > 0.0:
+        if b[KC + j] + b[KC + GROUP + j] > 0.0:
             dx, dy, dz = b[X + j] - b[X + k], b[Y + j] - b[Y + k], b[Z + j] - b[Z + k]
             sx, sy, sz = b[X + k + ONE] - b[X + k - ONE], b[Y + k + ONE] - b[Y + k - ONE], b[Z + k + ONE] - b[Z + k - ONE]
             along = dx * sx + dy * sy + dz * sz
@@ -69,7 +72,7 @@ def watch_contacts(b, integers, reach, stretches):
     return count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OPTIONS)
 def all_contact(b, offset, groups, places, stretches, count, first, last, damping_time, dt):
     """Contact forces of all watched stretches on the vertices (rows C)."""
     for j in range(first, last):
@@ -93,7 +96,7 @@ def all_contact(b, offset, groups, places, stretches, count, first, last, dampin
         return_contact(b, start - ONE, end + ONE, offset)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OPTIONS)
 def fastest_vertex(b, first, last):
     """Largest speed (m/s) of any vertex; NaN passes through as infinity."""
     top = 0.0
@@ -105,7 +108,7 @@ def fastest_vertex(b, first, last):
     return np.sqrt(top)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OPTIONS)
 def forces_now(b, integers, numbers, places, stretches, count, displacement):
     """All forces at the present positions; returns (retainer force, seat force), N, compressive positive."""
     first, last, vertices = np.uint64(integers[FIRST]), np.uint64(integers[LAST]), np.uint64(integers[VERTICES])
@@ -124,7 +127,7 @@ def forces_now(b, integers, numbers, places, stretches, count, displacement):
     return retainer, seat
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OPTIONS)
 def kick_and_drift(b, integers, numbers):
     """Advance all free unknowns by one step from the forces of ``forces_now``; returns the energy dissipated (J)."""
     first, last = np.uint64(integers[FIRST]), np.uint64(integers[LAST])
@@ -135,7 +138,7 @@ def kick_and_drift(b, integers, numbers):
     return dt * (numbers[VISCOUS] / numbers[RELAXATION] * branch + 0.25 * numbers[MASS_DAMPING] * motion)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OPTIONS)
 def place_retainer(b, integers, travel, velocity):
     """Lower the vertices held by the retainer by ``travel`` (m) and give them its closing velocity."""
     for i in range(np.uint64(integers[LAST]), np.uint64(integers[VERTICES])):
@@ -143,17 +146,16 @@ def place_retainer(b, integers, travel, velocity):
         b[VZ + i] = -velocity
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def march(b, integers, numbers, places, displacement, clock, snapshots, contacts, dense):
+@njit(**OPTIONS)
+def march(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense):
     """March over ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
 
-    ``clock`` = (steps per dense record, dense records per sample). Fills ``snapshots`` (samples, 13, nv + 1) with
+    ``clock`` = (steps per dense record, dense records per sample); ``stretches`` (STRETCHES, 2) is room to work. Fills ``snapshots`` (samples, 13, nv + 1) with
     positions, frames, velocities and spins, ``contacts`` (samples, 3, groups, nv) with mean force, peak force and
     loss since the last sample, ``dense`` (records, 4) with retainer force, seat force, work done and dissipated energy.
     Returns (steps done, largest vertex speed); a run that diverged stops early.
     """
     steps, vertices = len(displacement) - 1, np.uint64(integers[VERTICES])
-    stretches = np.zeros((STRETCHES, 2))
     count, work, lost, before, fastest = 0, 0.0, 0.0, 0.0, 0.0
     dt = numbers[DT]
     for n in range(steps + 1):
@@ -184,7 +186,7 @@ def march(b, integers, numbers, places, displacement, clock, snapshots, contacts
     return steps + 1, fastest
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OPTIONS)
 def take_snapshot(b, integers, out, share):
     """Positions and frames at the step, and ``share`` of the velocities and spins of the half step before."""
     for r in range(13):
@@ -193,7 +195,7 @@ def take_snapshot(b, integers, out, share):
             out[r, i] = factor * b[X + np.uint64(r) * STRIDE + np.uint64(i)]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OPTIONS)
 def finish_snapshot(b, integers, out, share):
     """Add ``share`` of the velocities and spins of the half step after."""
     for r in range(7, 13):
@@ -201,7 +203,7 @@ def finish_snapshot(b, integers, out, share):
             out[r, i] += share * b[X + np.uint64(r) * STRIDE + np.uint64(i)]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OPTIONS)
 def take_contacts(b, integers, out, interval):
     """Mean and peak force and energy loss of each contact point since the last sample; resets the counters."""
     for g in range(integers[GROUPS]):

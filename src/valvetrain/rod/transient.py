@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.rod.buffer import RodDynamics, fill_buffer, march_numbers, stable_time_step
-from valvetrain.rod.march import march
+from valvetrain.rod.march import STRETCHES, march
 from valvetrain.rod.mesh import RodMesh
 from valvetrain.rod.state import RodState
 
@@ -75,10 +75,11 @@ def simulate(
     buffer = fill_buffer(mesh, start, dynamics, step)
     steps = samples * dense * sub
     displacement = np.ascontiguousarray(motion(step * np.arange(steps + 1)), dtype=float)
-    snapshots = np.full((samples + 1, 13, mesh.vertices + 1), np.nan)
+    snapshots = np.empty((samples + 1, 13, mesh.vertices + 1))
     contacts = np.zeros((samples + 1, 3, mesh.contact.groups, mesh.vertices))
-    records = np.full((samples * dense + 1, 4), np.nan)
-    done, fastest = march(buffer, integers, numbers, places, displacement, np.array([sub, dense]), snapshots, contacts, records)
+    records = np.empty((samples * dense + 1, 4))
+    clock, stretches = np.array([sub, dense]), np.zeros((STRETCHES, 2))
+    done, fastest = march(buffer, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, records)
     reached = min(samples, (done - 1) // (dense * sub)) if done <= steps else samples
     keep = slice(min(discard, reached), reached + 1)
     dense_keep = slice(keep.start * dense, reached * dense + 1)
