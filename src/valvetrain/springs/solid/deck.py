@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.parameters.material import Material
+from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.solid.layout import MeshOptions
 from valvetrain.springs.solid.mesh import FaceSet, SolidMesh
+from valvetrain.springs.solid.plates import seat_plates
 
 #: SI to the deck's units.
 MILLIMETRE, MEGAPASCAL, TONNE_PER_MM3 = 1e3, 1e-6, 1e-12
@@ -26,25 +28,48 @@ PARTNER_OVERLAP = 0.15
 class SolidContact:
     """Coil self-contact, face to face by penalty: ``stiffness`` is pressure per closing distance (Pa/m).
 
+    ``wire_per_pair``: turns of the upper coil in one reported pair; ``seats``: end coils can touch the seat planes.
     5e13 Pa/m (5e4 MPa/mm) lets two 4 mm wires in contact approach by about a micrometre per 20 N/mm of line load.
     """
 
     stiffness: float = 5e13
     wire_per_pair: float = 0.5
+    seats: bool = True
 
 
-def model_text(mesh: SolidMesh, material: Material, options: MeshOptions, contact: SolidContact | None = None) -> str:
-    """Nodes, elements, sets, material and contact of the deck."""
+def model_text(
+    mesh: SolidMesh, material: Material, options: MeshOptions, contact: SolidContact | None = None, mass_damping: float = 0.0
+) -> str:
+    """Nodes, elements, sets, material (``mass_damping`` in 1/s acts in transients) and contact of the deck."""
     parts = ["*NODE, NSET=ALL", _nodes(mesh), f"*ELEMENT, TYPE={options.element_type}, ELSET=WIRE", _elements(mesh)]
     for name, members in mesh.node_sets.items():
         parts += [f"*NSET, NSET={name.upper()}", _wrapped(members + 1)]
     parts.append(
         f"*MATERIAL, NAME=STEEL\n*ELASTIC\n{material.youngs_modulus * MEGAPASCAL:.10g}, {material.poisson_ratio:.10g}\n"
-        f"*DENSITY\n{material.density * TONNE_PER_MM3:.10g}\n*SOLID SECTION, ELSET=WIRE, MATERIAL=STEEL"
+        f"*DENSITY\n{material.density * TONNE_PER_MM3:.10g}"
     )
+    if mass_damping:
+        parts.append(f"*DAMPING, ALPHA={mass_damping:.10g}, BETA=0.")
+    parts.append("*SOLID SECTION, ELSET=WIRE, MATERIAL=STEEL")
     if contact is not None:
         parts.append(_contact(mesh, contact))
     return "\n".join(parts) + "\n"
+
+
+def seats_text(mesh: SolidMesh, spring: SpringDefinition) -> str:
+    """Rigid blocks of the seat planes and their contact with the free wire next to the held ends; stands after the contact of coils."""
+    lines, node, element = [], len(mesh.coordinates), len(mesh.elements)
+    for plate, faces in zip(seat_plates(spring), (mesh.lower, mesh.upper), strict=True):
+        reachable = faces.between(plate.first, plate.last)
+        numbers = np.arange(node + 1, node + 9)
+        lines.append(f"*NODE, NSET={plate.node_set}")
+        lines += [f"{i}, {x:.9e}, {y:.9e}, {z:.9e}" for i, (x, y, z) in zip(numbers, plate.corners * MILLIMETRE, strict=True)]
+        lines += [f"*ELEMENT, TYPE=C3D8, ELSET=WIRE\n{element + 1}, {_row(numbers)}", f"*SURFACE, NAME={plate.name}, TYPE=ELEMENT"]
+        lines += [f"{element + 1}, {plate.side}", f"*SURFACE, NAME=ON{plate.name}, TYPE=ELEMENT"]
+        lines += [f"{one + 1}, S4" for one in reachable.elements]
+        lines += ["*CONTACT PAIR, INTERACTION=COILS, TYPE=SURFACE TO SURFACE", f"ON{plate.name}, {plate.name}"]
+        node, element = node + 8, element + 1
+    return "\n".join(lines) + "\n"
 
 
 def contact_pairs(mesh: SolidMesh, contact: SolidContact) -> list[tuple[float, FaceSet, FaceSet]]:

@@ -15,7 +15,7 @@ from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import Status
 from valvetrain.springs.solid import axis_motion, steps
 from valvetrain.springs.solid.calculix import SolverOutput, run_deck
-from valvetrain.springs.solid.deck import MILLIMETRE, SolidContact, contact_pairs, model_text
+from valvetrain.springs.solid.deck import MILLIMETRE, SolidContact, contact_pairs, model_text, seats_text
 from valvetrain.springs.solid.layout import MeshOptions
 from valvetrain.springs.solid.mesh import SolidMesh
 from valvetrain.springs.solid.printed import Printed, read_printed
@@ -24,7 +24,7 @@ from valvetrain.springs.solid.sweep import sweep_spring
 Array = NDArray[np.float64]
 
 #: Modes that transmit less than this (1 for a mode of a straight elastic rod) are never called axial.
-LEAST_TRANSMISSION = 0.15
+LEAST_TRANSMISSION = 0.12
 
 
 @dataclass(frozen=True)
@@ -54,10 +54,13 @@ class SolidSpring:
         """Coil number of the upper partner of each contact pair (none without contact)."""
         return np.array([middle for middle, _, _ in contact_pairs(self.mesh, self.contact)]) if self.contact else np.zeros(0)
 
-    def deck(self, *load_steps: str, before: str = "") -> str:
+    def deck(self, *load_steps: str, before: str = "", mass_damping: float = 0.0) -> str:
         """The whole input deck with the given steps; ``before`` holds tables that stand between model and steps."""
         title = f"** {self.spring.name}: {len(self.mesh.elements)} {self.options.element_type}; mm, N, s, tonne, MPa\n"
-        return title + model_text(self.mesh, self.spring.material, self.options, self.contact) + before + "".join(load_steps)
+        model = model_text(self.mesh, self.spring.material, self.options, self.contact, mass_damping)
+        if self.contact is not None and self.contact.seats and self.options.ends != "sections":
+            model += seats_text(self.mesh, self.spring)
+        return title + model + before + "".join(load_steps)
 
     def run(self, deck: str, read_fields: bool = False) -> SolverOutput:
         """Run a deck of :meth:`deck` within this model's limits."""
@@ -83,7 +86,7 @@ class SolidSpring:
         stiffness = np.gradient(force, travel, edge_order=2) if len(travel) > 2 else np.full(len(travel), np.nan)
         status = replace(status, time=0.0, where="" if status.completed else f"compression {travel[-1] * 1e3:.3f} mm")
         return StaticCurve(
-            compression=travel, force=force, stiffness=stiffness, coil_gap=gap, coil_contact_force=self._pair_forces(printed, len(travel)),
+            compression=travel, force=force, stiffness=stiffness, coil_gap=gap, coil_contact_force=self.pair_forces(printed, len(travel)),
             upper_coil=self.pairs, axial_position=positions[:, :, 2] - self.spring.lower_seat_height, coil_number=self.axis_coil, status=status,
         )  # fmt: skip
 
@@ -99,7 +102,8 @@ class SolidSpring:
         moved = [axis_motion.averaged(row, self.mesh, index, len(coil)) / MILLIMETRE for row in rows[: count - 1]]
         return np.stack([free, *(free + move for move in moved)])
 
-    def _pair_forces(self, printed: Printed, count: int) -> Array:
+    def pair_forces(self, printed: Printed, count: int) -> Array:
+        """Contact force (state, pair) in N of the free state and the first ``count`` - 1 increments."""
         forces = np.zeros((count, len(self.pairs)))
         for number in range(len(self.pairs)):
             _, rows = printed.history("contact", f"ABOVE{number + 1}")
@@ -129,16 +133,24 @@ class SolidSpring:
         coil, index, _ = axis_motion.axis_points(self.mesh)
         shapes = np.array([axis_motion.averaged(table, self.mesh, index, len(coil)) for table in tables[:count]]).reshape(count, len(coil), 3)
         largest = np.take_along_axis(flat := shapes.reshape(count, -1), np.abs(flat).argmax(axis=1)[:, None], axis=1)
-        transmission = self._transmission(frequency, retainer[:count], seat[:count])
+        transmission = self._transmission(frequency, retainer[:count], seat[:count], self._tangent(printed, compression))
         axial = axial_modes(transmission)
         return ModalResult(compression, frequency, shapes / largest[:, :, None], coil, transmission, axial, status)
 
-    def _transmission(self, frequency: Array, retainer: list[Array], seat: list[Array]) -> Array:
-        """Product of both axial end reactions of unit-mass modes over 2 k omega^2: +-1 for a uniform straight rod."""
-        rate = axis_motion.estimated_rate(self.spring)
+    def _tangent(self, printed: Printed, compression: float) -> float:
+        """Stiffness (N/m) at the end of the printed static step, of elementary theory where there is none."""
+        time, rows = printed.history("total force", "RETAINER")
+        if compression <= 0 or len(time) < 2:
+            return axis_motion.estimated_rate(self.spring)
+        return float(-(rows[-1][0, 2] - rows[-2][0, 2]) / ((time[-1] - time[-2]) * compression))
+
+    def _transmission(self, frequency: Array, retainer: list[Array], seat: list[Array], stiffness: float) -> Array:
+        """Product of both axial end reactions of unit-mass modes over 2 k omega^2: +-1 for a uniform straight rod.
+
+        Reactions are printed in N per mm for a modal mass of one tonne, so k in N/mm makes it a pure number.
+        """
         product = np.array([top[0, 2] * bottom[0, 2] for top, bottom in zip(retainer, seat, strict=True)])
-        # Reactions are printed for modal mass 1 tonne: N per mm of modal coordinate; k in N/mm makes the ratio a pure number.
-        return product / (2 * rate / MILLIMETRE * (2 * np.pi * frequency) ** 2)
+        return product / (2 * stiffness / MILLIMETRE * (2 * np.pi * frequency) ** 2)
 
 
 def axial_modes(transmission: Array) -> tuple[int, ...]:

@@ -14,17 +14,24 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Printout:
-    """What every increment prints: end forces always; ``axis`` motion of the wire axis; ``pairs`` number of contact pairs."""
+    """What every increment prints: end forces always; ``axis`` motion of the wire axis; ``pairs`` number of contact pairs.
+
+    ``energy``: totals of elastic and kinetic energy (a transient needs them from the first step on); ``fields``: displacement
+    and stress at the nodes.
+    """
 
     axis: bool = False
     pairs: int = 0
     fields: bool = False
+    energy: bool = False
 
     def text(self) -> str:
         lines = [f"*NODE PRINT, NSET={name}, TOTALS=ONLY\nRF" for name in ("SEAT", "RETAINER")]
         if self.axis:
             lines.append("*NODE PRINT, NSET=AXIS\nU")
         lines += [f"*CONTACT PRINT, SLAVE=ABOVE{i}, MASTER=BELOW{i}\nCF" for i in range(1, self.pairs + 1)]
+        if self.energy:
+            lines.append("*EL PRINT, ELSET=WIRE, TOTALS=ONLY\nELSE, ELKE")
         if self.fields:
             lines.append("*NODE FILE\nU\n*EL FILE\nS")
         return "\n".join(lines)
