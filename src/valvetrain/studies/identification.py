@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """One parameter: bounds, start, finite-difference ``step`` and the ``spread`` of its prior about ``start``; SI units."""
+    """One parameter: bounds and a normal prior of mean ``start`` and standard deviation ``spread``; SI units."""
 
     name: str
     low: float
@@ -63,17 +63,17 @@ Evaluate = Callable[[Array], Mapping[str, float] | None]
 
 def identify(
     unknowns: Sequence[Unknown], targets: Sequence[Target], evaluate: Evaluate, pool: Executor, *,
-    iterations: int = 12, prior_weight: float = 0.3, report: Callable[[str], None] = lambda text: None,
+    begin: Array | None = None, iterations: int = 12, prior_weight: float = 1.0, report: Callable[[str], None] = lambda text: None,
 ) -> Identified:  # fmt: skip
-    """Parameters that meet the ``targets`` best, drawn weakly to their starts.
+    """Most probable parameters given the ``targets`` (normal misses of their ``scale``) and the priors; search from ``begin``.
 
-    ``evaluate`` maps a parameter vector to named values (None for an impossible spring) and must be picklable.
+    What the data do not decide stays at its prior. ``evaluate`` maps a parameter vector to named values (None for an impossible spring) and must be picklable.
     Raises :class:`InputError` when the start itself is impossible.
     """
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
     start, spread = np.array([u.start for u in unknowns]), np.array([u.spread for u in unknowns])
     steps = np.array([u.step for u in unknowns])
-    point = start.copy()
+    point = start.copy() if begin is None else np.array(begin, dtype=float)
 
     def misses(values: Mapping[str, float] | None, at: Array) -> Array | None:
         if values is None or not all(np.isfinite(values.get(t.name, np.nan)) for t in targets):
@@ -108,6 +108,8 @@ def identify(
         report(f"iteration {done}: misfit {residual @ residual:.4f}, damping {damping:.1e}")
         if gain < 1e-3 * (residual @ residual):
             break
+    # Posterior standard errors: the prior rows are part of the Jacobian.
+    jacobian[len(targets) :] = prior_weight * np.diag(1 / spread)
     covariance = np.linalg.pinv(jacobian.T @ jacobian)
     error = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     names = [u.name for u in unknowns]
