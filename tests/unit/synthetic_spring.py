@@ -20,8 +20,7 @@ def bump(angle_deg, centre, width):
 def run(values, *, per_turn=720, turns=2, engine_speed=ENGINE_SPEED, model="finite-element", **places) -> Solution:
     """A run whose channels are functions of the wrapped cam angle in degrees (or arrays), over ``turns`` cam turns."""
     angle = np.arange(per_turn * turns) * 2 * np.pi / per_turn
-    degrees = np.degrees(angle) % 360
-    degrees[np.isclose(degrees, 360)] = 0.0
+    degrees = np.round(np.degrees(angle), 9) % 360  # a step at 46.5 must start at the sample there
     computed = {name: value(degrees) if callable(value) else value for name, value in values.items()}
     channels = spring_channels(angle / (engine_speed / 2), angle, computed, **places)
     return Solution(channels, provenance=Provenance("synthetic", model, engine_speed))

@@ -9,10 +9,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from valvetrain.analysis.clash import clash_events, separation_quantities, split_at_releases
+from valvetrain.analysis.clash import ClashRule, clash_events, runs
+from valvetrain.analysis.collisions import bounce_quantities, collision_angles, mean_interval, separation_angle
 from valvetrain.analysis.compare import compare
 from valvetrain.analysis.cycle import reported_cycle
-from valvetrain.analysis.nodes import separation_angle
 from valvetrain.analysis.peaks import separate_spikes
 from valvetrain.analysis.quantities import run_quantities, study_quantities
 from valvetrain.analysis.quantity import Quantity, unit_of
@@ -39,7 +39,13 @@ def _contact(degrees):
     return np.stack([rest, early, 2 * early, 30 * bump(degrees, 180, 20)], axis=1)
 
 
-def _motion():
+def _touching_gap(degrees):
+    """Coil 2 meets coil 1 at each of SPIKES: the gap near node 2 falls to nothing there and opens 2 degrees later."""
+    touching = np.any([(degrees >= spike) & (degrees < spike + 2) for spike in SPIKES], axis=0)
+    return np.where(touching, -1e-7, 1e-5)
+
+
+def _motion(**changes):
     def acceleration(degrees):
         return sum((1e4 if spike == 245.5 else 3e3) * bump(degrees, spike, 2) for spike in SPIKES)
 
@@ -48,16 +54,15 @@ def _motion():
         return slow + 1.0 * bump(degrees, 236, 4) - 1.35 * bump(degrees, 241.5, 4) + 0.6 * bump(degrees, 245, 3)
 
     def gap(degrees):
-        lift_off = 2e-4 * bump(degrees, 50, 40) + 7e-4 * bump(degrees, 243, 10) - 1e-6
-        return np.stack([0 * degrees, 0 * degrees, lift_off, 1e-3 + 0 * degrees], axis=1)
+        lift_off = 2e-4 * bump(degrees, 50, 40) + 7e-4 * bump(degrees, 243, 10) + 2e-6
+        return np.stack([0 * degrees, _touching_gap(degrees), lift_off, 1e-3 + 0 * degrees], axis=1)
 
-    return run(
-        {
-            "seat_force": lambda degrees: 300 + 900 * bump(degrees, 180, 100) + 300 * bump(degrees, 249, 3),
-            "axial_acceleration": _at_node_2(acceleration), "axial_velocity": _at_node_2(velocity),
-            "coil_gap": gap, "coil_contact_force": _contact,
-        }, **PLACES,
-    )  # fmt: skip
+    channels = {
+        "seat_force": lambda degrees: 300 + 900 * bump(degrees, 180, 100) + 300 * bump(degrees, 249, 3),
+        "axial_acceleration": _at_node_2(acceleration), "axial_velocity": _at_node_2(velocity),
+        "coil_gap": gap, "coil_contact_force": _contact,
+    }  # fmt: skip
+    return run({name: value for name, value in (channels | changes).items() if value is not None}, **PLACES)
 
 
 def _values(**options):
@@ -76,7 +81,7 @@ def test_collisions_repeat_with_the_period_of_the_first_mode():
 
 def test_node_2_motion():
     found = _values()
-    assert found["node_2_maximum_displacement"] == pytest.approx(7e-4 - 1e-6)
+    assert found["node_2_maximum_displacement"] == pytest.approx(7e-4 + 2e-6)
     assert found["node_2_maximum_displacement_cam_angle"] / DEG == pytest.approx(243)
     assert found["node_2_stage_1_displacement_range"] == pytest.approx(2e-4)
     assert found["node_2_stage_1_velocity_range"] == pytest.approx(1.2)
@@ -89,6 +94,21 @@ def test_node_2_motion():
     assert found["node_2_peak_acceleration_cam_angle"] / DEG == pytest.approx(245.5)
 
 
+def test_without_gaps_collisions_show_as_spikes_of_the_acceleration():
+    cycle = reported_cycle(_motion(coil_gap=None))
+    assert collision_angles(cycle, 8 * DEG) / DEG == pytest.approx(SPIKES)
+
+
+def test_touches_close_together_are_one_collision():
+    cycle = reported_cycle(_motion())
+    assert collision_angles(cycle, 26.6 * DEG) / DEG == pytest.approx([20, 73, 100, 245.5, 300, 327, 354.5])
+
+
+def test_mean_interval_skips_stage_2_and_missed_collisions():
+    assert mean_interval(np.array([20, 46, 72, 240, 266, 292, 345]) * DEG) == pytest.approx(26 * DEG)
+    assert mean_interval(np.array([20, 240]) * DEG) is None
+
+
 def test_separation_follows_speed_and_frequency():
     assert separation_angle(reported_cycle(_motion()), 630.0) == pytest.approx(0.35 * 26.667 * DEG, rel=1e-4)
 
@@ -98,7 +118,7 @@ def test_clashes_merge_neighbours_and_leave_resting_coils_out():
     assert len(events) == 6  # two clashes of coils 1-2 and one of 2-3, in each of two turns
     first, second, third = events[:3]
     assert [event.details["upper_coil"] for event in events[:3]] == [3, 2, 2]
-    assert first.cam_angle / DEG == pytest.approx(170.5, abs=0.6)
+    assert first.cam_angle / DEG == pytest.approx(170.5, abs=0.8)
     assert (second.size, third.size) == pytest.approx((120.0, 270.0))
     assert (second.details["first_pair"], second.details["last_pair"]) == (1.9, 2.0)
     assert third.details["peak_cam_angle"] / DEG == pytest.approx(252)
@@ -108,26 +128,42 @@ def test_clashes_merge_neighbours_and_leave_resting_coils_out():
     assert events[4].cam_angle - second.cam_angle == pytest.approx(2 * np.pi)
 
 
-def test_bounce_is_the_separation_next_to_the_spike():
-    found = separation_quantities(clash_events(_motion())[:3], 249 * DEG)
-    assert found["coil_1_2_bounce_start_cam_angle"] / DEG == pytest.approx(247, abs=0.8)
-    assert found["coil_1_2_bounce_end_cam_angle"] / DEG == pytest.approx(249, abs=0.8)
-    assert found["coil_1_2_bounce_duration"] == pytest.approx(2 * DEG / (ENGINE_SPEED / 2), rel=0.5)
-    assert separation_quantities(clash_events(_motion())[:3], 20 * DEG) == {}
+def test_clash_rule_parts_late_neighbours_and_drops_faint_ones():
+    def contact(degrees):
+        near, late = 50 * bump(degrees, 240, 10), 40 * bump(degrees, 244, 10)
+        return np.stack([0 * degrees, near, late, 0.9 * bump(degrees, 100, 10)], axis=1)
+
+    solution = _motion(coil_contact_force=contact)
+    together = [event for event in clash_events(solution) if event.cam_angle < 2 * np.pi]
+    apart = [event for event in clash_events(solution, ClashRule(merge_time=0.1e-3)) if event.cam_angle < 2 * np.pi]
+    assert [len(together), len(apart)] == [1, 2]
+    assert sum(event.details["impulse"] for event in apart) == pytest.approx(together[0].details["impulse"], rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("summed", "expected"),
-    [
-        ([0, 2, 5, 2, 0], [(1, 3)]),
-        ([0, 5, 4, 5, 0], [(1, 3)]),
-        ([0, 8, 1, 6, 0], [(1, 2), (2, 3)]),
-        ([9, 1, 9, 1, 9], [(0, 1), (1, 3), (3, 4)]),
-        ([8, 1, 1.5, 1, 8], [(0, 1), (1, 4)]),
-    ],
-)
-def test_split_at_releases(summed, expected):
-    assert split_at_releases(np.array(summed, dtype=float), 0.25) == expected
+def test_hysteresis_keeps_a_chattering_contact_whole():
+    def contact(degrees):
+        chatter = np.where(np.abs(degrees - 250) < 4, 5 + 4.5 * np.cos(40 * degrees * DEG), 0)
+        return np.stack([0 * degrees, 0 * degrees, chatter, 0 * degrees], axis=1)
+
+    assert len(clash_events(_motion(coil_contact_force=contact))) == 2  # one a turn, though the force dips to 0.5 N
+    assert len(clash_events(_motion(coil_contact_force=contact), ClashRule(off_force=0.8))) > 2
+
+
+def test_runs_of_true():
+    assert runs(np.array([1, 1, 0, 0, 1, 0, 1], dtype=bool)) == [(0, 1), (4, 4), (6, 6)]
+    assert runs(np.zeros(3, dtype=bool)) == []
+
+
+def test_bounce_is_the_longest_separation_after_the_collision():
+    def gap(degrees):
+        low = np.where((degrees >= 240) & (degrees < 241) | (degrees >= 244) & (degrees < 260), -1e-7, 1e-5)
+        return np.stack([0 * degrees, low, 1e-3 + 0 * degrees, 1e-3 + 0 * degrees], axis=1)
+
+    found = bounce_quantities(reported_cycle(_motion(coil_gap=gap)), 240 * DEG, 9 * DEG)
+    assert found["coil_1_2_bounce_start_cam_angle"] / DEG == pytest.approx(241)
+    assert found["coil_1_2_bounce_end_cam_angle"] / DEG == pytest.approx(244)
+    assert found["coil_1_2_bounce_duration"] == pytest.approx(3 * DEG / (ENGINE_SPEED / 2))
+    assert bounce_quantities(reported_cycle(_motion(coil_gap=gap)), 300 * DEG, 9 * DEG) == {}
 
 
 def test_separate_spikes_takes_the_largest_first():
@@ -176,10 +212,10 @@ def _published(quantity, value, **more):
         (_published("stage_2_peak_force", 818.0, tolerance=24.5), 840.0, "within tolerance"),
         (_published("stage_2_peak_force", 818.0, tolerance=24.5), 777.1, "misses by -5.0 %, tolerance 3.0 %"),
         (_published("stage_2_peak_force", 800.0), 880.0, "differs by +10.0 %"),
-        (_published("stage_2_peak_force", 620.0, relation="at-most"), 600.0, "within the stated bound (at-most)"),
-        (_published("stage_2_peak_force", 620.0, relation="at-most"), 651.0, "beyond the stated bound by 5.0 %"),
+        (_published("stage_2_peak_force", 620.0, relation="at-most"), 589.0, "stated as at most: -5.0 %"),
+        (_published("stage_2_peak_force", 620.0, relation="at-most"), 651.0, "stated as at most: beyond by 5.0 %"),
         (_published("stage_1_peak_1_cam_angle", 1 * DEG), 359 * DEG, "differs by -2.0 deg"),
-        (_published("coil_1_2_installed_gap", 0.0), -2e-6, "differs by -2e-06 m"),
+        (_published("coil_1_2_installed_gap", 0.0, unit="mm"), -2e-6, "differs by -0.002 mm"),
         (_published("other_force", 1.0), 2.0, "not computed"),
     ],
 )

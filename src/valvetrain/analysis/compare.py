@@ -72,12 +72,16 @@ def _turn_difference(difference: float) -> float:
 
 
 def verdict(value: PublishedValue, difference: float | None) -> str:
-    """Words for one row: within or outside a stated tolerance or bound, else just how far apart."""
+    """Words for one row: within or outside a stated tolerance, else just how far apart.
+
+    A bound ("spikes up to 620 N") is no tolerance: staying below it is not agreement, so the distance is given there too.
+    """
     if difference is None:
         return "not computed"
     if value.relation in ("at-most", "at-least"):
         beyond = difference if value.relation == "at-most" else -difference
-        return f"within the stated bound ({value.relation})" if beyond <= 0 else f"beyond the stated bound by {_size(value, beyond)}"
+        limit = value.relation.replace("-", " ")
+        return f"stated as {limit}: " + (f"beyond by {_size(value, beyond)}" if beyond > 0 else _size(value, difference, signed=True))
     if value.tolerance is None:
         return f"differs by {_size(value, difference, signed=True)}"
     if abs(difference) <= value.tolerance * (1 + 1e-12):

@@ -60,6 +60,29 @@ def _filtered_substeps(solution: Solution, cutoff_frequency: float, channel: str
     return np.append(filtered.max(axis=1), filtered[-1, -1])
 
 
+def fine_series(solution: Solution, channel: str = "seat_force") -> tuple[Array, Array, Array]:
+    """Time (s), cam angle (rad, unwrapped) and values of a channel as finely as the run holds them."""
+    if not solution.has(f"{channel}_fine"):
+        return solution.time, solution.cam_angle, solution.channel(channel)
+    fine = solution.channel(f"{channel}_fine")[:-1]
+    share = np.arange(fine.shape[1]) / fine.shape[1]
+    time, angle = (values[:-1, None] + np.diff(values)[:, None] * share for values in (solution.time, solution.cam_angle))
+    return time.ravel(), angle.ravel(), fine.ravel()
+
+
+def fine_filtered(solution: Solution, cutoff_frequency: float, channel: str = "seat_force") -> Array | None:
+    """Values of :func:`fine_series` below ``cutoff_frequency`` (Hz); None when the samples do not allow it."""
+    time, _, values = fine_series(solution, channel)
+    if len(time) < 3:
+        return None
+    try:
+        # Steps follow from the angle by rounding only; the mean step makes them even again.
+        even = np.linspace(time[0], time[-1], len(time))
+        return low_pass(even if np.allclose(even, time, rtol=0, atol=1e-3 * (even[1] - even[0])) else time, values, cutoff_frequency)
+    except InputError:
+        return None
+
+
 def bandwidth_quantities(cycle: Cycle, stages: Stages = Stages()) -> dict[str, float]:
     """Height (N) of the Stage III spike below 10 and 20 kHz, where the run's samples allow it."""
     found = {}

@@ -1,4 +1,4 @@
-"""Motion of the wire at the ends of coils 1 and 2, and the collisions seen in it."""
+"""Motion of the wire at the ends of coils 1 and 2 in named quantities."""
 
 from __future__ import annotations
 
@@ -7,21 +7,6 @@ import numpy as np
 from valvetrain.analysis.cycle import Array, Cycle
 from valvetrain.analysis.peaks import separate_spikes
 from valvetrain.analysis.stages import Stages
-
-#: A collision shows as an acceleration of at least this share of the largest in the cycle.
-SPIKE_SHARE = 0.10
-#: Spikes closer than this share of the period of the first mode belong to one collision.
-SEPARATION_SHARE = 0.35
-#: The same as a cam angle (rad) where no natural frequency is known.
-DEFAULT_SEPARATION = np.radians(8.0)
-
-
-def separation_angle(cycle: Cycle, surge_frequency: float | None) -> float:
-    """Least distance (cam rad) of two collisions; ``surge_frequency`` in Hz."""
-    if not surge_frequency:
-        return float(DEFAULT_SEPARATION)
-    cam_speed = cycle.solution.engine_speed / 2
-    return SEPARATION_SHARE * cam_speed / surge_frequency
 
 
 def displacement_quantities(cycle: Cycle, stages: Stages = Stages()) -> dict[str, float]:
@@ -95,35 +80,3 @@ def acceleration_quantities(cycle: Cycle, separation: float) -> dict[str, float]
             found[f"node_{node}_{word}_acceleration"] = float(values[index])
             found[f"node_{node}_{word}_acceleration_cam_angle"] = float(cycle.cam_angle[index])
     return found
-
-
-def collision_angles(cycle: Cycle, separation: float) -> Array:
-    """Cam angles (rad, ascending) of the collisions of coils 1 and 2, seen as spikes of the acceleration of node 2."""
-    values = cycle.at_coil("axial_acceleration", 2.0)
-    if values is None or not np.any(values):
-        return np.zeros(0)
-    size = np.abs(values)
-    return np.sort(cycle.cam_angle[separate_spikes(cycle.cam_angle, size, separation, SPIKE_SHARE * float(np.max(size)))])
-
-
-def collision_quantities(cycle: Cycle, separation: float, surge_frequency: float | None, stages: Stages = Stages()) -> dict[str, float]:
-    """Angles of the collisions, their mean distance outside Stage II, and that distance over the first mode's period."""
-    angles = collision_angles(cycle, separation)
-    found = {f"clash_{number}_cam_angle": float(angle) for number, angle in enumerate(angles, start=1)}
-    interval = mean_interval(angles, stages)
-    if interval is None:
-        return found
-    found["clash_interval_cam_angle"] = interval
-    if surge_frequency:
-        period = cycle.solution.engine_speed / 2 / surge_frequency  # cam rad per period of the first mode
-        found["clash_interval_to_mode_1_period_ratio"] = interval / period
-    return found
-
-
-def mean_interval(angles: Array, stages: Stages = Stages()) -> float | None:
-    """Mean distance (rad) of successive collisions within Stage I and within Stage III; a missed one is left out."""
-    first, second = angles[angles < stages.first_end], angles[angles >= stages.second_end]
-    steps = np.concatenate((np.diff(first), np.diff(second)))
-    if len(steps) == 0:
-        return None
-    return float(np.mean(steps[steps <= 1.5 * np.median(steps)]))

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from valvetrain.analysis.clash import clash_events, separation_quantities
+from valvetrain.analysis.collisions import collision_quantities, separation_angle
 from valvetrain.analysis.cycle import reported_cycle
 from valvetrain.analysis.energy import energy_quantities
 from valvetrain.analysis.filters import bandwidth_quantities
 from valvetrain.analysis.nodes import (
     acceleration_quantities,
-    collision_quantities,
     displacement_quantities,
-    separation_angle,
     velocity_quantities,
 )
 from valvetrain.analysis.quantity import Quantity, named
@@ -40,10 +38,6 @@ def run_quantities(solution: Solution, *, surge_frequency: float | None = None, 
         found |= acceleration_quantities(cycle, separation)
         found |= collision_quantities(cycle, separation, surge_frequency, stages)
         found |= bandwidth_quantities(cycle, stages)
-    if "stage_3_peak_cam_angle" in found:
-        turn = solution.cam_angle[cycle.samples][0] - cycle.cam_angle[0]
-        events = [event for event in solution.events if event.kind == "clash"] or clash_events(solution)
-        found |= separation_quantities(tuple(events), found["stage_3_peak_cam_angle"] + float(turn))
     found |= energy_quantities(solution)
     return named(found, solution.engine_speed, solution.model)
 

@@ -71,10 +71,10 @@ def _cells(row: Comparison) -> tuple[Cell, ...]:
 
 
 def tone(row: Comparison) -> str:
-    """``good`` or ``bad`` where a tolerance or bound decides, ``quiet`` where nothing was stated."""
+    """``good`` or ``bad`` where a tolerance decides, ``quiet`` where none was stated."""
     if row.verdict.startswith("within"):
         return "good"
-    return "bad" if row.verdict.startswith(("misses", "beyond")) else "quiet"
+    return "bad" if row.verdict.startswith("misses") else "quiet"
 
 
 def _in(value: float | None, unit: str) -> str:

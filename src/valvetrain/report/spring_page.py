@@ -69,12 +69,12 @@ def fe_runs(study: SpringStudy) -> list[Solution]:
 def _summary(study: SpringStudy) -> tuple[Block, ...]:
     cards = [_card(study, speed) for speed in study.engine_speeds]
     blocks: list[Block] = [Cards(tuple(card for card in cards if card.lines))] if any(card.lines for card in cards) else []
-    decided = [row for row in study.comparisons if tone(row) != "quiet"]
+    decided = [row for row in study.comparisons if tone(row) in ("good", "bad")]
     missing = sum(row.computed is None for row in study.comparisons)
     if study.comparisons:
         good = sum(tone(row) == "good" for row in decided)
         words = f"{len(study.comparisons)} published values are set beside computed ones. "
-        words += f"A tolerance or bound is stated for {len(decided)}; {good} of these hold. "
+        words += f"A tolerance is stated for {len(decided)}; {good} of these hold. "
         words += f"{missing} have no computed value. " if missing else ""
         blocks.append(text(words + _prediction_words(study.comparisons)))
     for run in study.solutions:
@@ -120,8 +120,8 @@ def _force(study: SpringStudy) -> tuple[Block, ...]:
 def _spikes(study: SpringStudy) -> tuple[Block, ...]:
     blocks = []
     for speed in study.engine_speeds:
-        data = force.force_table(study, speed)
-        if len(data) and np.max(data["cam angle"]) > 235:
+        data = force.spike_table(study, speed)
+        if len(data):
             blocks.append(Figure(force.spike_chart(data, force.published_forces(study, speed), speed)))
     return tuple(blocks)
 
@@ -198,8 +198,7 @@ def _comparison(study: SpringStudy) -> tuple[Block, ...]:
 
 def _case(study: SpringStudy) -> tuple[Block, ...]:
     rows = tuple(
-        ((Cell(path.replace(".", " / ").replace("_", " ")), Cell(value), Cell(status, "tag" if status else ""), Cell(why, "quiet long")), status)
-        for path, value, status, why in case_rows(study.case)
+        (_value_cells(path, value, status, why), status) for path, value, status, why in case_rows(study.case)
     )
     blocks: list[Block] = []
     if rows:
@@ -211,13 +210,19 @@ def _case(study: SpringStudy) -> tuple[Block, ...]:
     return tuple(blocks)
 
 
+def _value_cells(path: str, value: str, status: str, why: str) -> tuple[Cell, ...]:
+    name = path.replace(".", " / ").replace("_", " ")
+    return Cell(name), Cell(value), Cell(status, "tag" if status else ""), Cell(why, "quiet long")
+
+
 def _runs(study: SpringStudy) -> tuple[Block, ...]:
     rows = []
     for run in study.solutions:
         facts = {**run.provenance.options, **run.statistics}
         words = ", ".join(f"{key.replace('_', ' ')} {_plain(value)}" for key, value in facts.items() if value is not None)
         state = Cell(run.status.sentence(), "good" if run.status.completed else "bad")
-        rows.append(((Cell(theme.model_words(run.model)), Cell(speed_words(run.engine_speed), "number"), state, Cell(words, "quiet long")), ""))
+        speed = Cell(speed_words(run.engine_speed), "number")
+        rows.append(((Cell(theme.model_words(run.model)), speed, state, Cell(words, "quiet long")), ""))
     source = study.solutions[0].provenance if study.solutions else study.provenance
     versions = {"valvetrain": source.package_version, "Python": source.python_version, **source.dependencies}
     listed = ", ".join(f"{name} {version}" for name, version in versions.items() if version)

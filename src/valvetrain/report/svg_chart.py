@@ -81,8 +81,7 @@ def ticks(low: float, high: float, count: int = 6, step: float | None = None) ->
 def _panel(frame: _Frame, name: str, x_named: bool) -> list[str]:
     panel = frame.panel
     parts = [_bands(frame), _grid(frame, x_named)]
-    clip = f'<clipPath id="{name}"><rect x="{frame.left:.1f}" y="{frame.top:.1f}" width="{frame.wide:.1f}" height="{frame.high:.1f}"/></clipPath>'
-    parts.append(clip + f'<g clip-path="url(#{name})">')
+    parts.append(f'<clipPath id="{name}"><rect {_box(frame)}/></clipPath><g clip-path="url(#{name})">')
     for layer in panel.layers:
         if isinstance(layer, HeatMap):
             parts.append(_heat(frame, layer))
@@ -98,9 +97,14 @@ def _panel(frame: _Frame, name: str, x_named: bool) -> list[str]:
     return parts
 
 
+def _box(frame: _Frame) -> str:
+    return f'x="{frame.left:.1f}" y="{frame.top:.1f}" width="{frame.wide:.1f}" height="{frame.high:.1f}"'
+
+
 def _text(
-    x: float, y: float, words: str, *, size: float = 11.5, colour: str = theme.INK, anchor: str = "start", weight: int = 400, turn: bool = False
-) -> str:
+    x: float, y: float, words: str, *, size: float = 11.5, colour: str = theme.INK, anchor: str = "start", weight: int = 400,
+    turn: bool = False,
+) -> str:  # fmt: skip
     turned = f' transform="rotate(-90 {x:.1f} {y:.1f})"' if turn else ""
     look = f'font-size="{size}" fill="{colour}" text-anchor="{anchor}"' + (f' font-weight="{weight}"' if weight != 400 else "")
     return f'<text x="{x:.1f}" y="{y:.1f}" {look}{turned}>{escape(words)}</text>'
@@ -118,8 +122,10 @@ def _grid(frame: _Frame, x_named: bool) -> str:
         parts.append(_text(place, base + 17, f"{value + 0.0:.{decimals}f}", colour=theme.MUTED, anchor="middle"))
     parts.append(f'<path d="M{frame.left:.1f} {base:.1f}h{frame.wide:.1f}" stroke="{theme.RULE}"/>')
     if x_named:
-        parts.append(_text(frame.left + frame.wide / 2, base + 36, frame.panel.x_label, colour=theme.MUTED, anchor="middle", size=12))
-    parts.append(_text(frame.left - 48, frame.top + frame.high / 2, frame.panel.y_label, colour=theme.MUTED, anchor="middle", size=12, turn=True))
+        middle = frame.left + frame.wide / 2
+        parts.append(_text(middle, base + 36, frame.panel.x_label, colour=theme.MUTED, anchor="middle", size=12))
+    middle = frame.top + frame.high / 2
+    parts.append(_text(frame.left - 48, middle, frame.panel.y_label, colour=theme.MUTED, anchor="middle", size=12, turn=True))
     return "".join(parts)
 
 
@@ -129,7 +135,8 @@ def _bands(frame: _Frame) -> str:
         first, last = np.clip([band.first, band.last], *frame.x_range)
         left, right = float(frame.x(first)), float(frame.x(last))
         if band.shaded:
-            parts.append(f'<rect x="{left:.1f}" y="{frame.top:.1f}" width="{right - left:.1f}" height="{frame.high:.1f}" fill="{theme.BAND}"/>')
+            tall = f'y="{frame.top:.1f}" height="{frame.high:.1f}"'
+            parts.append(f'<rect x="{left:.1f}" {tall} width="{right - left:.1f}" fill="{theme.BAND}"/>')
         if right - left > 20:
             parts.append(_text((left + right) / 2, frame.top - 5, band.words, colour=theme.MUTED, anchor="middle", size=11))
     return "".join(parts)
@@ -140,7 +147,8 @@ def _rules(frame: _Frame) -> str:
     for level, rule in zip(rule_levels(frame.panel), frame.panel.rules, strict=True):
         if rule.axis == "x":
             place = float(frame.x(rule.value))
-            path, words = f"M{place:.1f} {frame.top:.1f}v{frame.high:.1f}", _text(place + 4, frame.top + 13 + 15 * level, rule.words, colour=theme.MUTED)
+            path = f"M{place:.1f} {frame.top:.1f}v{frame.high:.1f}"
+            words = _text(place + 4, frame.top + 13 + 15 * level, rule.words, colour=theme.MUTED)
         else:
             place = float(frame.y(rule.value))
             path = f"M{frame.left:.1f} {place:.1f}h{frame.wide:.1f}"

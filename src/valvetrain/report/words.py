@@ -5,13 +5,6 @@ from __future__ import annotations
 import math
 import re
 
-#: SI unit -> unit shown where nothing else is asked, and the factor between.
-SHOWN = {
-    "m": ("mm", 1e3), "rad": ("deg", 180 / math.pi), "m/s": ("m/s", 1.0), "m/s2": ("m/s²", 1.0), "s": ("ms", 1e3), "N/m": ("N/mm", 1e-3),
-    "rad/s": ("rpm", 30 / math.pi), "kg": ("g", 1e3), "Pa": ("MPa", 1e-6), "1": ("", 1.0), "N": ("N", 1.0), "Hz": ("Hz", 1.0), "J": ("J", 1.0),
-    "N s": ("mN s", 1e3),
-}  # fmt: skip
-
 
 def rpm(engine_speed: float) -> float:
     """rad/s as revolutions per minute, rounded to what nobody would call rounding."""

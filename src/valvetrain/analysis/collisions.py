@@ -1,0 +1,113 @@
+"""Collisions of coil 2 with coil 1: when they meet, how regularly, and how they bounce."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from valvetrain.analysis.clash import runs
+from valvetrain.analysis.cycle import Array, Cycle
+from valvetrain.analysis.peaks import separate_spikes
+from valvetrain.analysis.stages import Stages
+
+#: Gap (m) below which coils count as touching; contact stiffness lets them overlap by less than this.
+TOUCHING = 1e-6
+#: Half a turn of wire (coil numbers) either side of node 2; where in it the coils meet depends on how far coil 2 rests on coil 1.
+MEETING = (1.5, 2.5)
+#: Without gaps, a collision shows as an acceleration of at least this share of the largest in the cycle.
+SPIKE_SHARE = 0.10
+#: Contacts closer than this share of the period of the first mode belong to one collision.
+SEPARATION_SHARE = 0.35
+#: The same as a cam angle (rad) where no natural frequency is known.
+DEFAULT_SEPARATION = np.radians(8.0)
+
+
+def separation_angle(cycle: Cycle, surge_frequency: float | None) -> float:
+    """Least distance (cam rad) of two collisions; ``surge_frequency`` in Hz."""
+    if not surge_frequency:
+        return float(DEFAULT_SEPARATION)
+    return SEPARATION_SHARE * cycle.solution.engine_speed / 2 / surge_frequency
+
+
+def collision_angles(cycle: Cycle, separation: float) -> Array:
+    """Cam angles (rad, ascending) at which coil 2 meets coil 1.
+
+    A collision is the first touch, within ``separation``, of any point within half a turn of node 2; for a model without gaps,
+    it is a spike of the acceleration of node 2.
+    """
+    gaps = _meeting_gaps(cycle)
+    if gaps is None:
+        return _spike_angles(cycle, separation)
+    closing = (gaps < TOUCHING) & (np.roll(gaps, 1, axis=0) >= TOUCHING)
+    if not cycle.whole:
+        closing[0] = False
+    angles = cycle.cam_angle[np.any(closing, axis=1)]
+    first = np.ones(len(angles), dtype=bool)
+    first[1:] = np.diff(angles) > separation
+    return angles[first]
+
+
+def _meeting_gaps(cycle: Cycle) -> Array | None:
+    """Gaps (m; sample, pair) over the meeting stretch, or None where a model has none there."""
+    if not cycle.solution.has("coil_gap"):
+        return None
+    places = np.asarray(cycle.solution.channels["upper_coil"].values)
+    mine = (places > MEETING[0] + 1e-9) & (places <= MEETING[1] + 1e-9)
+    return cycle.channel("coil_gap")[:, mine] if np.any(mine) else None
+
+
+def _spike_angles(cycle: Cycle, separation: float) -> Array:
+    values = cycle.at_coil("axial_acceleration", 2.0)
+    if values is None or not np.any(values):
+        return np.zeros(0)
+    size = np.abs(values)
+    return np.sort(cycle.cam_angle[separate_spikes(cycle.cam_angle, size, separation, SPIKE_SHARE * float(np.max(size)))])
+
+
+def collision_quantities(cycle: Cycle, separation: float, surge_frequency: float | None, stages: Stages = Stages()) -> dict[str, float]:
+    """Angles of the collisions, their mean distance outside Stage II, that distance over the first mode's period, the bounce."""
+    angles = collision_angles(cycle, separation)
+    found = {f"clash_{number}_cam_angle": float(angle) for number, angle in enumerate(angles, start=1)}
+    interval = mean_interval(angles, stages)
+    if interval is not None:
+        found["clash_interval_cam_angle"] = interval
+        if surge_frequency:
+            period = cycle.solution.engine_speed / 2 / surge_frequency  # cam rad per period of the first mode
+            found["clash_interval_to_mode_1_period_ratio"] = interval / period
+    late = angles[angles >= stages.second_end]
+    return found | (bounce_quantities(cycle, float(late[0]), separation) if len(late) else {})
+
+
+def mean_interval(angles: Array, stages: Stages = Stages()) -> float | None:
+    """Mean distance (rad) of successive collisions within Stage I and within Stage III; a missed one is left out."""
+    first, second = angles[angles < stages.first_end], angles[angles >= stages.second_end]
+    steps = np.concatenate((np.diff(first), np.diff(second)))
+    if len(steps) == 0:
+        return None
+    return float(np.mean(steps[steps <= 1.5 * np.median(steps)]))
+
+
+def bounce_quantities(cycle: Cycle, collision_angle: float, separation: float) -> dict[str, float]:
+    """Contact, separation and contact again after the collision at ``collision_angle`` (rad).
+
+    The longest separation of any point within half a turn of node 2 that begins within ``separation`` (rad) after it and ends
+    within another; nothing where no point leaves again.
+    """
+    gaps = _meeting_gaps(cycle)
+    if gaps is None:
+        return {}
+    apart: list[tuple[float, int, int]] = []
+    for pair in range(gaps.shape[1]):
+        for first, last in runs(gaps[:, pair] >= TOUCHING):
+            if first == 0 or last == len(gaps) - 1:
+                continue
+            start, end = cycle.cam_angle[first], cycle.cam_angle[last + 1]
+            if collision_angle < start <= collision_angle + separation and end <= collision_angle + 2 * separation:
+                apart.append((float(end - start), first, last + 1))
+    if not apart:
+        return {}
+    _, first, last = max(apart)
+    return {
+        "coil_1_2_bounce_start_cam_angle": float(cycle.cam_angle[first]),
+        "coil_1_2_bounce_end_cam_angle": float(cycle.cam_angle[last]),
+        "coil_1_2_bounce_duration": float(cycle.time[last] - cycle.time[first]),
+    }
