@@ -10,11 +10,20 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.system.train_forces import generalised_forces, highest_frequency, reference_force, stable_time_step
+from valvetrain.system.train_forces import (
+    generalised_forces,
+    highest_frequency,
+    own_time_step,
+    reference_force,
+    springs_time_step,
+    stable_time_step,
+)
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
+SPRING_FRACTION = 0.8
+"""Share of a spring's own stable step that is used where the springs decide."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,9 +170,14 @@ def runner(system: TrainSystem, cam_speed: float, options: TrainOptions | None =
     chosen = options or TrainOptions()
     if not (np.isfinite(cam_speed) and cam_speed > 0):
         raise InputError(f"the cam speed must be positive; it is {cam_speed:g} rad/s")
-    limit = stable_time_step(system)
     period = TURN / cam_speed
-    step = chosen.step_fraction * limit if chosen.time_step is None else chosen.time_step
+    if chosen.time_step is None:
+        step = chosen.step_fraction * own_time_step(system)
+        carried = springs_time_step(system, step)
+        step = step if carried >= step else SPRING_FRACTION * carried
+    else:
+        step = chosen.time_step
+    limit = stable_time_step(system)
     if step > limit:
         raise InputError(
             f"a time step of {step:.2e} s cannot resolve the stiffest contact of train '{system.name}'; use at most {limit:.2e} s "

@@ -49,7 +49,7 @@ Pair = quantities("length")
 VALUE_DIMENSIONS: dict[str, str | None] = {
     "contact_stiffness": None, "damping": "damping", "full_damping_depth": "length", "mass_damping": "damping rate",
     "stiffness_damping": "time", "contact_damping_time": "time", "held_mass": "mass", "hysteresis_damping": None,
-    "length": "length", "modulus": "modulus", "radius": "length", "damping_factor": None, "interference": "length",
+    "length": "length", "modulus": "modulus", "radius": "length", "damping_factor": None, "rubbing_force": "force",
 }  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import SpringCard
 from valvetrain.parameters.train import InstalledSpring, TrainParameters
 
-SPRING_MODELS = ("massless", "multi-mass", "modal", "rod", "finite-element")
+SPRING_MODELS = ("massless", "multi-mass", "modal", "rod", "rod-with-clash", "finite-element")
 CARD_MASS_MISSING = "spring '{name}' has no mass on its card, which a {model} spring needs; add its mass or use massless"
 
 
@@ -26,11 +26,19 @@ def build_springs(train: TrainParameters, model: str | None = None, spring_set: 
         hint = f"did you mean '{near[0]}'?" if near else f"use one of {', '.join(makers)}"
         raise InputError(f"spring model '{word}' is unknown; {hint}")
     chosen = {**train.spring_options, **options}
-    return tuple(makers[word](part, chosen) for part in train.spring_parts(spring_set))
+    springs = tuple(makers[word](part, chosen) for part in train.spring_parts(spring_set))
+    if len(springs) == 2 and chosen.get("rubbing_coefficient"):
+        from valvetrain.springs.nested import NestedSprings, RadialRubbing
+
+        return (NestedSprings(*springs, RadialRubbing(chosen["rubbing_coefficient"], chosen.get("rubbing_force", 0.0)), name=word),)
+    return springs
 
 
 def _makers() -> Mapping[str, Callable[[Any, Mapping[str, Any]], Any]]:
-    return {"massless": _massless, "multi-mass": _multi_mass, "modal": _modal, "rod": _rod, "finite-element": _finite_element}
+    return {
+        "massless": _massless, "multi-mass": _multi_mass, "modal": _modal, "rod": _rod, "rod-with-clash": _clashing_rod,
+        "finite-element": _finite_element,
+    }  # fmt: skip
 
 
 def _take(options: Mapping[str, Any], *names: str) -> dict[str, Any]:
@@ -71,22 +79,35 @@ def _multi_mass(part: Any, options: Mapping[str, Any]) -> Any:
     return MultiMassSpring.from_card(part.rate, part.preload, _card_mass(part, "multi-mass"), **_take(options, "elements"), **damping)
 
 
-def _modal(part: Any, options: Mapping[str, Any]) -> Any:
-    from valvetrain.springs.modal import ModalSpring  # type: ignore[import-not-found, unused-ignore]
+def _equivalent(part: Any, model: str) -> Any:
+    """Uniform spring with the rate, preload and mass of the part."""
+    from valvetrain.springs.equivalent import EquivalentSpring
 
-    damping = _take(options, "mass_damping", "stiffness_damping", "modes")
     if isinstance(part, InstalledSpring):
-        return ModalSpring.from_definition(part.definition, part.precompression, **damping)
-    return ModalSpring.from_card(part.rate, part.preload, _card_mass(part, "modal"), **damping)
+        return EquivalentSpring.from_definition(part.definition, part.precompression)
+    _card_mass(part, model)
+    return EquivalentSpring.from_card(part, part.name)
+
+
+def _modal(part: Any, options: Mapping[str, Any]) -> Any:
+    from valvetrain.springs.modal import ModalSpring
+
+    return ModalSpring(_equivalent(part, "modal"), **_take(options, "mass_damping", "stiffness_damping", "modes"))
 
 
 def _rod(part: Any, options: Mapping[str, Any]) -> Any:
-    from valvetrain.springs.rod import RodSpring  # type: ignore[import-not-found, unused-ignore]
+    from valvetrain.springs.equivalent_rod import EquivalentRod
 
-    damping = _take(options, "mass_damping")
-    if isinstance(part, InstalledSpring):
-        return RodSpring.from_definition(part.definition, part.precompression, **damping)
-    return RodSpring.from_card(part.rate, part.preload, _card_mass(part, "rod"), **damping)
+    return EquivalentRod(_equivalent(part, "rod"), friction=options.get("mass_damping", 0.0) / 2)
+
+
+def _clashing_rod(part: Any, options: Mapping[str, Any]) -> Any:
+    from valvetrain.springs.rod_with_clash import EquivalentRodWithClash
+
+    if not isinstance(part, InstalledSpring):
+        raise InputError(f"spring '{part.name}' is known by its card only; a rod with clash needs the coil gaps of its wire, so use rod")
+    friction = options.get("mass_damping", 0.0) / 2
+    return EquivalentRodWithClash.from_definition(part.definition, part.precompression, friction=friction)
 
 
 def _finite_element(part: Any, options: Mapping[str, Any]) -> Any:

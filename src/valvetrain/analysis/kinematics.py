@@ -1,0 +1,160 @@
+"""Kinematics and quasi-statics of a train before any dynamics: rigid parts, closed contacts, a spring at rest in itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.mechanism.contour import curvature_radius_flat, curvature_radius_round
+from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_ROUND
+from valvetrain.parameters.train import TrainParameters
+from valvetrain.system.rigid_pose import RigidPoses, rigid_poses
+from valvetrain.system.train_forces import gap_state
+from valvetrain.system.train_system import TrainSystem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RigidTable:
+    """Rigid motion and quasi-static forces over ``cam_angle`` (S,) at one ``cam_speed`` (rad/s); SI units.
+
+    ``columns``: name -> (S,): valve_lift, valve_velocity, valve_acceleration, valve_jerk, motion_ratio (valve per follower travel along the cam
+    normal), reduced_mass, inertia_force, spring_force, spring_margin (spring and weight less inertia, at the valve), contact_force (on the cam),
+    cam_torque, contact_radius (of the cam, infinite where straight), contact_offset, sliding_velocity, hertz_pressure.
+    """
+
+    cam_angle: Array
+    cam_speed: float
+    columns: Mapping[str, Array]
+
+    def __getitem__(self, name: str) -> Array:
+        return self.columns[name]
+
+
+def rigid_table(system: TrainSystem, train: TrainParameters, cam_speed: float, samples: int = 720) -> RigidTable:
+    """Kinematics and quasi-statics of a planar train over one cam turn (lumped ones give no contact geometry)."""
+    angle = np.arange(samples) * 2 * np.pi / samples
+    motion = system.mechanism.kinematics
+    lift, velocity, acceleration, jerk = (motion.valve_lift(angle, n) * cam_speed**n for n in range(4))
+    poses = rigid_poses(system)
+    inertia, spring = _inertia(poses, lift, velocity, acceleration), _spring(system, lift)
+    moving = lift > 0
+    demand = np.where(moving, inertia + spring - poses.weight(lift), 0.0)
+    per_lift, per_angle = _cam_gradients(system, poses, angle, lift + np.where(moving, motion.lash, 0.0))
+    contact = np.where(moving, demand / per_lift, 0.0)
+    columns = {
+        "valve_lift": lift, "valve_velocity": velocity, "valve_acceleration": acceleration, "valve_jerk": jerk,
+        "motion_ratio": 1 / per_lift, "reduced_mass": poses.mass(lift), "inertia_force": inertia, "spring_force": spring,
+        "spring_margin": np.where(moving, spring - poses.weight(lift) + inertia, spring),
+        "contact_force": contact, "cam_torque": contact * per_angle,
+    }  # fmt: skip
+    columns |= _contact_geometry(system, train, poses, angle, lift, velocity, cam_speed, contact)
+    return RigidTable(angle, cam_speed, columns)
+
+
+def contact_loss_cam_speed(system: TrainSystem, samples: int = 1440) -> tuple[float, float]:
+    """Cam speed (rad/s) at which rigid theory first lets a contact go, and the cam angle (rad) where; infinite when it never does.
+
+    The contact force is (static part) + (inertia per speed squared) * cam_speed**2, so its first zero is a ratio.
+    """
+    angle = np.arange(samples) * 2 * np.pi / samples
+    motion, poses = system.mechanism.kinematics, rigid_poses(system)
+    lift, velocity, acceleration = (motion.valve_lift(angle, n) for n in range(3))
+    per_speed = _inertia(poses, lift, velocity, acceleration)
+    static = _spring(system, lift) - poses.weight(lift)
+    risky = (lift > 0) & (per_speed < 0)
+    if not np.any(risky):
+        return np.inf, np.nan
+    squares = np.where(risky, -static / np.where(risky, per_speed, -1.0), np.inf)
+    worst = int(np.argmin(squares))
+    return float(np.sqrt(max(squares[worst], 0.0))), float(angle[worst])
+
+
+def _inertia(poses: RigidPoses, lift: Array, velocity: Array, acceleration: Array) -> Array:
+    """Inertia force reduced to the valve (N): m a + (dm/dlift) v**2 / 2, from the kinetic energy m(lift) v**2 / 2."""
+    return np.where(lift > 0, poses.mass(lift) * acceleration + poses.mass(lift, 1) * velocity**2 / 2, 0.0)
+
+
+def _spring(system: TrainSystem, lift: Array) -> Array:
+    """Static spring force (N) over the lift, tabulated once."""
+    grid = np.linspace(0.0, max(float(lift.max()), 1e-6), 33)
+    return np.interp(lift, grid, [system.spring_force(float(value)) for value in grid])
+
+
+def _cam_gradients(system: TrainSystem, poses: RigidPoses, angle: Array, lift: Array) -> tuple[Array, Array]:
+    """Travel of the cam normal per valve travel (1) and per cam angle (m/rad) along the rigid motion."""
+    cam = system.mechanism.interaction_index("cam")
+    positions, modes = poses.positions(lift), poses.mode(lift)
+    along, slope = np.zeros(len(angle)), np.zeros(len(angle))
+    for row, theta in enumerate(angle):
+        _, gradients, slopes = gap_state(system, positions[row], float(theta))
+        along[row], slope[row] = -gradients[cam] @ modes[row], slopes[cam]
+    return along, slope
+
+
+def _contact_geometry(
+    system: TrainSystem, train: TrainParameters, poses: RigidPoses, angle: Array, lift: Array, velocity: Array, cam_speed: float, contact: Array
+) -> dict[str, Array]:
+    """Cam radius at the contact, its offset from the follower's axis, sliding velocity (m/s) and Hertz pressure (Pa)."""
+    interaction = system.mechanism.interactions[system.mechanism.interaction_index("cam")]
+    if interaction.kind not in (CAM_FLAT, CAM_ROUND):
+        return {}
+    row, table = interaction.geometry_row(), system.mechanism.tables[interaction.table]
+    body = poses.positions(lift)[:, system.mechanism.index(interaction.coordinates[0])]
+    rate = poses.mode(lift)[:, system.mechanism.index(interaction.coordinates[0])] * velocity
+    x, y, turn = _points(row, body)
+    sense = row[10]
+    direction = row[8] + turn if interaction.kind == CAM_FLAT else np.arctan2(y, x)
+    chi = angle - sense * (np.unwrap(direction) - row[9])
+    value, slope, radius = _on_contour(table, chi, interaction.kind == CAM_FLAT, train.follower.radius)
+    radial, around = np.stack([np.cos(direction), np.sin(direction)]), np.stack([-np.sin(direction), np.cos(direction)])
+    if interaction.kind == CAM_FLAT:
+        normal, point = radial, value * radial - sense * slope * around
+    else:
+        normal = (value * radial + sense * slope * around) / np.hypot(value, slope)
+        point = np.stack([x, y]) - train.follower.radius * normal
+    tangent = np.stack([-normal[1], normal[0]])
+    cam_surface = cam_speed * sense * (point[0] * tangent[1] - point[1] * tangent[0])
+    body_surface = _body_velocity(row, rate, point, tangent)
+    sliding = np.zeros_like(angle) if train.follower.shape == "roller" else cam_surface - body_surface
+    pressure = _pressure(train, contact, radius)
+    return {
+        "contact_radius": radius, "contact_offset": -sense * slope if interaction.kind == CAM_FLAT else np.arctan2(slope, value),
+        "sliding_velocity": sliding, "hertz_pressure": pressure,
+    }  # fmt: skip
+
+
+def _points(row: Array, body: Array) -> tuple[Array, Array, Array]:
+    if row[0] == 0.0:
+        return row[1] + row[3] * body, row[2] + row[4] * body, np.zeros_like(body)
+    turn = row[5] * body
+    c, s = np.cos(turn), np.sin(turn)
+    return row[1] + c * row[3] - s * row[4], row[2] + s * row[3] + c * row[4], turn
+
+
+def _on_contour(table: Array, chi: Array, flat: bool, follower_radius: float) -> tuple[Array, Array, Array]:
+    """Contour value, slope and cam radius of curvature at ``chi`` (linear between nodes, a quarter degree apart)."""
+    nodes = np.arange(len(table) + 1) * 2 * np.pi / len(table)
+    closed = np.vstack([table, table[:1]])
+    value, slope, bend = (np.interp(np.mod(chi, 2 * np.pi), nodes, closed[:, n]) for n in range(3))
+    rows = np.column_stack([value, slope, bend])
+    return value, slope, curvature_radius_flat(rows) if flat else curvature_radius_round(rows, follower_radius)
+
+
+def _body_velocity(row: Array, rate: Array, point: Array, tangent: Array) -> Array:
+    """Tangential velocity (m/s) of the follower's material at the contact point."""
+    if row[0] == 0.0:
+        return rate * (row[3] * tangent[0] + row[4] * tangent[1])
+    spin = row[5] * rate
+    return spin * (-(point[1] - row[2]) * tangent[0] + (point[0] - row[1]) * tangent[1])
+
+
+def _pressure(train: TrainParameters, contact: Array, radius: Array) -> Array:
+    """Peak line pressure (Pa), p0 = sqrt(F E* / (pi L R)) with 1/R = 1/R_cam + 1/R_follower (Johnson 1985, chapter 4)."""
+    modulus = train.cam.youngs_modulus / (2 * (1 - train.cam.poisson_ratio**2))
+    curvature = 1 / radius + (1 / train.follower.radius if train.follower.radius > 0 else 0.0)
+    return np.sqrt(np.maximum(contact, 0.0) * np.maximum(curvature, 0.0) * modulus / (np.pi * train.cam.width))

@@ -1,0 +1,56 @@
+"""Repeated runs over independent cases: one small function, the same answer for any number of workers."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from typing import TypeVar
+
+from valvetrain.errors import InputError
+
+Case = TypeVar("Case")
+Result = TypeVar("Result")
+
+
+def map_cases(
+    function: Callable[[Case], Result], cases: Iterable[Case], workers: int | None = None, progress: Callable[[int, int], None] | None = None
+) -> tuple[Result, ...]:
+    """``function`` of every case, in their order; ``workers`` processes (None: one per core, 1: in this process).
+
+    ``function`` must be importable (a module-level function or a partial of one) and results must pickle. ``progress(done, total)`` is
+    called after each case. Every case runs by itself, so the results do not depend on ``workers``. Raises :class:`InputError` for fewer than one worker.
+    """
+    items: Sequence[Case] = tuple(cases)
+    count = available_cores() if workers is None else workers
+    if count < 1:
+        raise InputError(f"workers must be 1 or more; it is {count}")
+    count = min(count, max(len(items), 1))
+    results = []
+    for done, result in enumerate(_results(function, items, count), start=1):
+        results.append(result)
+        if progress is not None:
+            progress(done, len(items))
+    return tuple(results)
+
+
+def available_cores() -> int:
+    """Cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
+
+
+def _results(function: Callable[[Case], Result], items: Sequence[Case], count: int) -> Iterator[Result]:
+    if count == 1:
+        yield from map(function, items)
+        return
+    # a forked child of a threaded parent can hang; a fresh interpreter costs half a second and loads the compiled kernels from disk
+    method = "fork" if "fork" in multiprocessing.get_all_start_methods() and not _threads_running() else "spawn"
+    with ProcessPoolExecutor(count, mp_context=multiprocessing.get_context(method)) as pool:
+        yield from pool.map(function, items, chunksize=max(1, len(items) // (8 * count)))
+
+
+def _threads_running() -> bool:
+    import threading
+
+    return threading.active_count() > 1
