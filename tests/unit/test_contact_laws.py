@@ -1,0 +1,148 @@
+"""Contact laws: compiled kernel against the written law, tangents, losses, Hertz closed forms, refused values."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from valvetrain.contact import hertz, kernels
+from valvetrain.contact.flores import Flores
+from valvetrain.contact.friction import CoulombFriction
+from valvetrain.contact.hertz_line import HertzLine
+from valvetrain.contact.hertz_point import HertzPoint
+from valvetrain.contact.hunt_crossley import HuntCrossley
+from valvetrain.contact.impact import ImpactAsPrinted, ImpactContact, cubic_step
+from valvetrain.contact.lankarani_nikravesh import LankaraniNikravesh
+from valvetrain.contact.law import ContactLaw
+from valvetrain.contact.library import LAWS, build_contact_law
+from valvetrain.contact.linear import LinearContact
+from valvetrain.errors import InputError
+from valvetrain.parameters.material import OTEVA_90_SC, Material
+
+EXAMPLES = {
+    "linear": LinearContact(2e7, 50.0),
+    "hertz-point": HertzPoint(3e9),
+    "hertz-line": HertzLine(1e9),
+    "hunt-crossley": HuntCrossley(3e9, 0.4, 1.5),
+    "lankarani-nikravesh": LankaraniNikravesh(3e9, 0.8, 1.5),
+    "flores": Flores(3e9, 0.5, 2.0),
+    "impact": ImpactContact(1e5 * 1e3**1.5, 49.92e3, 2e-5),
+    "impact-as-printed": ImpactAsPrinted(1e5 * 1e3**1.5, 49.92e3, 2e-5),
+}
+depths = st.floats(-1e-4, 2e-4)
+rates = st.floats(-3.0, 3.0)
+
+
+def test_every_law_of_the_library_is_tested_here():
+    assert set(EXAMPLES) == set(LAWS)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+@settings(max_examples=60, deadline=None)
+@given(depth=depths, rate=rates, impact_rate=st.floats(0.0, 4.0))
+def test_kernel_equals_the_law(name, depth, rate, impact_rate):
+    law = EXAMPLES[name]
+    assert isinstance(law, ContactLaw)
+    row = law.parameters()
+    assert row.shape == (kernels.WIDTH,)
+    row[kernels.IMPACT_RATE] = impact_rate
+    force = kernels.contact_force(law.code, row, depth, rate)
+    assert force == pytest.approx(float(law.force(depth, rate, impact_rate)), rel=1e-12, abs=1e-12)
+    assert force >= 0 and (depth > 0 or force == 0)
+    assert float(law.dissipated_power(depth, rate, impact_rate)) >= -1e-12
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_tangent_equals_finite_difference(name):
+    law, step = EXAMPLES[name], 1e-11
+    for depth, rate in [(1e-6, 0.3), (1e-5, -0.2), (3e-5, 0.5), (1e-4, -0.1)]:
+        slope = (law.force(depth + step, rate, 0.6) - law.force(depth - step, rate, 0.6)) / (2 * step)
+        assert float(law.tangent(depth, rate, 0.6)) == pytest.approx(float(slope), rel=2e-4)
+    elastic = (law.force(3e-5 + step, 0.0) - law.force(3e-5 - step, 0.0)) / (2 * step)
+    assert law.stiffness(3e-5) == pytest.approx(float(elastic), rel=2e-4)
+
+
+def test_impact_memory_holds_the_greatest_rate_since_touch():
+    row = EXAMPLES["flores"].parameters()
+    story = [(-1e-6, 0.9, 0.0), (1e-7, 0.5, 0.5), (1e-6, 0.3, 0.5), (1e-6, -0.7, 0.7), (-1e-9, -0.4, 0.0), (1e-9, 0.0, 1e-3)]
+    for depth, rate, expected in story:
+        kernels.update_impact(row, depth, rate)
+        assert row[kernels.IMPACT_RATE] == expected
+        assert row[kernels.TOUCHING] == (depth > 0)
+
+
+def test_impact_law_reproduces_the_figures_of_its_source():
+    """283 N at 0.02 mm for 1e5 N/mm**1.5 at rest; the print adds the bare damping number on top."""
+    meant, printed = EXAMPLES["impact"], EXAMPLES["impact-as-printed"]
+    assert float(meant.force(2e-5, 0.0)) == pytest.approx(282.84, abs=0.01)
+    assert float(printed.force(2e-5, -5.0)) == pytest.approx(282.84 + 49.92, abs=0.01)
+    assert float(cubic_step(0.5)) == 0.5 and float(cubic_step(0.25)) == pytest.approx(0.15625)
+
+
+def test_friction_saturates_opposes_and_dissipates():
+    law = CoulombFriction(0.12, 0.02)
+    velocity = np.linspace(-1, 1, 41)
+    force = law.force(500.0, velocity)
+    assert np.all(force * velocity <= 0) and np.all(law.dissipated_power(500.0, velocity) >= 0)
+    assert force[0] == pytest.approx(60.0) and abs(law.force(500.0, 0.08)) == pytest.approx(60.0, rel=1e-3)
+    compiled = [kernels.coulomb_friction(0.12, 0.02, 500.0, v) for v in velocity]
+    assert np.allclose(compiled, force, rtol=1e-12)
+    slope = -(law.force(500.0, 1e-7) - law.force(500.0, -1e-7)) / 2e-7
+    assert law.damping(500.0) == pytest.approx(float(slope), rel=1e-6)
+
+
+STEEL = Material("steel", 206e9, 206e9 / 2.6, 7850.0)
+
+
+def test_hertz_line_contact_closed_forms():
+    modulus = hertz.contact_modulus(STEEL, STEEL)
+    assert modulus == pytest.approx(206e9 / (2 * (1 - 0.09)))
+    radius = hertz.effective_radius(15e-3, np.inf)
+    width, pressure = (f(1000.0, 12e-3, radius, modulus) for f in (hertz.line_half_width, hertz.line_peak_pressure))
+    # The elliptic pressure carries the load: F / L = pi b p0 / 2, and p0 = E* b / (2 R).
+    assert np.pi * width * pressure / 2 * 12e-3 == pytest.approx(1000.0)
+    assert pressure == pytest.approx(modulus * width / (2 * radius))
+    # Steel: p0 = 0.418 sqrt(F E / (L R)) of the handbooks.
+    assert pressure == pytest.approx(0.418 * np.sqrt(1000.0 * 206e9 / (12e-3 * 15e-3)), rel=1e-3)
+
+
+def test_hertz_stiffnesses():
+    modulus = hertz.contact_modulus(STEEL, STEEL)
+    # Palmgren for steel in mm and N: d = 3.84e-5 F**0.9 / L**0.8.
+    depth = (1000.0 / hertz.line_stiffness(10e-3, modulus)) ** 0.9
+    assert depth == pytest.approx(1e-3 * 3.84e-5 * 1000.0**0.9 / 10.0**0.8, rel=3e-3)
+    depth = (100.0 / hertz.point_stiffness(10e-3, modulus)) ** (2 / 3)
+    radius = np.sqrt(10e-3 * depth)
+    assert hertz.point_peak_pressure(100.0, 10e-3, modulus) == pytest.approx(1.5 * 100.0 / (np.pi * radius**2))
+    assert hertz.effective_radius(20e-3, -60e-3) == pytest.approx(30e-3)
+    assert hertz.contact_modulus(OTEVA_90_SC, OTEVA_90_SC) > 1e11
+
+
+BAD = [
+    (lambda: LinearContact(0.0), "contact_stiffness"),
+    (lambda: LinearContact(1e6, -1.0), "damping"),
+    (lambda: HertzPoint(float("nan")), "contact_stiffness"),
+    (lambda: HuntCrossley(1e9, 0.1, 0.5), "exponent"),
+    (lambda: LankaraniNikravesh(1e9, 1.2), "restitution"),
+    (lambda: Flores(1e9, 0.0), "restitution"),
+    (lambda: ImpactContact(1e9, 10.0, 0.0), "full_damping_depth"),
+    (lambda: ImpactAsPrinted(1e9, -10.0, 1e-5), "damping"),
+    (lambda: CoulombFriction(-0.1), "coefficient"),
+    (lambda: hertz.effective_radius(20e-3, -15e-3), "hollow"),
+    (lambda: hertz.line_stiffness(0.0, 1e11), "length"),
+    (lambda: build_contact_law("hunt-crosley", contact_stiffness=1e9), "did you mean 'hunt-crossley'"),
+    (lambda: build_contact_law("linear", stiffnes=1e9), "stiffnes"),
+    (lambda: build_contact_law("flores", restitution=0.5), "needs contact_stiffness"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("build", "word"), BAD)
+def test_impossible_values_are_refused_with_the_reason(build, word):
+    with pytest.raises(InputError, match=word):
+        build()
+
+
+def test_library_builds_by_name():
+    assert build_contact_law("impact", contact_stiffness=1e9, damping=100.0, full_damping_depth=1e-4).name == "impact"
