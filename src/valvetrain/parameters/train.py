@@ -224,13 +224,55 @@ class InstalledSpring:
         return self.definition.free_length - self.installed_height
 
 
+@dataclass(frozen=True, slots=True)
+class TrainVariant:
+    """One of the runs that a case asks for: what differs from the train itself.
+
+    ``spring_set`` and ``spring_model``: words, empty for the train's own. ``lash`` (m), ``valve_damping`` (N s/m, a damper on the valve),
+    ``contact_law`` (a word, for every contact that has the values it needs), ``without_preload``: springs at rest with the valve closed, as one
+    source computed them. ``note`` is printed beside the results.
+    """
+
+    label: str
+    spring_set: str = ""
+    spring_model: str = ""
+    lash: float | None = None
+    valve_damping: float | None = None
+    without_preload: bool = False
+    note: str = ""
+
+    def apply(self, train: TrainParameters) -> TrainParameters:
+        """The train with this variant's changes."""
+        changes: dict[str, Any] = {}
+        if self.spring_set:
+            changes["spring_set"] = self.spring_set
+        if self.spring_model:
+            changes["spring_model"] = self.spring_model
+        if self.lash is not None:
+            changes["lash"] = self.lash
+        if self.valve_damping is not None:
+            changes["valve"] = replace(train.valve, damping=train.valve.damping + self.valve_damping)
+        changed = train.replace(**changes)
+        if self.without_preload:
+            chosen = changed.spring_set or next(iter(changed.springs))
+            bare = tuple(_without_preload(part) for part in changed.spring_parts())
+            changed = changed.replace(springs={**changed.springs, chosen: bare})
+        return changed
+
+
+def _without_preload(part: Any) -> Any:
+    if isinstance(part, InstalledSpring):
+        return replace(part, installed_height=part.definition.free_length)
+    return replace(part, preload=0.0)
+
+
 @dataclass(frozen=True)
 class TrainParameters:
     """One valvetrain. ``model``: planar rigid bodies with the true cam profile, lumped masses with constant ratios, or a single mass.
 
     ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and ``rocker``. ``springs``: sets of springs by
     name, each a tuple of one or two :class:`InstalledSpring` or :class:`SpringCard` (outer first); ``spring_set`` is the one in use and ``spring_model`` the word
-    for its fidelity. ``spring_options``: keyword arguments of spring models (damping, masses). ``gravity``: vector (m/s2).
+    for its fidelity. ``variants``: the runs a case asks for (none: one run as it stands). ``spring_options``: keyword arguments of spring models (damping, masses). ``gravity``: vector (m/s2).
     """
 
     kind: TrainKind
@@ -250,6 +292,7 @@ class TrainParameters:
     lash: float = 0.0
     gravity: tuple[float, float] = (0.0, -9.80665)
     model: TrainModel = "planar"
+    variants: tuple[TrainVariant, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("contacts", "springs", "spring_options"):

@@ -35,6 +35,7 @@ from valvetrain.parameters.train import (
     PushrodParameters,
     SupportParameters,
     TrainParameters,
+    TrainVariant,
     ValveParameters,
 )
 from valvetrain.units import parse_quantity
@@ -212,6 +213,21 @@ class CrankModel(StrictModel):
         return CrankParameters(**self.model_dump())
 
 
+class VariantModel(StrictModel):
+    """One [[train.variants]] table."""
+
+    label: str
+    spring_set: str = ""
+    spring_model: str = ""
+    lash: Length | None = None
+    valve_damping: Damping | None = None
+    without_preload: bool = False
+    note: str = ""
+
+    def build(self) -> TrainVariant:
+        return TrainVariant(**self.model_dump())
+
+
 class TrainModel(StrictModel):
     """The whole [train] table."""
 
@@ -232,6 +248,7 @@ class TrainModel(StrictModel):
     spring_options: Values = {}
     lash: Length = 0.0
     gravity: quantities("acceleration") = (0.0, -9.80665)  # type: ignore[valid-type]
+    variants: list[VariantModel] = []
 
     def build(self) -> TrainParameters:
         """The frozen parameters; raises a located problem."""
@@ -243,5 +260,11 @@ class TrainModel(StrictModel):
         if len(self.gravity) != 2:
             raise problem("gravity is a vector in the plane of motion, two accelerations", ("gravity",))
         plain = {name: getattr(self, name) for name in ("kind", "model", "spring_set", "spring_model", "spring_options", "lash", "gravity")}
-        built: TrainParameters = guarded(lambda: TrainParameters(contacts=self.contacts, springs=self.springs, **parts, **plain))
+        variants = tuple(variant.build() for variant in self.variants)
+        for place, variant in enumerate(variants):
+            if variant.spring_set and variant.spring_set not in self.springs:
+                raise problem(f"spring set '{variant.spring_set}' is unknown; the case holds {', '.join(self.springs)}", ("variants", place, "spring_set"))
+        built: TrainParameters = guarded(
+            lambda: TrainParameters(contacts=self.contacts, springs=self.springs, variants=variants, **parts, **plain)
+        )
         return built

@@ -1,22 +1,29 @@
-"""Run a case's train to its steady state and name what came out."""
+"""Run a case's train to its steady state, all the variants it asks for, and name what came out."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from valvetrain.analysis.kinematics import RigidTable, rigid_table
+from valvetrain.analysis.compare import compare
+from valvetrain.analysis.kinematics import RigidTable, contact_loss_cam_speed, rigid_table
+from valvetrain.analysis.quantity import Quantity, named
 from valvetrain.analysis.valvetrain_quantities import cycle_data, cycle_events, cycle_quantities
+from valvetrain.analysis.valvetrain_study import TrainRun, TrainStudy
+from valvetrain.analysis.valvetrain_traces import cycle_traces
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import SteadyTrain, steady_train
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.train import TrainParameters
-from valvetrain.solution.event import Event
-from valvetrain.solution.status import Status
+from valvetrain.parameters.train import TrainParameters, TrainVariant
+from valvetrain.solution.provenance import collect_provenance
+from valvetrain.studies.batch import map_cases
+from valvetrain.studies.train_findings import derived_quantities, findings
 from valvetrain.system.build_train import build_train
 from valvetrain.system.train_system import TrainSystem
 
@@ -25,22 +32,17 @@ FEW_CYCLES = {"finite-element": 3}
 
 
 @dataclass(frozen=True)
-class TrainRun:
-    """One steady cycle of a train: numbers, events, status; ``steady`` and ``table`` hold the traces.
+class RunJob:
+    """One run of a batch: what :func:`run_job` needs, all of it picklable."""
 
-    ``engine_speed`` in rad/s of the crank. ``quantities``: name -> SI value.
-    """
-
-    label: str
-    spring_model: str
-    spring_set: str
+    case: Case
     engine_speed: float
-    quantities: Mapping[str, float]
-    events: tuple[Event, ...]
-    status: Status
-    steady: SteadyTrain | None = None
-    table: RigidTable | None = None
-    notes: tuple[str, ...] = field(default=())
+    variant: TrainVariant
+    options: TrainOptions | None = None
+    method: str = "anderson"
+    cycles: int = 60
+    keep_traces: bool = True
+    spring_options: Mapping[str, Any] = field(default_factory=dict)
 
 
 def train_of(case: Case) -> TrainParameters:
@@ -51,19 +53,26 @@ def train_of(case: Case) -> TrainParameters:
     return train
 
 
+def run_job(job: RunJob) -> TrainRun:
+    """Steady state of one variant at one speed, with numbers, events and (where kept) traces."""
+    train = job.variant.apply(train_of(job.case))
+    chosen_set = train.spring_set or next(iter(train.springs), "")
+    system = build_train(job.case, train=train, spring_set=chosen_set, **job.spring_options)
+    start = time.perf_counter()
+    steady = settle(system, job.engine_speed, train.spring_model, job.options, job.method, job.cycles)
+    per_cycle = (time.perf_counter() - start) / max(steady.search.cycles + 1, 1)
+    table = rigid_table(system, train, job.engine_speed / 2, samples=720 if job.keep_traces else 360)
+    return _named(job, steady, table, train, chosen_set, per_cycle)
+
+
 def run_train(
-    case: Case, engine_speed: float | None = None, *, spring_model: str | None = None, spring_set: str | None = None,
-    train: TrainParameters | None = None, options: TrainOptions | None = None, method: str = "anderson", cycles: int = 60,
-    label: str = "", spring_options: Mapping[str, Any] | None = None,
+    case: Case, engine_speed: float | None = None, *, spring_model: str = "", spring_set: str = "", lash: float | None = None,
+    options: TrainOptions | None = None, method: str = "anderson", cycles: int = 60, **spring_options: Any,
 ) -> TrainRun:  # fmt: skip
-    """Steady state of the case's train at ``engine_speed`` (rad/s of the crank; the case's first by default)."""
-    parameters = train or train_of(case)
-    speed = engine_speed if engine_speed is not None else _first_speed(case)
-    model, chosen_set = spring_model or parameters.spring_model, spring_set or parameters.spring_set or next(iter(parameters.springs), "")
-    system = build_train(case, spring_model=model, spring_set=chosen_set, train=parameters, **(spring_options or {}))
-    steady = settle(system, speed, model, options, method, cycles)
-    table = rigid_table(system, parameters, speed / 2)
-    return _named(steady, table, label or model, model, chosen_set, speed)
+    """One run of the case's train at ``engine_speed`` (rad/s of the crank; the case's first by default)."""
+    train = train_of(case)
+    variant = TrainVariant(spring_model or train.spring_model, spring_set, spring_model, lash)
+    return run_job(RunJob(case, engine_speed or first_engine_speed(case), variant, options, method, cycles, True, spring_options))
 
 
 def settle(
@@ -71,22 +80,89 @@ def settle(
 ) -> SteadyTrain:
     """Steady state of an assembled train (rad/s of the crank)."""
     few = FEW_CYCLES.get(spring_model)
-    chosen = options or TrainOptions(record_springs=few is None)
-    ready = runner(system, engine_speed / 2, chosen)
+    ready = runner(system, engine_speed / 2, options or TrainOptions(record_springs=True))
     if few is not None:
         return steady_train(ready, "repeat", cycles=min(few, cycles), tolerance=1e-3)
     return steady_train(ready, method, cycles=cycles)
 
 
-def _named(steady: SteadyTrain, table: RigidTable, label: str, model: str, spring_set: str, engine_speed: float) -> TrainRun:
-    data = cycle_data(steady, table)
-    finite = bool(np.all(np.isfinite(data.valve_lift)))
-    events = cycle_events(steady, data) if finite else ()
-    numbers = cycle_quantities(steady, data, table, events) if finite else {}
-    return TrainRun(label, model, spring_set, engine_speed, numbers, events, steady.status, steady, table)
-
-
-def _first_speed(case: Case) -> float:
+def first_engine_speed(case: Case) -> float:
+    """The case's first engine speed (rad/s). Raises :class:`InputError` when it names none."""
     if not case.operation.engine_speeds:
         raise InputError(f"case '{case.name}' names no engine speed; add engine_speeds or cam_speeds to [operation]")
     return case.operation.engine_speeds[0]
+
+
+def case_variants(case: Case, spring_models: Sequence[str] = ()) -> tuple[TrainVariant, ...]:
+    """The variants of a case, or one per spring model asked for (of every spring set in use)."""
+    train = train_of(case)
+    if spring_models:
+        return tuple(TrainVariant(model, train.spring_set, model) for model in spring_models)
+    return train.variants or (TrainVariant(train.spring_model, train.spring_set, train.spring_model),)
+
+
+def run_train_study(
+    case: Case, *, engine_speeds: Sequence[float] | None = None, spring_models: Sequence[str] = (), workers: int = 1,
+    progress: Callable[[float, str], None] | None = None, created_at: str = "",
+) -> TrainStudy:  # fmt: skip
+    """All variants of a case at its engine speeds (or those given, rad/s), compared with what was published."""
+    speeds = tuple(engine_speeds or case.operation.engine_speeds or (first_engine_speed(case),))
+    jobs = [RunJob(case, speed, variant) for speed in speeds for variant in case_variants(case, spring_models)]
+    report = partial(_progress, progress, jobs)
+    runs = map_cases(run_job, jobs, workers, report)
+    quantities: dict[Quantity, float] = {}
+    for run in runs:
+        quantities |= named(run.quantities, run.engine_speed, run.label)
+    quantities |= static_quantities(case)
+    derived = derived_quantities(case, runs)
+    quantities |= derived
+    provenance = collect_provenance(case.name, train_of(case).spring_model, engine_speed=speeds[0], created_at=created_at, citations=case.cite())
+    notes, found = findings(case, runs)
+    return TrainStudy(case, runs, quantities, compare(case.published, derived), found, notes, provenance)
+
+
+def static_quantities(case: Case) -> dict[Quantity, float]:
+    """Numbers of rigid theory: largest lift, reduced mass, speed of first loss of contact per spring set."""
+    train, found = train_of(case), {}
+    for spring_set in train.springs:
+        system = build_train(case, spring_model="massless", spring_set=spring_set)
+        cam_speed, angle = contact_loss_cam_speed(system)
+        values = {
+            "rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle,
+            "rigid_maximum_valve_lift": float(system.mechanism.kinematics.maximum_lift),
+        }  # fmt: skip
+        found |= named({name: value for name, value in values.items() if np.isfinite(value)}, None, spring_set)
+    return found
+
+
+def _progress(progress: Callable[[float, str], None] | None, jobs: Sequence[RunJob], done: int, total: int) -> None:
+    if progress is not None:
+        progress(done / total, jobs[done - 1].variant.label)
+
+
+def _named(
+    job: RunJob, steady: SteadyTrain, table: RigidTable, train: TrainParameters, spring_set: str, per_cycle: float
+) -> TrainRun:
+    data = cycle_data(steady, table)
+    finite = bool(np.all(np.isfinite(data.valve_lift))) and steady.record.status.completed
+    events = cycle_events(steady, data) if finite else ()
+    numbers = cycle_quantities(steady, data, table, events) if finite else {}
+    traces = cycle_traces(steady, data, train) if finite and job.keep_traces else None
+    if traces is not None:
+        numbers |= _trace_numbers(traces)
+    return TrainRun(
+        job.variant.label, train.spring_model, spring_set, job.engine_speed, numbers, events, steady.status, traces,
+        table if job.keep_traces else None, per_cycle,
+    )  # fmt: skip
+
+
+def _trace_numbers(traces: Any) -> dict[str, float]:
+    """Numbers that need the traces: mean peak motion of the coil sections, least clearance of the piston."""
+    values = {}
+    for spring in traces.springs:
+        peak = spring.peak_section_displacement
+        if peak.size:
+            values[f"{spring.name}_mean_peak_section_displacement"] = float(np.mean(peak))
+    if traces.piston_clearance is not None:
+        values["minimum_piston_clearance_gap"] = float(np.min(traces.piston_clearance))
+    return values
