@@ -13,6 +13,8 @@ from pathlib import Path
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.solution.status import COMPLETED, Status
 
+#: Names under which distributions install the solver.
+SOLVER_NAMES = ("ccx", "ccx_2.20", "ccx_2.21", "ccx_2.22")
 #: What a missing solver means for the user.
 INSTALL_HINT = (
     "the solid model needs the CalculiX solver 'ccx', which is not on the PATH: install it with 'sudo apt install calculix-ccx' "
@@ -32,7 +34,8 @@ class SolverOutput:
 
 def find_solver() -> str:
     """Path of ``ccx`` (environment variable CCX, else the PATH); :class:`MissingExtraError` with the install command."""
-    found = shutil.which(os.environ.get("CCX") or "ccx")
+    names = [given] if (given := os.environ.get("CCX")) else SOLVER_NAMES
+    found = next((path for name in names if (path := shutil.which(name))), None)
     if found is None:
         raise MissingExtraError(INSTALL_HINT)
     return found

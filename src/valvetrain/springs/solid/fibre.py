@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.solid.deck import MILLIMETRE
 from valvetrain.springs.solid.fields import NodalField
 from valvetrain.springs.solid.mesh import SolidMesh
@@ -53,6 +54,20 @@ def fibre_stress(mesh: SolidMesh, displacement: NodalField, stress: NodalField, 
     axial = np.einsum("ni,nij,nj->n", tangent, tensor, tangent)
     deviator = tensor - np.eye(3) * np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3
     return FibreStress(coil, shear, axial, np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator)))
+
+
+def wire_torque(spring: SpringDefinition, mesh: SolidMesh, coil: Array, reactions: Array) -> Array:
+    """Torsional moment (N m) of the wire at ``coil`` from the printed nodal ``reactions`` (node, x, y, z in N) of the retainer.
+
+    Equilibrium of the wire above the cut, in the free shape: for small compressions.
+    """
+    place = mesh.coordinates[reactions[:, 0].astype(int) - 1]
+    centre = spring.centreline(coil)
+    arms = place[None] - centre[:, None]
+    moment = np.cross(arms, reactions[None, :, 1:4]).sum(axis=1)
+    tangent = spring.centreline(coil + 1e-6) - spring.centreline(coil - 1e-6)
+    tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)
+    return np.sum(tangent * moment, axis=-1)
 
 
 def _middle(mesh: SolidMesh, moved: Array, coil: Array) -> Array:

@@ -45,9 +45,10 @@ class SolidSpring:
     def mesh(self) -> SolidMesh:
         """The mesh, with the node set ``axis`` of the wire axis added."""
         mesh = sweep_spring(self.spring, self.options)
-        if self.options.ends == "ground" or mesh.jacobian_quality() > 0:
-            return replace(mesh, node_sets={**mesh.node_sets, "axis": mesh.fibre(0.0, 0.0)})
-        raise InputError(f"the solid mesh of spring '{self.spring.name}' folds over itself; take more elements per coil")
+        if not mesh.jacobian_quality() > 0:
+            remedy = "take fewer cells over the section, grind less or hold the end turns" if self.options.ends == "ground" else "refine it"
+            raise InputError(f"the solid mesh of spring '{self.spring.name}' folds over itself; {remedy}")
+        return replace(mesh, node_sets={**mesh.node_sets, "axis": mesh.fibre(0.0, 0.0)})
 
     @cached_property
     def pairs(self) -> Array:

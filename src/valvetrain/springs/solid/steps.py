@@ -17,13 +17,14 @@ class Printout:
     """What every increment prints: end forces always; ``axis`` motion of the wire axis; ``pairs`` number of contact pairs.
 
     ``energy``: totals of elastic and kinetic energy (a transient needs them from the first step on); ``fields``: displacement
-    and stress at the nodes.
+    and stress at the nodes; ``nodal_reactions``: the reaction of every retainer node.
     """
 
     axis: bool = False
     pairs: int = 0
     fields: bool = False
     energy: bool = False
+    nodal_reactions: bool = False
 
     def text(self) -> str:
         lines = [f"*NODE PRINT, NSET={name}, TOTALS=ONLY\nRF" for name in ("SEAT", "RETAINER")]
@@ -32,6 +33,8 @@ class Printout:
         lines += [f"*CONTACT PRINT, SLAVE=ABOVE{i}, MASTER=BELOW{i}\nCF" for i in range(1, self.pairs + 1)]
         if self.energy:
             lines.append("*EL PRINT, ELSET=WIRE, TOTALS=ONLY\nELSE, ELKE")
+        if self.nodal_reactions:
+            lines.append("*NODE PRINT, NSET=RETAINER\nRF")
         if self.fields:
             lines.append("*NODE FILE\nU\n*EL FILE\nS")
         return "\n".join(lines)

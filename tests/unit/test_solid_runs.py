@@ -1,0 +1,226 @@
+"""Deck, solver calls and readers of the solid model, without the solver: stand-in programs and short result texts."""
+
+from __future__ import annotations
+
+import stat
+import tempfile
+
+import numpy as np
+import pytest
+
+from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.parameters.constructors import cylindrical
+from valvetrain.springs.solid.calculix import find_solver, run_deck, solver_available
+from valvetrain.springs.solid.export import write_mesh
+from valvetrain.springs.solid.fields import last_field, read_fields
+from valvetrain.springs.solid.jobs import SolidSpring, axial_modes
+from valvetrain.springs.solid.layout import MeshOptions
+from valvetrain.springs.solid.deck import SolidContact
+from valvetrain.springs.solid.printed import read_printed
+from valvetrain.springs.solid.steps import Printout, frequency_step, static_step
+from valvetrain.springs.solid.transient import TransientJob, transient_deck
+
+PRINTED = """
+     E I G E N V A L U E   O U T P U T
+
+ MODE NO    EIGENVALUE                       FREQUENCY
+                                     REAL PART            IMAGINARY PART
+                           (RAD/TIME)      (CYCLES/TIME     (RAD/TIME)
+
+      1   0.1188937E+08   0.3448096E+04   0.5487816E+03   0.0000000E+00
+      2   0.1506657E+08   0.3881569E+04   0.6177708E+03   0.0000000E+00
+
+     P A R T I C I P A T I O N   F A C T O R S
+
+                    E I G E N V A L U E    N U M B E R     1
+
+
+ total force (fx,fy,fz) for set RETAINER and time  0.1000000E+01
+
+        8.342939E+02 -5.785951E+03 -2.845407E+04
+
+                    E I G E N V A L U E    N U M B E R     2
+
+
+ total force (fx,fy,fz) for set RETAINER and time  0.1000000E+01
+
+        2.034118E+03  9.971953E+02  5.179156E+03
+
+ total force (fx,fy,fz) for set RETAINER and time  0.1000000E+01
+
+        5.357870E-11  2.422305E-01 -2.741949E+00
+
+ displacements (vx,vy,vz) for set AXIS and time  0.1000000E+01
+
+         7  1.000000E+00  2.000000E+00 -3.000000E+00
+         9  0.000000E+00  0.000000E+00 -4.000000E+00
+
+ statistics for slave set ABOVE1, master set BELOW1 and time  0.1000000E+01
+
+   total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)
+
+    1.000000E+00  0.000000E+00  5.000000E+00  0.000000E+00  0.000000E+00  0.000000E+00
+
+   center of gravity and mean normal
+
+             NaN           NaN           NaN           NaN           NaN           NaN
+
+   moment about the center of gravity(mx,my,mz)
+
+             NaN           NaN           NaN
+
+   area,  normal force (+ = tension) and shear force (size)
+
+    2.000000E-01 -5.000000E+00  1.000000E-01
+"""
+
+FIELDS = """\
+    1C
+    2C                             2                                     1
+ -1         1 1.01670E+01 8.39409E-02-8.28797E-01
+ -3
+  100CL  101 1.000000000           2                     0    1           1
+ -4  DISP        4    1
+ -5  D1          1    2    1    0
+ -5  D2          1    2    2    0
+ -5  D3          1    2    3    0
+ -5  ALL         1    2    0    0    1ALL
+ -1         1 1.00000E+00-2.00000E+00 3.00000E+00
+ -1         3 4.00000E+00 5.00000E+00-6.00000E-01
+ -3
+  100CL  102 2.000000000           2                     0    1           1
+ -4  DISP        4    1
+ -5  D1          1    2    1    0
+ -1         1 1.00000E+00
+"""
+
+
+@pytest.fixture
+def model() -> SolidSpring:
+    return SolidSpring(cylindrical(3.8e-3, 22e-3, 7e-3, 6.0), MeshOptions(8, 1, 1, ends="held"), SolidContact())
+
+
+@pytest.fixture
+def stand_in(tmp_path, monkeypatch):
+    """Installs a shell script in place of the solver; its working folders come under tmp_path/work."""
+    work = tmp_path / "work"
+    work.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(work))
+
+    def install(script: str):
+        program = tmp_path / "fake-ccx"
+        program.write_text("#!/bin/sh\n" + script)
+        program.chmod(program.stat().st_mode | stat.S_IXUSR)
+        monkeypatch.setenv("CCX", str(program))
+        return work
+
+    return install
+
+
+def test_printed_results_are_sorted_into_modes_and_steps():
+    printed = read_printed(PRINTED)
+    assert printed.frequencies[0] == pytest.approx([548.7816, 617.7708])
+    assert [row[0, 2] for row in printed.modal("total force", "RETAINER")] == pytest.approx([-28454.07, 5179.156])
+    # The static step ends at the time at which the modes were printed, and is still told apart.
+    time, rows = printed.history("total force", "RETAINER")
+    assert time.tolist() == [1.0] and rows[0][0, 2] == pytest.approx(-2.741949)
+    assert printed.history("displacements", "AXIS")[1][0].tolist() == [[7, 1, 2, -3], [9, 0, 0, -4]]
+    assert printed.history("contact", "ABOVE1")[1][0][-1, 1] == -5
+
+
+def test_a_cut_off_field_is_dropped():
+    fields = read_fields(FIELDS)
+    assert [field.time for field in fields] == [1.0]
+    displacement = last_field(fields, "DISP")
+    assert displacement.values.tolist() == [[1, -2, 3], [4, 5, -0.6]]
+    assert np.isnan(displacement.dense(3)[1]).all() and displacement.dense(3)[2, 2] == -0.6
+
+
+def test_deck_lines_are_short_and_name_every_part(model):
+    deck = model.deck(static_step(7e-3, Printout(True, len(model.pairs)), first=0.1, largest=0.1), frequency_step(5, Printout(), preloaded=True))
+    for keyword in ("*NSET, NSET=SEAT", "*NSET, NSET=RETAINER", "*NSET, NSET=AXIS", "TYPE=SURFACE TO SURFACE", "SEATPLANE", "*STEP, PERTURBATION"):
+        assert keyword in deck
+    rows = [line for line in deck.splitlines() if not line.startswith("*")]
+    assert max(line.rstrip(",").count(",") for line in rows) <= 15 and max(map(len, rows)) < 160
+    assert "RETAINER, 3, 3, -7" in rows
+    assert deck.count("*CONTACT PAIR,") == len(model.pairs) + 2
+
+
+def test_every_contact_pair_lies_one_turn_apart(model):
+    from valvetrain.springs.solid.deck import contact_pairs
+
+    pairs = contact_pairs(model.mesh, model.contact)
+    assert len(pairs) == 10
+    for middle, above, below in pairs:
+        assert abs(above.coil.mean() - middle) < 0.1 and abs(below.coil.mean() - (middle - 1)) < 0.2
+        assert below.coil.min() <= above.coil.min() - 1 + 0.13 and below.coil.max() >= above.coil.max() - 1 - 0.13
+
+
+def test_transient_table_follows_the_lift(model):
+    class Ramp:
+        def lift(self, cam_angle, derivative=0):
+            return 1e-3 * np.asarray(cam_angle)
+
+    job = TransientJob(Ramp(), 200.0, 5e-3, 0.0, 0.1, time_step=1e-4)
+    deck = transient_deck(model, job)
+    table = deck.split("NAME=LIFT\n")[1].split("*")[0].split("\n")[:-1]
+    assert len(table) == 11
+    assert [float(item) for item in table[-1].split(",")] == pytest.approx([1e-3, -5.1])
+
+
+def test_missing_solver_names_the_command(monkeypatch, tmp_path):
+    monkeypatch.delenv("CCX", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert not solver_available()
+    with pytest.raises(MissingExtraError, match="apt install calculix-ccx"):
+        find_solver()
+
+
+def test_time_limit_becomes_a_status_and_leaves_nothing(stand_in):
+    work = stand_in("echo started\nexec sleep 20\n")
+    output = run_deck("*HEADING\n", time_limit=0.3)
+    assert output.status.code == "interrupted" and "0.3 s" in output.status.message
+    assert output.wall_time < 5 and list(work.iterdir()) == []
+
+
+def test_error_exit_becomes_a_status_with_the_solvers_reason(stand_in, model):
+    work = stand_in("printf ' *ERROR: too many cutbacks\\n        best solution in the frd file\\n'\nexit 201\n")
+    curve = model.static_curve(5e-3)
+    assert curve.status.code == "not-converged" and "too many cutbacks" in curve.status.message
+    assert curve.compression.tolist() == [0.0] and list(work.iterdir()) == []
+    assert model.modes(0.0).status.code == "not-converged"
+
+
+def test_silent_end_is_no_success(stand_in):
+    stand_in("exit 0\n")
+    assert run_deck("*HEADING\n").status.code == "not-converged"
+
+
+def test_signs_divide_clusters_of_axial_modes():
+    assert axial_modes(np.array([0.87, 0.02, 0.05, -0.3, -0.73, -0.07, 0.2, 0.44, 0.1])) == (0, 4, 7)
+    assert axial_modes(np.zeros(0)) == ()
+
+
+@pytest.mark.parametrize("ending", ["vtu", "vtk", "msh"])
+def test_mesh_files_hold_the_mesh(model, tmp_path, ending):
+    meshio = pytest.importorskip("meshio")
+    path = write_mesh(model.mesh, tmp_path / f"spring.{ending}")
+    again = meshio.read(path)
+    assert again.cells[0].type == "hexahedron20"
+    assert np.allclose(again.points[again.cells[0].data], model.mesh.coordinates[model.mesh.elements], atol=1e-9)
+    assert [item.name for item in tmp_path.iterdir()] == [path.name]
+
+
+def test_mesh_export_without_meshio_names_the_command(model, tmp_path, monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "meshio", None)
+    with pytest.raises(MissingExtraError, match="pip install"):
+        write_mesh(model.mesh, tmp_path / "spring.vtu")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_unknown_mesh_ending_is_refused(model, tmp_path):
+    pytest.importorskip("meshio")
+    with pytest.raises(InputError, match="names no format"):
+        write_mesh(model.mesh, tmp_path / "spring.stl")
