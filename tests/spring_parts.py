@@ -9,6 +9,7 @@ from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.equivalent_rod import EquivalentRod
+from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.massless import MasslessSpring, MasslessTable
 from valvetrain.springs.modal import ModalSpring
 from valvetrain.springs.multi_mass import MultiMassSpring
@@ -38,6 +39,7 @@ def build_models() -> dict:
         "rod-with-clash": EquivalentRodWithClash.from_definition(CLOSED_ENDS, PRECOMPRESSION, cells=150),
         "modal": ModalSpring(UNIFORM, 6),
         "modal-damped": ModalSpring(UNIFORM, 3, (430.0, 800.0, 1200.0), damping_ratio=0.016, mass_damping=20.0),
+        "finite-element": FiniteElementRod(CLOSED_ENDS, PRECOMPRESSION, elements_per_coil=24),
         "nested": NestedSprings(MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION), EquivalentRod(SLIM, 100)),
         "nested-rubbing": NestedSprings(
             MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION), EquivalentRod(SLIM, 100), RadialRubbing(0.12, 60.0)
