@@ -1,7 +1,7 @@
 """Equivalent rod: the damped wave equation U'' + 2 mu U' = a**2 U_xixi, on a grid that a wave crosses cell by cell.
 
 With cell length a h (Courant number one) the explicit step IS d'Alembert's solution: a step of the end velocity travels undistorted.
-See docs/decisions/rod-at-unit-courant.md. Source: Vasilyev, Bakhracheva and Storojakov, valve gear model, equations 1 to 3.
+See docs/decisions/0011-rod-at-unit-courant.md. Source: Vasilyev, Bakhracheva and Storojakov, valve gear model, equations 1 to 3.
 """
 
 from __future__ import annotations
