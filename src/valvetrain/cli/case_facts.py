@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from valvetrain.parameters.case import SpringCard
 from valvetrain.report.values import value_words
 from valvetrain.report.words import number, speed_words
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
     from valvetrain.parameters.spring import SpringDefinition
+    from valvetrain.parameters.train import TrainParameters
 
 
 def case_facts(case: Case) -> list[tuple[str, str]]:
@@ -27,10 +29,11 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
         law = case.lift_law
         facts.append(("lift law", f"{law.kind}, lift of the {law.lift_of}"))
     if case.train is not None:
-        facts.append(("train", f"{case.train.kind}, {case.train.model} model, spring sets {', '.join(case.train.springs) or 'none'}"))
+        facts += _train_facts(case.train)
     if case.damping.mass_damping or case.damping.stiffness_damping:
         ratio = "" if case.damping.ratio is None else f"ratio {number(case.damping.ratio)}: "
-        facts.append(("damping", f"{ratio}mass {number(case.damping.mass_damping)} 1/s, stiffness {number(case.damping.stiffness_damping * 1e6)} us"))
+        mass, stiffness = number(case.damping.mass_damping), number(case.damping.stiffness_damping * 1e6)
+        facts.append(("damping", f"{ratio}mass {mass} 1/s, stiffness {stiffness} us"))
     if case.operation.engine_speeds:
         facts.append(("engine speeds", f"{', '.join(map(speed_words, case.operation.engine_speeds))} of the crank"))
     if case.spring is not None:
@@ -41,6 +44,20 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
     statuses = Counter(note.status for note in case.notes.values() if note.status)
     if statuses:
         facts.append(("status of values", ", ".join(f"{count} {status}" for status, count in statuses.items())))
+    return facts
+
+
+def _train_facts(train: TrainParameters) -> list[tuple[str, str]]:
+    facts = [("train", f"{train.kind}, {train.model} model, {train.spring_model} springs, lash {number(train.lash * 1e3)} mm")]
+    for name in train.springs:
+        parts = []
+        for part in train.spring_parts(name):
+            if isinstance(part, SpringCard):
+                mass = "" if part.mass is None else f", mass {number(part.mass * 1e3)} g"
+                parts.append(f"{part.name}: rate {number(part.rate / 1e3)} N/mm, preload {number(part.preload)} N{mass}")
+            else:
+                parts.append(f"{part.definition.name}: wire known, installed at {number(part.installed_height * 1e3)} mm")
+        facts.append((f"springs '{name}'", "; ".join(parts)))
     return facts
 
 
@@ -57,7 +74,7 @@ def _spring_facts(spring: SpringDefinition) -> list[tuple[str, str]]:
 
 
 def lift_quantities(case: Case) -> dict[str, float]:
-    """Largest lift, its angle, and the largest lift velocity at the case's fastest engine speed; empty without a lift law."""
+    """Largest lift (m) and its cam angle (rad); empty without a lift law."""
     if case.lift_law is None:
         return {}
     from valvetrain.cam.build import build_lift_law

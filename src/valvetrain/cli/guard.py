@@ -68,7 +68,7 @@ def _report(error: Exception) -> int:
         return _say("the memory is not enough; ask for fewer elements, steps or engine speeds", FAILED)
     if isinstance(error, OSError):
         return _say(f"{error.strerror or error} ({error.filename or 'no file'}); check the disk and the permissions", FAILED)
-    return _say(f"unexpected {type(error).__name__}: {error}; report it with what {TRACEBACK_VARIABLE}=1 prints before", FAILED)
+    return _say(f"fault in valvetrain ({type(error).__name__}: {error}); report it with what {TRACEBACK_VARIABLE}=1 prints before", FAILED)
 
 
 def _usage(error: Any) -> int:

@@ -84,5 +84,6 @@ def _show(console: Console, case: Case, result: ModalResult) -> None:
         (str(place + 1), number(float(frequency), 5), f"{result.axial_transmission[place]:+.3f}".replace("-", "−"), names.get(place, ""))
         for place, frequency in enumerate(result.natural_frequency)
     ]
-    console.print(f"{case.name}: modes at {number(result.compression * 1e3)} mm compression, both ends held, coils that touch kept together\n")
+    state = f"{number(result.compression * 1e3)} mm compression"
+    console.print(f"{case.name}: modes at {state}, both ends held, coils that touch kept together\n")
     console.print(plain_table(("mode", "frequency (Hz)", "axial transmission", ""), rows, right=(0, 1, 2)))

@@ -11,7 +11,9 @@ import typer
 
 from valvetrain.errors import InputError
 
-CaseArgument = Annotated[str, typer.Argument(metavar="CASE", help="Name of a library case (see 'valvetrain cases') or path of a case file.")]
+CaseArgument = Annotated[
+    str, typer.Argument(metavar="CASE", help="Name of a library case (see 'valvetrain cases') or path of a case file.")
+]
 SetOption = Annotated[
     list[str] | None,
     typer.Option(
@@ -29,7 +31,9 @@ SpeedOption = Annotated[
     ),
 ]  # fmt: skip
 OutputOption = Annotated[Path | None, typer.Option("--output", metavar="FOLDER", help="Folder of the results [default: runs/<case>].")]
-WorkersOption = Annotated[int | None, typer.Option("--workers", metavar="N", help="Runs at a time [default: the cores there are, at most 4].")]
+WorkersOption = Annotated[
+    int | None, typer.Option("--workers", metavar="N", help="Runs at a time [default: the cores there are, at most 4].")
+]
 
 #: More speeds than this in one command are a slip of the pen.
 MOST_SPEEDS = 10_000

@@ -30,7 +30,8 @@ def progress_bar(title: str) -> Iterator[Report]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn
 
-    columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), BarColumn(24), TaskProgressColumn(), TextColumn("{task.fields[left]}")
+    words, left = TextColumn("{task.description}", markup=False), TextColumn("{task.fields[left]}")
+    columns = SpinnerColumn(), words, BarColumn(24), TaskProgressColumn(), left
     bar = Progress(*columns, console=Console(stderr=True), transient=True)
     task = bar.add_task(title, total=1.0, left="")
     begun = time.monotonic()

@@ -32,7 +32,8 @@ def status_object(status: Status) -> dict[str, Any]:
     """How a run ended."""
     if status.completed:
         return {"code": status.code}
-    return {"code": status.code, "message": status.message, "time": measured(status.time, "s"), "where": status.where, "remedy": status.remedy}
+    words = {"message": status.message, "where": status.where, "remedy": status.remedy}
+    return {"code": status.code, "time": measured(status.time, "s"), **words}
 
 
 def comparison_objects(rows: Iterable[Comparison]) -> list[dict[str, Any]]:

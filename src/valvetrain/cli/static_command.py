@@ -51,7 +51,8 @@ def _reach(case: Case, largest: float | None) -> float | None:
     spring = case.require_spring()
     room = spring.free_length - spring.solid_height
     if largest is not None and not 0 < largest < room:
-        raise InputError(f"{largest * 1e3:g} mm is no compression of this spring, which is solid at {room * 1e3:.4g} mm; give one between", "--to")
+        reason = f"{largest * 1e3:g} mm is no compression of this spring, which is solid at {room * 1e3:.4g} mm; give one between"
+        raise InputError(reason, "--to")
     return largest
 
 
@@ -74,7 +75,8 @@ def compute_static(case: Case, largest: float | None, steps: int, csv: Path | No
     with progress_bar("static curve"):
         curve = static_curve(model, largest, steps)
     quantities = static_quantities(curve, case.installation.precompression)
-    arrays = {name: {"values": getattr(curve, name), "unit": unit} for name, unit in (("compression", "m"), ("force", "N"), ("stiffness", "N/m"))}
+    units = {"compression": "m", "force": "N", "stiffness": "N/m"}
+    arrays = {name: {"values": getattr(curve, name), "unit": unit} for name, unit in units.items()}
     data: dict[str, Any] = {
         "command": "static", "case": case.name, "spring_model": model.name, "elements_per_coil": case.rod.elements_per_coil,
         "status": status_object(curve.status), "quantities": quantities_object(quantities), "static_curve": arrays,

@@ -66,8 +66,8 @@ def comparison_table(rows: Sequence[Comparison], title: str) -> Table:
     for row in rows:
         published = f"{words(row.published, row.unit)} {short_unit(row.unit)}".strip()
         table.add_row(
-            quantity_words(row.quantity), theme.origin_style(row.origin)[0], published, words(row.computed, row.unit), difference_words(row),
-            short_verdict(row),
+            quantity_words(row.quantity), theme.origin_style(row.origin)[0], published, words(row.computed, row.unit),
+            difference_words(row), short_verdict(row),
         )  # fmt: skip
     return table
 
@@ -127,5 +127,6 @@ def quantity_table(study: SpringStudy) -> Table:
         unit = unit_of(name)
         first = [shown(still.get(name), unit)[0] if name in still else ""] if still else []
         found = (study.quantities.get(Quantity(name, speed, model)) for model, speed in runs)
-        table.add_row(quantity_words(name), shown(None, unit)[1], *first, *("" if value is None else shown(value, unit)[0] for value in found))
+        moving = ["" if value is None else shown(value, unit)[0] for value in found]
+        table.add_row(quantity_words(name), shown(None, unit)[1], *first, *moving)
     return table

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from rich.table import Table
 
-from valvetrain.report.words import SHOWN, number
+from valvetrain.report.words import number
+
+#: SI unit -> unit of the field and the factor between.
+SHOWN: dict[str, tuple[str, float]] = {
+    "m": ("mm", 1e3), "rad": ("deg", 180 / math.pi), "s": ("ms", 1e3), "N/m": ("N/mm", 1e-3), "kg": ("g", 1e3), "Pa": ("MPa", 1e-6),
+    "rad/s": ("rpm", 30 / math.pi), "N s": ("mN s", 1e3), "1": ("", 1.0),
+}  # fmt: skip
 
 
 def plain_table(headers: Sequence[str], rows: Iterable[Sequence[str]], title: str = "", right: Sequence[int] = ()) -> Table:

@@ -37,7 +37,7 @@ def load_case(name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] |
     if text in names:
         return read_case(LIBRARY / f"{text}.toml", changes)
     path = Path(text)
-    if path.suffix == ".toml" or os.sep in text or path.is_file():
+    if path.suffix == ".toml" or os.sep in text or os.path.exists(text):
         return read_case(path, changes)
     raise InputError(f"there is no case '{_one_line(text, 60)}' in the library; {nearest(text, names)} (a file ends in .toml)")
 
@@ -87,9 +87,11 @@ def _read_text(path: Path) -> str:
     try:
         if path.is_dir():
             raise InputError("is a folder; give the TOML file in it", path.name or str(path))
-        if path.stat().st_size > MOST_BYTES:
+        with path.open("rb") as stream:  # a device may have no size and no end
+            content = stream.read(MOST_BYTES + 1)
+        if len(content) > MOST_BYTES:
             raise InputError(f"is larger than {MOST_BYTES // 1_000_000} MB, so it is no case file; give another", path.name)
-        return path.read_bytes().decode("utf-8-sig")
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError("is no text file; a case is TOML in UTF-8", path.name) from None
     except FileNotFoundError:

@@ -57,7 +57,8 @@ def _set(tree: dict[str, Any], path: str, value: Any) -> None:
         else:
             table = table.setdefault(head, {})
         if not isinstance(table, (dict, list)):
-            raise InputError(f"'{'.'.join(heads[: depth + 1])}' is the plain value {table!r}, which has no '{last}'; set it as a whole", path)
+            place = ".".join(heads[: depth + 1])
+            raise InputError(f"'{place}' is the plain value {str(table)[:40]!r}, which has no '{last}'; set it as a whole", path)
     key: Any = _place(table, last, path) if isinstance(table, list) else last
     if value is REMOVED:
         if isinstance(table, dict) and key not in table:

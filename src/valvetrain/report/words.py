@@ -25,8 +25,10 @@ def in_unit(value: float, unit: str) -> float:
 
 def number(value: float | None, digits: int = 4) -> str:
     """A number with ``digits`` significant digits, a real minus sign, and powers of ten as such; a dash for None."""
-    if value is None:
+    if value is None or math.isnan(value):
         return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
     if value == 0:
         return "0"
     size = abs(value)

@@ -1,0 +1,241 @@
+"""The commands and what they print; wrong input is one sentence and exit code 2."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from unit.cli_parts import SMALL, call, sentence
+from valvetrain import __version__
+from valvetrain.cli.options import read_engine_speeds
+from valvetrain.cli.progress import time_left
+from valvetrain.errors import InputError
+from valvetrain.parameters.loading import LIBRARY, library_names
+
+UNIFORM = ("uniform-spring", "--elements-per-coil", "8")
+
+
+@pytest.fixture
+def small(tmp_path, monkeypatch):
+    """The small case as a file in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.toml").write_text(SMALL)
+    return tmp_path
+
+
+def test_version_and_help():
+    assert call("--version").stdout == f"valvetrain {__version__}\n"
+    for arguments in ([], ["--help"]):
+        result = call(*arguments)
+        assert result.exit_code == 0
+        assert all(name in result.stdout for name in ("run", "static", "modes", "cases", "check"))
+    for name in ("run", "static", "modes", "cases", "check"):
+        assert call(name, "--help").exit_code == 0
+
+
+def test_cases_lists_every_case_and_prints_the_file_of_one():
+    result = call("cases")
+    assert result.exit_code == 0 and all(name in result.stdout for name in library_names())
+    assert "Gu et al. (2020)" in result.stdout
+    assert call("cases", "uniform-spring").stdout == (LIBRARY / "uniform-spring.toml").read_text()
+    listed = json.loads(call("cases", "--json").stdout)["cases"]
+    assert [one["name"] for one in listed] == list(library_names())
+    assert json.loads(call("cases", "job-c", "--json").stdout)["text"] == (LIBRARY / "job-c.toml").read_text()
+
+
+@pytest.mark.parametrize("name", library_names())
+def test_check_understands_every_library_case(name):
+    result = call("check", name)
+    assert result.exit_code == 0 and result.stdout.startswith(f"{name}: a valid case with")
+    assert max(map(len, result.stdout.splitlines())) <= 100
+
+
+def test_check_prints_what_follows_from_the_definition_by_hand():
+    found = json.loads(call("check", "uniform-spring", "--json").stdout)["quantities"]
+    shear, wire, mean, turns, density = 79.6e9, 3.8e-3, 22e-3, 5.0, 7850.0
+    length = turns * np.hypot(np.pi * mean, 7e-3)
+    mass = np.pi / 4 * wire**2 * length * density
+    rate = shear * wire**4 / (8 * mean**3 * turns)
+    expected = {
+        "wire_length": (length, "m"), "wire_mass": (mass, "kg"), "active_coil_count": (5.0, "1"), "free_length": (38.8e-3, "m"),
+        "smallest_index_ratio": (mean / wire, "1"), "estimated_rate": (rate, "N/m"),
+        "estimated_surge_frequency": (0.5 * np.sqrt(rate / mass), "Hz"), "installed_height": (31.8e-3, "m"),
+    }  # fmt: skip
+    for key, (value, unit) in expected.items():
+        assert found[key]["unit"] == unit
+        assert found[key]["value"] == pytest.approx(value, rel=2e-6), key
+
+
+def test_check_shows_the_units_of_the_field():
+    text = call("check", "uniform-spring").stdout
+    for line in (r"Free length +38\.8 +mm", r"Estimated rate +38\.969 +N/mm", r"Estimated surge frequency +\d{3}\.\d+ +Hz", r"Wire mass +30\.9\d* +g"):
+        assert re.search(line, text), line
+
+
+def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.springs.finite_element import FiniteElementRod
+    from valvetrain.studies.spring_runs import static_curve
+
+    result = call("static", *UNIFORM, "--to", "8 mm", "--steps", "4", "--csv", str(tmp_path / "curve.csv"), "--json")
+    assert result.exit_code == 0
+    found = json.loads(result.stdout)
+    model = FiniteElementRod.from_case(load_case("uniform-spring").replace({"rod.elements_per_coil": 8}))
+    curve = static_curve(model, 8e-3, 4)
+    assert found["static_curve"]["force"] == {"values": curve.force.tolist(), "unit": "N"}
+    assert found["static_curve"]["compression"]["values"] == pytest.approx([0, 2e-3, 4e-3, 6e-3, 8e-3])
+    assert found["quantities"]["preload"]["value"] == pytest.approx(curve.force_at(7e-3))
+    rows = (tmp_path / "curve.csv").read_text().splitlines()
+    assert rows[0].startswith("compression [mm],force [N],stiffness [N/mm]") and len(rows) == 6
+    assert float(rows[-1].split(",")[1]) == curve.force[-1]
+
+
+def test_modes_agree_with_the_library():
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.springs.finite_element import FiniteElementRod
+    from valvetrain.studies.spring_runs import modal_result
+
+    found = json.loads(call("modes", *UNIFORM, "--count", "6", "--compression", "3 mm", "--json").stdout)
+    case = load_case("uniform-spring").replace({"rod.elements_per_coil": 8})
+    expected = modal_result(FiniteElementRod.from_case(case, precompression=3e-3), 6)
+    assert [mode["natural_frequency"]["value"] for mode in found["modes"]] == pytest.approx(expected.natural_frequency.tolist())
+    assert found["compression"] == {"value": 3e-3, "unit": "m"}
+    assert found["quantities"]["mode_1_frequency"]["value"] == pytest.approx(expected.axial_frequencies[0])
+    assert "axial mode 1" in call("modes", *UNIFORM, "--count", "6").stdout
+
+
+def test_run_prints_computed_beside_published_and_writes_its_folder(small):
+    result = call("run", "small.toml")
+    assert result.exit_code == 0, result.stderr
+    assert max(map(len, result.stdout.splitlines())) <= 100
+    for line in (r"Preload +FE +130 N .*within tolerance", r"Stage II peak force +FE +1 N .*misses", r"Node 9 peak acceleration.*not computed"):
+        assert re.search(line, result.stdout), line
+    assert "9000 rpm (prediction: not used to identify the case)" in result.stdout
+    assert "prediction: 3 published values, 0 of 1 stated tolerances and bounds met, 1 not computed" in result.stdout
+    written = {path.name for path in (small / "runs" / "small").iterdir()}
+    assert {"report.html", "finite-element-9000rpm.nc", "modal-9000rpm.csv", "static.csv", "modes.nc", "comparison.csv"} <= written
+
+
+def test_run_options_change_speeds_models_folder_and_values(small):
+    result = call(
+        "run", "small.toml", "--engine-speed", "7000, 9000 rpm", "--spring", "modal", "--no-report", "--output", "here", "--workers", "1",
+        "--set", "spring.total_coils=4", "--set", "lift_law.maximum_lift=3 mm", "--json",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    assert [(run["model"], run["engine_speed"]["value"]) for run in found["runs"]] == [("modal", 7000.0), ("modal", 9000.0)]
+    assert found["page"] is None and not (small / "here" / "report.html").exists() and (small / "here" / "modal-7000rpm.nc").exists()
+    from valvetrain.solution.netcdf import load_netcdf
+
+    assert float(load_netcdf(small / "here" / "modal-7000rpm.nc").channel("valve_lift").max()) == pytest.approx(3e-3, rel=1e-6)
+
+
+def test_a_run_without_speeds_gives_statics_and_modes(small):
+    result = call("run", *UNIFORM, "--no-report")
+    assert result.exit_code == 0 and "statics and modes only" in result.stderr
+    assert re.search(r"Mode 1 frequency +Hz +546", result.stdout)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("run", "gu2021-behive"), "did you mean gu2021-beehive?"),
+        (("run", "zzz"), "valid names are clamped-helix, gu2021-beehive"),
+        (("rum",), "did you mean 'run'?"),
+        (("run",), "missing argument 'CASE'"),
+        (("run", "job-c", "--engin-speed", "1 rpm"), "--engine-speed"),
+        (("run", "job-c", "--engine-speed", "4200"), "write '4200 rpm'"),
+        (("run", "job-c", "--engine-speed", "4200 mm"), "is a length, but a rotational speed is needed"),
+        (("run", "job-c", "--engine-speed", "-5 rpm"), "is not positive"),
+        (("run", "job-c", "--engine-speed", "9:1:1 rpm"), "rising"),
+        (("run", "job-c", "--engine-speed", "1:2:1e-9 rpm"), "larger step"),
+        (("run", "job-c", "--spring", "modul"), "did you mean modal?"),
+        (("run", "uniform-spring", "--engine-speed", "1 rpm"), "has no lift law"),
+        (("run", "job-c", "--workers", "0"), "--workers: 0 lies outside"),
+        (("run", "job-c", "--set", "spring"), "sets nothing; write a key path"),
+        (("run", "job-c", "--set", "spring.wire_diametre=4 mm"), "--set spring.wire_diametre: key 'wire_diametre' is unknown; did you mean wire_diameter"),
+        (("run", "job-c", "--set", "spring.wire_diameter=4 N"), "--set spring.wire_diameter: '4 N' is a force, but a length is needed"),
+        (("run", "job-c", "--set", "spring.wire_diameter=4"), "4 has no unit"),
+        (("run", "job-c", "--set", "spring.wire_diameter=40 mm"), "widen the coil"),
+        (("run", "job-c", "--set", "spring.total_coils.x=4"), "is the plain value '6', which has no 'x'"),
+        (("run", "job-c", "--set", "sprung.x=4"), "did you mean spring?"),
+        (("run", "job-c", "--set", "spring.pitch.coils.9=4"), "no place in a list of 4"),
+        (("run", "job-c", "--set", "rod.time_step="), "is not in the case"),
+        (("run", "job-c", "--elements-per-coil", "2"), "--elements-per-coil: elements_per_coil must be a whole number from 4"),
+        (("run", "job-c", "--elements-per-coil", "many"), "'--elements-per-coil'"),
+        (("static", "uniform-spring", "--to", "40 mm"), "which is solid at"),
+        (("static", "uniform-spring", "--to", "12"), "write '12 mm'"),
+        (("static", "uniform-spring", "--to", "-1 mm"), "is negative"),
+        (("static", "uniform-spring", "--steps", "1"), "--steps: 1 lies outside"),
+        (("static", "uniform-spring", "--csv", "."), "is a folder"),
+        (("static", "tdi-pushrod"), "add a [spring] table"),
+        (("modes", "uniform-spring", "--count", "0"), "--count: 0 lies outside"),
+        (("modes", "uniform-spring", "--compression", "30 mm"), "the spring is solid at"),
+        (("cases", "uniform"), "did you mean uniform-spring?"),
+        (("check", "."), "a folder"),
+        (("check", "x" * 5000), "there is no case"),
+        (("check", "a\0b"), "give one"),
+        (("check", "missing.toml"), "there is no file 'missing.toml'"),
+        (("check", "binary.toml"), "no text file"),
+        (("check", ""), "give one"),
+        (("run", "job-c", "--output", "binary.toml"), "is a file, not a folder"),
+        (("run", "job-c", "--output", "binary.toml/deeper"), "is a file, not a folder"),
+    ],
+)  # fmt: skip
+def test_wrong_input_is_one_sentence_with_the_remedy(tmp_path, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "binary.toml").write_bytes(bytes(range(256)))
+    result = call(*arguments)
+    assert result.exit_code == 2
+    assert words in sentence(result)
+    assert [path.name for path in tmp_path.iterdir()] == ["binary.toml"]
+
+
+def test_what_may_not_be_read_or_written_is_refused(small, monkeypatch):
+    def closed(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    # Root may read and write everything, so permissions are played.
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    result = call("run", "small.toml", "--output", "out")
+    assert result.exit_code == 2 and "may not be written to; choose another" in sentence(result)
+    monkeypatch.setattr(os, "access", lambda *_: True)
+    monkeypatch.setattr(Path, "mkdir", closed)
+    result = call("run", "small.toml", "--output", "out")
+    assert result.exit_code == 2 and "cannot be made (Permission denied); choose another" in sentence(result)
+    monkeypatch.setattr(Path, "open", closed)
+    result = call("check", "small.toml")
+    assert result.exit_code == 2 and "cannot be read (Permission denied); check the path and its permissions" in sentence(result)
+
+
+def test_a_set_value_loses_the_note_of_the_value_it_replaces():
+    from valvetrain.cli.case_choice import choose_case
+
+    assert choose_case("gu2021-beehive").notes["spring.wire_diameter"].status == "identified"
+    changed = choose_case("gu2021-beehive", ["spring.wire_diameter=4.1 mm", "spring.pitch=7 mm", "damping.stiffness_share="], 10)
+    assert changed.notes["spring.wire_diameter"].status is None
+    assert float(changed.spring.wire_diameter.value(1.0)) == pytest.approx(4.1e-3)
+    assert float(changed.spring.pitch.value(3.3)) == pytest.approx(7e-3)
+    assert changed.damping.stiffness_share is None and changed.rod.elements_per_coil == 10
+    assert changed.cite() == choose_case("gu2021-beehive").cite()
+
+
+def test_engine_speeds_are_read_in_rpm_and_ranges_hold_both_ends():
+    rpm = np.pi / 30
+    assert read_engine_speeds("4200, 5600 rpm") == pytest.approx((4200 * rpm, 5600 * rpm))
+    assert read_engine_speeds("70 rev/s") == pytest.approx((4200 * rpm,))
+    assert read_engine_speeds("1000:9000:100 rpm") == pytest.approx([speed * rpm for speed in range(1000, 9001, 100)])
+    assert read_engine_speeds("1000:1950:100 rpm")[-1] == pytest.approx(1900 * rpm)
+    with pytest.raises(InputError, match="has no unit"):
+        read_engine_speeds("1000:9000:100")
+
+
+def test_the_time_left_is_what_the_share_done_leaves():
+    assert time_left(10.0, 0.25) == "about 30 s left"
+    assert time_left(300.0, 0.5) == "about 5 min left"
+    assert time_left(1.0, 0.0) == time_left(1.0, 1.0) == ""

@@ -1,0 +1,133 @@
+"""What --json prints: one object, every number with its unit, every name documented; and what a failed run leaves behind."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from unit.cli_parts import SMALL, call
+from valvetrain.analysis.quantity import unit_of
+
+DOCUMENT = (Path(__file__).resolve().parents[2] / "docs" / "quantities.md").read_text(encoding="utf-8")
+
+
+def documented_names() -> list[str]:
+    """Patterns of the names in the tables of docs/quantities.md: ``mode_n_frequency`` stands for any n, ``...`` for the names before it."""
+    patterns: list[str] = []
+    for cell in re.findall(r"^\| (`.*?) \|", DOCUMENT, re.MULTILINE):
+        names = re.findall(r"`([^`]+)`", cell)
+        whole = [name for name in names if not name.startswith("...")]
+        heads = [name.rsplit("_", cut)[0] for name in whole for cut in range(4)]
+        tails = [name[3:] for name in names if name.startswith("...")]
+        patterns += whole + [head + tail for head in heads for tail in tails]
+    return [re.sub(r"(?<![a-z])[nksm](?![a-z])", r"\\d+", pattern) for pattern in patterns]
+
+
+def numbers(item, path=""):
+    """Every number in a JSON tree that stands without a unit."""
+    if isinstance(item, dict):
+        if set(item) in ({"value", "unit"}, {"values", "unit"}):
+            assert isinstance(item["unit"], str) and item["unit"]
+            return
+        for key, value in item.items():
+            yield from numbers(value, f"{path}.{key}")
+    elif isinstance(item, list):
+        for value in item:
+            yield from numbers(value, path)
+    elif isinstance(item, (int, float)) and not isinstance(item, bool):
+        yield path
+
+
+def quantities(tree):
+    """Every object of named quantities in a JSON tree."""
+    if isinstance(tree, dict):
+        for key, value in tree.items():
+            if key == "quantities":
+                yield from value.items()
+            else:
+                yield from quantities(value)
+    elif isinstance(tree, list):
+        for value in tree:
+            yield from quantities(value)
+
+
+@pytest.fixture(scope="module")
+def outputs(tmp_path_factory):
+    """The JSON text of each command."""
+    folder = tmp_path_factory.mktemp("json")
+    path = folder / "small.toml"
+    path.write_text(SMALL)
+    commands = {
+        "run": ("--output", str(folder / "out"), "--no-report"), "static": ("--steps", "8", "--csv", str(folder / "s.csv")), "modes": ("--count", "6"),
+        "check": (),
+    }  # fmt: skip
+    results = {name: call(name, str(path), *rest, "--json") for name, rest in commands.items()}
+    results["cases"] = call("cases", "--json")
+    assert {name: result.exit_code for name, result in results.items()} == dict.fromkeys(results, 0)
+    return {name: result.stdout for name, result in results.items()}
+
+
+@pytest.mark.parametrize("command", ["run", "static", "modes", "check", "cases"])
+def test_standard_output_is_one_object_whose_numbers_have_units(outputs, command):
+    text = outputs[command]
+    found = json.loads(text, parse_constant=pytest.fail)
+    assert isinstance(found, dict) and found["command"] == command
+    assert set(numbers(found)) <= {".elements_per_coil", ".modes.mode"}
+
+
+@pytest.mark.parametrize("command", ["run", "static", "modes", "check"])
+def test_every_name_and_key_is_documented(outputs, command):
+    found = json.loads(outputs[command])
+    names = dict(quantities(found))
+    patterns = documented_names()
+    assert names and not [name for name in names if not any(re.fullmatch(pattern, name) for pattern in patterns)]
+    assert all(value["unit"] == unit_of(name) for name, value in names.items())
+    assert not [key for key in (*found, *(key for run in found.get("runs", ()) for key in run)) if f"`{key}`" not in DOCUMENT]
+
+
+def test_comparisons_hold_both_values_and_their_difference(outputs):
+    rows = {row["quantity"]: row for row in json.loads(outputs["run"])["comparisons"]}
+    peak = rows["stage_2_peak_force"]
+    assert peak["engine_speed"] == {"value": 9000.0, "unit": "rpm"} and peak["role"] == "prediction"
+    assert peak["published"] == {"value": 1.0, "unit": "N"} == peak["tolerance"]
+    assert peak["difference"]["value"] == pytest.approx(peak["computed"]["value"] - 1.0)
+    assert rows["node_9_peak_acceleration"]["computed"] is None
+    assert rows["stage_2_peak_cam_angle"]["published"]["unit"] == "rad"
+
+
+def test_a_run_that_diverges_writes_what_it_has_and_ends_with_1(tmp_path):
+    (tmp_path / "small.toml").write_text(SMALL)
+    arguments = ("run", str(tmp_path / "small.toml"), "--set", "rod.time_step=2e-5 s", "--output", str(tmp_path / "out"))
+    result = call(*arguments, "--json")
+    assert result.exit_code == 1, result.stderr
+    lines = [line for line in result.stderr.splitlines() if line.startswith("failed: ")]
+    assert len(lines) == 1 and "finite-element at 9000 rpm: diverged" in lines[0] and "give a smaller time_step" in lines[0]
+    found = json.loads(result.stdout)
+    assert found["completed"] is False
+    assert [run["status"]["code"] for run in found["runs"]] == ["diverged", "completed"]
+    assert (tmp_path / "out" / "finite-element-9000rpm.nc").exists() and (tmp_path / "out" / "report.html").exists()
+    human = call(*arguments, "--no-report")
+    assert human.exit_code == 1 and "Stage II peak force" in human.stdout
+
+
+def test_a_static_curve_that_ends_early_says_so(tmp_path):
+    from unittest.mock import patch
+
+    from valvetrain.solution.status import Status
+    from valvetrain.studies import spring_runs
+
+    real = spring_runs.static_curve
+
+    def stuck(model, largest, steps):
+        from dataclasses import replace
+
+        return replace(real(model, largest / 2, steps), status=Status("not-converged", "no equilibrium beyond 3 mm", remedy="compress less"))
+
+    with patch.object(spring_runs, "static_curve", stuck):
+        result = call("static", "uniform-spring", "--elements-per-coil", "8", "--to", "8 mm", "--steps", "4", "--json")
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-1].startswith("failed: static curve of 'uniform-spring': not-converged: no equilibrium beyond 3 mm")
+    assert json.loads(result.stdout)["largest_compression"]["value"] == pytest.approx(4e-3)

@@ -1,0 +1,106 @@
+"""The command as users start it: a process with an exit code, two output streams and a keyboard."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from unit.cli_parts import CODE, SMALL, process, process_environment, sentence
+
+HEAVY = ("numba", "scipy", "xarray", "pint", "plotly", "matplotlib", "pydantic", "numpy", "h5py", "jinja2")
+
+
+def test_help_starts_quickly_and_loads_nothing_heavy(tmp_path):
+    seconds = []
+    for _ in range(3):  # the best of three, for the machine may be busy
+        start = time.perf_counter()
+        assert process("--help", folder=tmp_path).returncode == 0
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 0.5
+    code = "import sys, valvetrain.cli.main; print(' '.join({name.split('.')[0] for name in sys.modules}))"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=process_environment()).stdout.split()
+    assert "typer" in loaded and not set(HEAVY) & set(loaded)
+
+
+def test_json_is_alone_on_standard_output_and_words_go_to_standard_error(tmp_path):
+    (tmp_path / "small.toml").write_text(SMALL.replace('engine_speeds = "9000 rpm"\n', ""))
+    result = process("run", "small.toml", "--no-report", "--json", folder=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert json.loads(result.stdout)["completed"] is True
+    assert "names no engine speed" in result.stderr
+
+
+def test_wrong_input_ends_with_2_and_one_sentence(tmp_path):
+    result = process("check", "missing.toml", folder=tmp_path)
+    assert result.returncode == 2 and "check the path" in sentence(result)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="needs the device")
+def test_a_file_without_end_is_refused(tmp_path):
+    result = process("check", "/dev/zero", folder=tmp_path)
+    assert result.returncode == 2 and "larger than" in sentence(result)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends a signal as the keyboard does")
+def test_ctrl_c_ends_at_once_with_one_sentence_and_130(tmp_path):
+    (tmp_path / "small.toml").write_text(SMALL)
+    command = [sys.executable, "-c", CODE, "run", "small.toml", "--set", "operation.cycles=10000", "--elements-per-coil", "24"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=process_environment()
+    ) as running:
+        deadline = time.monotonic() + 60
+        while not (tmp_path / "runs" / "small").exists() and time.monotonic() < deadline:
+            time.sleep(0.05)
+        time.sleep(1.5)
+        asked = time.monotonic()
+        running.send_signal(signal.SIGINT)
+        output, errors = running.communicate(timeout=60)
+    assert running.returncode == 130 and time.monotonic() - asked < 5
+    assert output == "" and errors.splitlines()[-1].startswith("interrupted: ") and "Traceback" not in errors
+    assert list((tmp_path / "runs" / "small").iterdir()) == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closes a pipe early")
+def test_a_reader_that_leaves_early_is_no_error_message(tmp_path):
+    with subprocess.Popen(
+        [sys.executable, "-c", CODE, "cases", "gu2021-beehive", "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=process_environment()
+    ) as running:
+        assert running.stdout is not None and running.stderr is not None
+        running.stdout.close()
+        assert running.stderr.read() == b""
+
+
+def test_an_unexpected_error_is_a_sentence_unless_its_origin_is_asked_for(tmp_path):
+    code = (
+        "import valvetrain.parameters.loading as loading\n"
+        "def broken(*_): raise ZeroDivisionError('nought')\n"
+        "loading.load_case = broken\n" + CODE
+    )
+    command = [sys.executable, "-c", code, "check", "job-c"]
+    result = subprocess.run(command, capture_output=True, text=True, env=process_environment())
+    assert result.returncode == 1 and "fault in valvetrain (ZeroDivisionError: nought)" in sentence(result)
+    shown = subprocess.run(command, capture_output=True, text=True, env=process_environment(VALVETRAIN_TRACEBACK="1"))
+    assert shown.returncode == 1 and "Traceback" in shown.stderr
+
+
+def test_compilation_is_announced_once(tmp_path):
+    from valvetrain.cli import compilation
+
+    code = (
+        "from valvetrain.cli.compilation import seconds_to_compile as s; print(s('statics'), s('statics', 'march'));"
+        "from valvetrain.cli.progress import announce_compilation as a; a('statics', 'march')"
+    )
+    command = [sys.executable, "-c", code]
+    fresh = subprocess.run(command, capture_output=True, text=True, check=True, env=process_environment(NUMBA_CACHE_DIR=str(tmp_path / "empty")))
+    total = sum(seconds for _, _, seconds in compilation.KERNELS.values())
+    assert [float(text) for text in fresh.stdout.split()] == [compilation.KERNELS["statics"][2], total]
+    assert fresh.stderr == f"compiling kernels, once, about {total:.0f} s\n"
+    process("modes", "uniform-spring", "--elements-per-coil", "8", "--count", "2", folder=tmp_path)  # leaves its kernels in the usual cache
+    later = subprocess.run(command, capture_output=True, text=True, check=True, env=process_environment())
+    assert float(later.stdout.split()[0]) == 0.0
