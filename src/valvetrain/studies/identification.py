@@ -49,13 +49,30 @@ class Target:
 
 @dataclass(frozen=True)
 class Identified:
-    """The end of an identification: parameters, computed values by target, sum of squared scaled misses, iterations."""
+    """The end of an identification: parameters, computed values by target, sum of squared scaled misses, iterations.
+
+    ``covariance`` (parameters x parameters) is the linearised posterior's.
+    """
 
     parameters: Mapping[str, float]
     computed: Mapping[str, float]
     misfit: float
     iterations: int
-    standard_error: Mapping[str, float]
+    covariance: tuple[tuple[float, ...], ...]
+
+    @property
+    def standard_error(self) -> Mapping[str, float]:
+        """Posterior standard deviation of each parameter."""
+        return {name: float(np.sqrt(max(self.covariance[k][k], 0.0))) for k, name in enumerate(self.parameters)}
+
+    def sample(self, unknowns: Sequence[Unknown], count: int, seed: int = 0) -> list[Array]:
+        """Parameter vectors drawn from the linearised posterior, kept within the bounds of ``unknowns``."""
+        centre = np.array([self.parameters[u.name] for u in unknowns])
+        values, vectors = np.linalg.eigh(np.array(self.covariance))
+        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        draws = np.random.default_rng(seed).standard_normal((count, len(centre)))
+        low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
+        return [np.clip(centre + root @ draw, low, high) for draw in draws]
 
 
 Evaluate = Callable[[Array], Mapping[str, float] | None]
@@ -111,11 +128,10 @@ def identify(
     # Posterior standard errors: the prior rows are part of the Jacobian.
     jacobian[len(targets) :] = prior_weight * np.diag(1 / spread)
     covariance = np.linalg.pinv(jacobian.T @ jacobian)
-    error = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     names = [u.name for u in unknowns]
     return Identified(
         dict(zip(names, map(float, point), strict=True)), dict(values), float(residual @ residual), done,
-        dict(zip(names, map(float, error), strict=True)),
+        tuple(tuple(map(float, line)) for line in covariance),
     )  # fmt: skip
 
 
