@@ -20,16 +20,20 @@ from valvetrain.cam.shaped import Shaped
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.damping import DampingParameters
+from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
 from valvetrain.parameters.writing import write_case_values
 from valvetrain.rod.buffer import RodDynamics
 from valvetrain.rod.modes import natural_modes
 from valvetrain.rod.static import compress
+from valvetrain.solution.atomic import write_text
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.modal_varied import ModalVariedStiffness
 from valvetrain.studies.identification import Identified, Target, Unknown, identify
 from valvetrain.studies.spring_runs import march_case
+from valvetrain.studies.spring_study import run_spring_study
 
 PRECOMPRESSION = 7e-3
 ENGINE_SPEED = 4200 * 2 * np.pi / 60
@@ -50,17 +54,18 @@ UNKNOWNS = (
     Unknown("stiffness_share", 0.40, 1.00, 0.80, 0.15),
     Unknown("maximum_lift", 8.6e-3, 9.8e-3, 9.2e-3, 0.2e-3),
     Unknown("ramp_lift", 0.15e-3, 0.60e-3, 0.35e-3, 0.08e-3),
-    Unknown("flank_start", 0.3, 2.0, 1.0, 0.2),
-    Unknown("flank_end", 0.0, 1.0, 0.3, 0.2),
-    Unknown("nose_start", 0.4, 2.0, 1.0, 0.15),
-    Unknown("nose_middle", 0.4, 2.0, 1.0, 0.15),
+    Unknown("flank_start", 0.3, 2.0, 1.0, 0.3),
+    Unknown("flank_end", 0.0, 1.0, 0.3, 0.3),
+    Unknown("nose_start", 0.4, 2.0, 1.0, 0.3),
+    Unknown("nose_middle", 0.4, 2.0, 1.0, 0.3),
 )
 
 #: Calibration data with the weight of a miss; source numbers of the published study, statics, modes and 4200 rpm only.
 TARGETS = (
     Target("preload", 289.0, 1.5),
     Target("stiffness_change_compression", 5.0e-3, 0.25e-3),
-    Target("node_2_installed_gap", 0.07e-3, 0.02e-3),
+    # "The compressive displacement is 0.07 mm when coil 2 makes contact": a gap of 0.07 mm, or no gap and 0.07 mm of elastic give.
+    Target("node_2_installed_gap", 0.035e-3, 0.035e-3),
     Target("mode_1_frequency", 630.0, 4.0),
     Target("mode_2_frequency", 1120.0, 20.0),
     Target("mode_3_frequency", 1639.0, 30.0),
@@ -69,8 +74,8 @@ TARGETS = (
     Target("stage_2_peak_cam_angle", 183.0, 1.0),
     Target("stage_3_peak_force", 315.0, 8.0),
     Target("modal_stage_2_peak_force", 814.0, 6.0),
-    Target("node_2_maximum_displacement", 0.05e-3, 0.015e-3),
-    Target("node_2_peak_acceleration", 5490.0, 2000.0),
+    Target("node_2_maximum_displacement", 0.05e-3, 0.02e-3),
+    Target("node_2_stage_3_peak_acceleration", 5490.0, 1500.0),
 )
 
 
@@ -136,12 +141,13 @@ def _node_2(model: FiniteElementRod, installed, run) -> dict[str, float]:
     height = np.array([np.interp(2.0, coil, z) for z in run.position[:, :, 2]])
     velocity = np.array([np.interp(2.0, coil, v) for v in run.velocity[:, :, 2]])
     acceleration = np.diff(velocity) / np.diff(run.time)
+    angle = np.degrees(ENGINE_SPEED / 2 * run.time[1:]) % 360.0
     gap = float(np.interp(2.0, coil[inside], gaps[inside]))
     rest = np.interp(2.0, coil, installed.state.position[:, 2]) - max(gap, 0.0)
     return {
         "node_2_installed_gap": gap,
         "node_2_maximum_displacement": float(np.max(height) - rest),
-        "node_2_peak_acceleration": float(np.max(np.abs(acceleration))),
+        "node_2_stage_3_peak_acceleration": float(np.max(np.abs(acceleration[angle > 236.0]))),
     }
 
 
@@ -217,6 +223,48 @@ def case_values(p: dict[str, float]) -> dict[str, object]:
     }
 
 
+#: Quantities whose spread over the posterior is worth telling, with the unit they are told in.
+SPREADS = (
+    "stage_1_minimum_force", "stage_1_maximum_force", "stage_2_peak_force", "stage_2_peak_cam_angle", "stage_2_first_peak_force",
+    "stage_2_valley_force", "stage_2_second_peak_force", "stage_3_peak_force", "stage_3_peak_cam_angle", "node_2_maximum_displacement",
+    "node_2_stage_3_minimum_velocity", "node_2_peak_acceleration", "clash_interval_cam_angle",
+)  # fmt: skip
+
+
+def predict(elements_per_coil: int, vector: np.ndarray) -> dict[str, float]:
+    """All three speeds of one parameter vector: named quantities, keyed ``rpm quantity``; empty for an impossible spring."""
+    p = {u.name: float(v) for u, v in zip(UNKNOWNS, vector, strict=True)}
+    case = load_case("gu2021-beehive")
+    damping = case.damping.replace(stiffness_share=p["stiffness_share"])
+    try:
+        law = law_of(p)
+        values = {name: getattr(law, name) for name in ("maximum_lift", "ramp_lift", "ramp_start", "event_start", "nose", "flank_shape")}
+        case = case.replace(
+            {"rod.elements_per_coil": elements_per_coil}, spring=spring_of(p), damping=damping, lift_law=LiftLawParameters("shaped", values), published=()
+        )
+        study = run_spring_study(case, models=("finite-element",), workers=1)
+    except (InputError, ValueError, np.linalg.LinAlgError, RuntimeError):
+        return {}
+    return {f"{round(q.engine_speed * 30 / np.pi)} {q.name}": v for q, v in study.quantities.items() if q.engine_speed and q.name in SPREADS}
+
+
+def tell_spread(found: Identified, elements: int, workers: int, count: int) -> str:
+    """TOML text: 5, 50 and 95 % of each quantity over ``count`` draws of the posterior (SI)."""
+    with ProcessPoolExecutor(workers) as pool:
+        outcomes = [o for o in pool.map(partial(predict, elements), found.sample(UNKNOWNS, count, seed=2021)) if o]
+    lines = [
+        "# Spread of the beehive's results over what its calibration data leave open; written by scripts/identify_beehive.py.",
+        f"# Percentiles 5, 50, 95 over {len(outcomes)} draws of the linearised posterior, {elements} elements per coil, SI units.",
+    ]
+    for rpm in (4200, 5600, 8000):
+        lines += ["", f'["{rpm} rpm"]']
+        for name in SPREADS:
+            values = [o[f"{rpm} {name}"] for o in outcomes if np.isfinite(o.get(f"{rpm} {name}", np.nan))]
+            if len(values) >= 0.5 * len(outcomes):
+                lines.append(f"{name} = [{', '.join(f'{v:.6g}' for v in np.percentile(values, (5, 50, 95)))}]")
+    return "\n".join(lines) + "\n"
+
+
 def main() -> None:
     """Identify, print the result and, with --write, rewrite the case library."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -225,6 +273,7 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=4)
     parser.add_argument("--samples", type=int, default=300)
     parser.add_argument("--keep", type=int, default=6)
+    parser.add_argument("--draws", type=int, default=48)
     options = parser.parse_args()
     found = search(options.elements_per_coil, options.workers, options.samples, options.keep)
     print(f"misfit {found.misfit:.3f} after {found.iterations} iterations")
@@ -236,6 +285,9 @@ def main() -> None:
         path = resources.files("valvetrain") / "parameters" / "library" / "gu2021-beehive.toml"
         write_case_values(str(path), case_values(dict(found.parameters)))
         print(f"rewrote the identified values of {path.name}")
+        spread = tell_spread(found, 16, options.workers, options.draws)
+        write_text(str(path).replace(".toml", ".spread"), spread)
+        print(spread)
 
 
 if __name__ == "__main__":
