@@ -16,13 +16,15 @@ FEW = settings(max_examples=150, deadline=None, suppress_health_check=[HealthChe
 WORDS = st.one_of(
     st.text(max_size=30),
     st.sampled_from([
-        "run", "static", "modes", "cases", "check", "--json", "--set", "--engine-speed", "--to", "--steps", "--count", "--compression",
-        "--elements-per-coil", "--spring", "--workers", "--output", "--no-report", "--csv", "job-c", "uniform-spring", "4200 rpm", "7 mm", "8",
-        "spring.pitch=7 mm", "spring.total_coils=1e400", "rod.elements_per_coil=true", "lift_law.power={a=1}", "published.0.role=x", "--", "-", "",
-        "title=\ud800", "spring=[[[", "installation.precompression=nan mm", "operation.cycles=1979-05-27", "1e308:1e309:1 rpm", "/dev/null", "..",
+        "run", "static", "modes", "cases", "check", "--json", "--set", "--engine-speed", "--to", "--steps", "--count", "--csv",
+        "--compression", "--elements-per-coil", "--spring", "--workers", "--output", "--no-report", "job-c", "uniform-spring",
+        "4200 rpm", "7 mm", "8", "--", "-", "", "spring.pitch=7 mm", "spring.total_coils=1e400", "rod.elements_per_coil=true",
+        "lift_law.power={a=1}", "published.0.role=x", "title=\ud800", "spring=[[[", "installation.precompression=nan mm",
+        "operation.cycles=1979-05-27", "1e308:1e309:1 rpm", "/dev/null", "..",
     ]),
 )  # fmt: skip
-TEXTS = tuple((LIBRARY / f"{name}.toml").read_text() for name in ("gu2021-beehive", "tdi-pushrod", "job-c")) + (SMALL,)
+TEXTS = (SMALL, *((LIBRARY / f"{name}.toml").read_text() for name in ("gu2021-beehive", "tdi-pushrod", "job-c")))
+COMMANDS, CASES = st.sampled_from(["run", "static", "modes", "check"]), st.sampled_from(["job-c", "gu2021-beehive"])
 
 
 def assert_civil(result) -> None:
@@ -60,7 +62,7 @@ def test_any_arguments(arguments):
 
 
 @FEW
-@given(st.sampled_from(["run", "static", "modes", "check"]), st.sampled_from(["job-c", "gu2021-beehive"]), st.text(max_size=40), st.text(max_size=20))
+@given(COMMANDS, CASES, st.text(max_size=40), st.text(max_size=20))
 def test_any_setting(command, case, path, value):
     assert_civil(call(command, case, f"--set={path}={value}", "--json"))
 

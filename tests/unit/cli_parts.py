@@ -75,9 +75,8 @@ def call(*arguments: str) -> Result:
 
 def process(*arguments: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """The command as a process of its own in ``folder``."""
-    return subprocess.run(
-        [sys.executable, "-c", CODE, *arguments], capture_output=True, text=True, cwd=folder, timeout=120, env=process_environment(**environment)
-    )
+    command = [sys.executable, "-c", CODE, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=120, env=process_environment(**environment))
 
 
 def process_environment(**changes: str) -> dict[str, str]:

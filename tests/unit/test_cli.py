@@ -73,7 +73,8 @@ def test_check_prints_what_follows_from_the_definition_by_hand():
 
 def test_check_shows_the_units_of_the_field():
     text = call("check", "uniform-spring").stdout
-    for line in (r"Free length +38\.8 +mm", r"Estimated rate +38\.969 +N/mm", r"Estimated surge frequency +\d{3}\.\d+ +Hz", r"Wire mass +30\.9\d* +g"):
+    lines = (r"Free length +38\.8 +mm", r"Estimated rate +38\.969 +N/mm", r"Estimated surge frequency +561\.\d+ +Hz", r"Wire mass +30\.9\d* +g")
+    for line in lines:
         assert re.search(line, text), line
 
 
@@ -113,7 +114,8 @@ def test_run_prints_computed_beside_published_and_writes_its_folder(small):
     result = call("run", "small.toml")
     assert result.exit_code == 0, result.stderr
     assert max(map(len, result.stdout.splitlines())) <= 100
-    for line in (r"Preload +FE +130 N .*within tolerance", r"Stage II peak force +FE +1 N .*misses", r"Node 9 peak acceleration.*not computed"):
+    lines = r"Preload +FE +130 N .*within tolerance", r"Stage II peak force +FE +1 N .*misses", r"Node 9 peak acceleration.*not computed"
+    for line in lines:
         assert re.search(line, result.stdout), line
     assert "9000 rpm (prediction: not used to identify the case)" in result.stdout
     assert "prediction: 3 published values, 0 of 1 stated tolerances and bounds met, 1 not computed" in result.stdout
@@ -158,7 +160,7 @@ def test_a_run_without_speeds_gives_statics_and_modes(small):
         (("run", "uniform-spring", "--engine-speed", "1 rpm"), "has no lift law"),
         (("run", "job-c", "--workers", "0"), "--workers: 0 lies outside"),
         (("run", "job-c", "--set", "spring"), "sets nothing; write a key path"),
-        (("run", "job-c", "--set", "spring.wire_diametre=4 mm"), "--set spring.wire_diametre: key 'wire_diametre' is unknown; did you mean wire_diameter"),
+        (("run", "job-c", "--set", "spring.wire_diametre=4 mm"), "--set spring.wire_diametre: key 'wire_diametre' is unknown; did you mean"),
         (("run", "job-c", "--set", "spring.wire_diameter=4 N"), "--set spring.wire_diameter: '4 N' is a force, but a length is needed"),
         (("run", "job-c", "--set", "spring.wire_diameter=4"), "4 has no unit"),
         (("run", "job-c", "--set", "spring.wire_diameter=40 mm"), "widen the coil"),

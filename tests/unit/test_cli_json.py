@@ -61,8 +61,8 @@ def outputs(tmp_path_factory):
     path = folder / "small.toml"
     path.write_text(SMALL)
     commands = {
-        "run": ("--output", str(folder / "out"), "--no-report"), "static": ("--steps", "8", "--csv", str(folder / "s.csv")), "modes": ("--count", "6"),
-        "check": (),
+        "run": ("--output", str(folder / "out"), "--no-report"), "static": ("--steps", "8", "--csv", str(folder / "s.csv")),
+        "modes": ("--count", "6"), "check": (),
     }  # fmt: skip
     results = {name: call(name, str(path), *rest, "--json") for name, rest in commands.items()}
     results["cases"] = call("cases", "--json")
@@ -124,7 +124,8 @@ def test_a_static_curve_that_ends_early_says_so(tmp_path):
     def stuck(model, largest, steps):
         from dataclasses import replace
 
-        return replace(real(model, largest / 2, steps), status=Status("not-converged", "no equilibrium beyond 3 mm", remedy="compress less"))
+        status = Status("not-converged", "no equilibrium beyond 3 mm", remedy="compress less")
+        return replace(real(model, largest / 2, steps), status=status)
 
     with patch.object(spring_runs, "static_curve", stuck):
         result = call("static", "uniform-spring", "--elements-per-coil", "8", "--to", "8 mm", "--steps", "4", "--json")

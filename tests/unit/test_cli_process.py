@@ -24,7 +24,8 @@ def test_help_starts_quickly_and_loads_nothing_heavy(tmp_path):
         seconds.append(time.perf_counter() - start)
     assert min(seconds) < 0.5
     code = "import sys, valvetrain.cli.main; print(' '.join({name.split('.')[0] for name in sys.modules}))"
-    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=process_environment()).stdout.split()
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=process_environment())
+    loaded = result.stdout.split()
     assert "typer" in loaded and not set(HEAVY) & set(loaded)
 
 
@@ -66,11 +67,33 @@ def test_ctrl_c_ends_at_once_with_one_sentence_and_130(tmp_path):
     assert list((tmp_path / "runs" / "small").iterdir()) == []
 
 
+@pytest.mark.skipif(os.name != "posix", reason="sends a signal as the keyboard does")
+def test_ctrl_c_ends_worker_processes_too(tmp_path):
+    code = (
+        "import time; from valvetrain.cli.progress import progress_bar; from valvetrain.studies.batch import map_cases\n"
+        "with progress_bar('x'):\n    map_cases(time.sleep, [0.01] * 4, 2); print('go', flush=True); map_cases(time.sleep, [60] * 4, 2)"
+    )
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", code], text=True, env=process_environment(), start_new_session=True, **pipes) as running:
+        assert running.stdout is not None and running.stdout.readline() == "go\n"
+        time.sleep(1.0)
+        os.killpg(running.pid, signal.SIGINT)
+        _, errors = running.communicate(timeout=20)
+    assert running.returncode == 130 and errors.startswith("interrupted: ") and len(errors.splitlines()) == 1
+    for _ in range(50):
+        try:
+            os.killpg(running.pid, 0)
+        except ProcessLookupError:
+            break
+        time.sleep(0.1)
+    else:
+        pytest.fail("worker processes are still there")
+
+
 @pytest.mark.skipif(os.name != "posix", reason="closes a pipe early")
 def test_a_reader_that_leaves_early_is_no_error_message(tmp_path):
-    with subprocess.Popen(
-        [sys.executable, "-c", CODE, "cases", "gu2021-beehive", "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=process_environment()
-    ) as running:
+    command = [sys.executable, "-c", CODE, "cases", "gu2021-beehive", "--json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=process_environment()) as running:
         assert running.stdout is not None and running.stderr is not None
         running.stdout.close()
         assert running.stderr.read() == b""
@@ -97,7 +120,8 @@ def test_compilation_is_announced_once(tmp_path):
         "from valvetrain.cli.progress import announce_compilation as a; a('statics', 'march')"
     )
     command = [sys.executable, "-c", code]
-    fresh = subprocess.run(command, capture_output=True, text=True, check=True, env=process_environment(NUMBA_CACHE_DIR=str(tmp_path / "empty")))
+    empty = process_environment(NUMBA_CACHE_DIR=str(tmp_path / "empty"))
+    fresh = subprocess.run(command, capture_output=True, text=True, check=True, env=empty)
     total = sum(seconds for _, _, seconds in compilation.KERNELS.values())
     assert [float(text) for text in fresh.stdout.split()] == [compilation.KERNELS["statics"][2], total]
     assert fresh.stderr == f"compiling kernels, once, about {total:.0f} s\n"

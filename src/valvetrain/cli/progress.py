@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import sys
@@ -11,7 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import Any
 
-from valvetrain.cli.guard import interrupted
+from valvetrain.cli.guard import INTERRUPTED, interrupted
 from valvetrain.cli.outcome import tell
 
 Report = Callable[[float, str], None]
@@ -58,9 +59,15 @@ def _quick_interrupt(clean: Callable[[], Any]) -> Iterator[None]:
         yield
         return
 
+    parent = os.getpid()
+
     def stop(*_: Any) -> None:
-        clean()
-        os._exit(interrupted())
+        if os.getpid() == parent:  # a forked worker holds this handler too until it sets its own
+            for worker in multiprocessing.active_children():
+                worker.terminate()
+            clean()
+            interrupted()
+        os._exit(INTERRUPTED)
 
     before = signal.signal(signal.SIGINT, stop)
     try:

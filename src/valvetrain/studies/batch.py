@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from typing import TypeVar
@@ -46,7 +47,9 @@ def _results(function: Callable[[Case], Result], items: Sequence[Case], count: i
         return
     # a forked child of a threaded parent can hang; a fresh interpreter costs half a second and loads the compiled kernels from disk
     method = "fork" if "fork" in multiprocessing.get_all_start_methods() and not _threads_running() else "spawn"
-    with ProcessPoolExecutor(count, mp_context=multiprocessing.get_context(method)) as pool:
+    # Ctrl-C reaches every process of a terminal; the one that answers it is this one
+    quiet = (signal.SIGINT, signal.SIG_IGN)
+    with ProcessPoolExecutor(count, multiprocessing.get_context(method), initializer=signal.signal, initargs=quiet) as pool:
         yield from pool.map(function, items, chunksize=max(1, len(items) // (8 * count)))
 
 
