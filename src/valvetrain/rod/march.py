@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 
 from valvetrain.rod.layout import GROUP as _GROUP
-from valvetrain.rod.layout import STRIDE as _STRIDE
 from valvetrain.rod.layout import ROW
+from valvetrain.rod.layout import STRIDE as _STRIDE
 from valvetrain.rod.step_kernels import (
     bending_torques,
     contact_forces,
@@ -28,10 +30,12 @@ PX, PY, PZ, DH, KC, IMPULSE, PEAK, LOSS = (ROW[n] for n in ("PX", "PY", "PZ", "D
 GROUP, ONE, STRIDE = _GROUP, np.uint64(1), np.uint64(_STRIDE)
 
 #: No fast maths here, so that a diverged run is seen; no reference counts either (see step_kernels).
-OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
+OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
 
 #: Steps between two looks for coils that come near, and most separate stretches of wire watched at once.
 WATCH_STEPS, STRETCHES = 32, 12
+#: Gap (m) beyond the travel until the next look at which wire is watched: the gap there is taken to the chord, not the curve.
+WATCH_MARGIN = 1e-4
 
 # Places in the ``numbers`` and ``integers`` that travel with a buffer.
 DT, KEEP, KICK, DECAY, GAIN_OLD, GAIN_NEW, VISCOUS, CONTACT_TIME, MASS_DAMPING, RELAXATION = range(10)
@@ -48,10 +52,13 @@ def clear_contact(b, vertices):
 
 @njit(**OPTIONS)
 def watch_contacts(b, integers, reach, stretches):
-    """List the stretches of contact points whose gap may close within ``reach`` (m); returns their number."""
+    """List the stretches of contact points whose gap may close within ``reach`` (m); returns their number.
+
+    The gap is measured at the vertices; contact points between two of them are covered by one vertex more at either end.
+    """
     vertices, offset = np.uint64(integers[VERTICES]), np.uint64(integers[OFFSET])
     clear_contact(b, vertices)
-    count, start, inside = 0, offset + ONE, False
+    count, start, end, inside = 0, offset + ONE, offset + ONE, False
     for j in range(offset + ONE, vertices - ONE):
         k = j - offset
         near = False
@@ -59,15 +66,17 @@ def watch_contacts(b, integers, reach, stretches):
             dx, dy, dz = b[X + j] - b[X + k], b[Y + j] - b[Y + k], b[Z + j] - b[Z + k]
             sx, sy, sz = b[X + k + ONE] - b[X + k - ONE], b[Y + k + ONE] - b[Y + k - ONE], b[Z + k + ONE] - b[Z + k - ONE]
             along = dx * sx + dy * sy + dz * sz
-            limit = 2.0 * b[DH + j] + reach
+            limit = 2.0 * max(b[DH + j], b[DH + GROUP + j]) + reach
             near = dx * dx + dy * dy + dz * dz - along * along / (sx * sx + sy * sy + sz * sz) < limit * limit
-        if near and not inside:
-            start, inside = j, True
-        if inside and not near and count < STRETCHES - 1:
-            stretches[count, 0], stretches[count, 1] = start, j
+        if near:
+            if not inside:
+                start, inside = max(j - ONE, offset + ONE), True
+            end = min(j + ONE + ONE, vertices - ONE)
+        elif inside and j >= end and count < STRETCHES - 1:
+            stretches[count, 0], stretches[count, 1] = start, end
             count, inside = count + 1, False
     if inside:
-        stretches[count, 0], stretches[count, 1] = start, vertices - ONE
+        stretches[count, 0], stretches[count, 1] = start, end
         count += 1
     return count
 
@@ -112,9 +121,8 @@ def fastest_vertex(b, first, last):
 def forces_now(b, integers, numbers, places, stretches, count, displacement):
     """All forces at the present positions; returns (retainer force, seat force), N, compressive positive."""
     first, last, vertices = np.uint64(integers[FIRST]), np.uint64(integers[LAST]), np.uint64(integers[VERTICES])
-    all_contact(
-        b, np.uint64(integers[OFFSET]), integers[GROUPS], places, stretches, count, np.uint64(0), vertices, numbers[CONTACT_TIME], numbers[DT]
-    )
+    offset, damping_time = np.uint64(integers[OFFSET]), numbers[CONTACT_TIME]
+    all_contact(b, offset, integers[GROUPS], places, stretches, count, np.uint64(0), vertices, damping_time, numbers[DT])
     lower_down, _ = seat_contact(b, np.uint64(0), np.uint64(integers[LOWER_END]), displacement)
     _, upper_up = seat_contact(b, np.uint64(integers[UPPER_START]), vertices, displacement)
     section_forces(b, first + ONE, last + ONE)
@@ -150,10 +158,10 @@ def place_retainer(b, integers, travel, velocity):
 def march(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense):
     """March over ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
 
-    ``clock`` = (steps per dense record, dense records per sample); ``stretches`` (STRETCHES, 2) is room to work. Fills ``snapshots`` (samples, 13, nv + 1) with
-    positions, frames, velocities and spins, ``contacts`` (samples, 3, groups, nv) with mean force, peak force and
-    loss since the last sample, ``dense`` (records, 4) with retainer force, seat force, work done and dissipated energy.
-    Returns (steps done, largest vertex speed); a run that diverged stops early.
+    ``clock`` = (steps per dense record, dense records per sample); ``stretches`` (STRETCHES, 2) is room to work. Fills
+    ``snapshots`` (samples, 13, nv + 1) with positions, frames, velocities and spins, ``contacts`` (samples, 3, groups, nv)
+    with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with retainer force, seat force,
+    work done and dissipated energy. Returns (steps done, largest vertex speed); a run that diverged stops early.
     """
     steps, vertices = len(displacement) - 1, np.uint64(integers[VERTICES])
     count, work, lost, before, fastest = 0, 0.0, 0.0, 0.0, 0.0
@@ -164,7 +172,7 @@ def march(b, integers, numbers, places, displacement, clock, stretches, snapshot
             fastest = max(fastest, speed)
             if speed == np.inf:
                 return n, fastest
-            reach = 2.0 * (speed + 2.0) * WATCH_STEPS * dt + 2e-5
+            reach = 2.0 * (speed + 2.0) * WATCH_STEPS * dt + WATCH_MARGIN
             count = watch_contacts(b, integers, reach, stretches)
         retainer, seat = forces_now(b, integers, numbers, places, stretches, count, displacement[n])
         if n > 0:

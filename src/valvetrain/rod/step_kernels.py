@@ -9,6 +9,8 @@ variants that stand side by side) and the contact group are constants at compile
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 
@@ -29,13 +31,18 @@ LOWER, UPPER, SEAT = (ROW[n] for n in ("LOWER", "UPPER", "SEAT"))
 #: Everything of fast maths but the promise that no value is NaN: a diverged run must be seen.
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 #: Without reference counts of the arrays, whose atomic updates at every call took 20 % of a march.
-OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False, "fastmath": FAST}
+OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False, "fastmath": FAST}
+
+
+def _compiled(kernel, *constants):
+    # The constants belong to the name: compiled code of equal name from two cached runs would be taken for the same.
+    kernel.__qualname__ = "_".join([kernel.__name__, *(str(int(constant)) for constant in constants)])
+    return njit(**OPTIONS)(kernel)
 
 
 def section_forces_of(one):
     """Kernel: section forces of a wire whose neighbouring entries stand ``one`` apart in the buffer."""
 
-    @njit(**OPTIONS)
     def section_forces(b, first, last):
         """Section force (space frame) and its torque (body frame) on edges first .. last - 1."""
         for e in range(first, last):
@@ -58,13 +65,12 @@ def section_forces_of(one):
             # Torque -h n x u on the edge; the length comes back as 1 / (1 / h) folded into the inertia rows.
             b[T1 + e], b[T2 + e], b[T3 + e] = n3 * u2 - n2 * u3, n1 * u3 - n3 * u1, n2 * u1 - n1 * u2
 
-    return section_forces
+    return _compiled(section_forces, one)
 
 
 def bending_torques_of(one):
     """Kernel: bending torques of a wire whose neighbouring entries stand ``one`` apart in the buffer."""
 
-    @njit(**OPTIONS)
     def bending_torques(b, first, last, decay, gain_old, gain_new, viscous):
         """Torques of vertices first .. last - 1 on their two edges, with the viscous branch (standard linear solid).
 
@@ -90,13 +96,12 @@ def bending_torques_of(one):
             b[B1 + i], b[B2 + i], b[B3 + i] = -m1 - x1, -m2 - x2, -m3 - x3
         return branch
 
-    return bending_torques
+    return _compiled(bending_torques, one)
 
 
 def turn_edges_of(one):
     """Kernel: turning of the edges of a wire whose neighbouring entries stand ``one`` apart in the buffer."""
 
-    @njit(**OPTIONS)
     def turn_edges(b, first, last, dt, keep, kick):
         """Spin and frames of edges first .. last - 1: w <- keep w + kick J^-1 torque, q <- q exp(dt w / 2)."""
         half = 0.5 * dt
@@ -118,13 +123,12 @@ def turn_edges_of(one):
             unit = 1.5 - 0.5 * (r0 * r0 + r1 * r1 + r2 * r2 + r3 * r3)
             b[Q0 + e], b[Q1 + e], b[Q2 + e], b[Q3 + e] = unit * r0, unit * r1, unit * r2, unit * r3
 
-    return turn_edges
+    return _compiled(turn_edges, one)
 
 
 def move_vertices_of(one):
     """Kernel: motion of the vertices of a wire whose neighbouring entries stand ``one`` apart in the buffer."""
 
-    @njit(**OPTIONS)
     def move_vertices(b, first, last, dt, keep, kick):
         """Velocities and positions of vertices first .. last - 1; returns the sum of mass times (old + new velocity)^2."""
         motion = 0.0
@@ -140,7 +144,7 @@ def move_vertices_of(one):
             b[Z + i] += dt * vz
         return motion
 
-    return move_vertices
+    return _compiled(move_vertices, one)
 
 
 @njit(**OPTIONS)
@@ -167,7 +171,6 @@ def contact_forces_of(g, one):
     d0 - dist is expanded in 1 - dist^2 / d0^2: no root, no division. Kelvin-Voigt, never adhesive.
     """
 
-    @njit(**OPTIONS)
     def contact_forces(b, first, last, t, s, damping_time, dt):
         u0, u1, u2 = 0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)
         c0, c1, c2 = 0.5 * (0.5 - s) * (0.5 - s), 0.75 - s * s, 0.5 * (0.5 + s) * (0.5 + s)
@@ -191,9 +194,12 @@ def contact_forces_of(g, one):
             # Unit normal = separation / d0 * (1 + e/2 + 3/8 e^2); DH = d0 / 2.
             scale = 2.0 * b[DH + g + j] * inverse * (1.0 + e * (0.5 + 0.375 * e))
             nx, ny, nz = scale * dx, scale * dy, scale * dz
-            vx = u0 * b[VX - one + j] + u1 * b[VX + j] + u2 * b[VX + one + j] - w0 * b[VXL - one + j] - w1 * b[VXL + j] - w2 * b[VXL + one + j]
-            vy = u0 * b[VY - one + j] + u1 * b[VY + j] + u2 * b[VY + one + j] - w0 * b[VYL - one + j] - w1 * b[VYL + j] - w2 * b[VYL + one + j]
-            vz = u0 * b[VZ - one + j] + u1 * b[VZ + j] + u2 * b[VZ + one + j] - w0 * b[VZL - one + j] - w1 * b[VZL + j] - w2 * b[VZL + one + j]
+            vx = u0 * b[VX - one + j] + u1 * b[VX + j] + u2 * b[VX + one + j]
+            vx -= w0 * b[VXL - one + j] + w1 * b[VXL + j] + w2 * b[VXL + one + j]
+            vy = u0 * b[VY - one + j] + u1 * b[VY + j] + u2 * b[VY + one + j]
+            vy -= w0 * b[VYL - one + j] + w1 * b[VYL + j] + w2 * b[VYL + one + j]
+            vz = u0 * b[VZ - one + j] + u1 * b[VZ + j] + u2 * b[VZ + one + j]
+            vz -= w0 * b[VZL - one + j] + w1 * b[VZL + j] + w2 * b[VZL + one + j]
             closing = -(nx * vx + ny * vy + nz * vz)
             force = b[KC + g + j] * (overlap + damping_time * closing)
             force = force if force > 0.0 else 0.0
@@ -205,13 +211,12 @@ def contact_forces_of(g, one):
             b[IMPULSE + g + j] += dt * force
             b[PEAK + g + j] = force if force > b[PEAK + g + j] else b[PEAK + g + j]
 
-    return contact_forces
+    return _compiled(contact_forces, g, one)
 
 
 def spread_contact_of(g, one):
     """Kernel: gather a group's point forces on the upper wire (rows C) and the lower wire (rows G, upper index)."""
 
-    @njit(**OPTIONS)
     def spread_contact(b, first, last, t):
         u0, u1, u2 = 0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)
         p, s = PX + g, S0 + g
@@ -227,7 +232,7 @@ def spread_contact_of(g, one):
             b[CZ + i] += u0 * b[p + one + i] + u1 * b[p + i] + u2 * b[p - one + i]
             b[GZ + i] += b[s + one + i] * b[p + one + i] + b[S1 + g + i] * b[p + i] + b[S2 + g - one + i] * b[p - one + i]
 
-    return spread_contact
+    return _compiled(spread_contact, g, one)
 
 
 _ONE = np.uint64(1)

@@ -6,7 +6,19 @@ import numpy as np
 from numba import njit
 
 from valvetrain.rod.layout import SIZE
-from valvetrain.rod.march import DT, GROUPS, STRETCHES, VERTICES, WATCH_STEPS, fastest_vertex, forces_now, kick_and_drift, place_retainer, watch_contacts
+from valvetrain.rod.march import (
+    DT,
+    GROUPS,
+    STRETCHES,
+    VERTICES,
+    WATCH_MARGIN,
+    WATCH_STEPS,
+    fastest_vertex,
+    forces_now,
+    kick_and_drift,
+    place_retainer,
+    watch_contacts,
+)
 
 # Tail of the state behind the rod's buffer.
 TRAVEL, COUNTER, WATCHED, LOST, STRETCH = SIZE, SIZE + 1, SIZE + 2, SIZE + 3, SIZE + 4
@@ -27,7 +39,7 @@ def advance_rod(parameters, integers, state, retainer_displacement, retainer_vel
     state[TRAVEL] = compression
     if state[COUNTER] % WATCH_STEPS == 0.0 or time_step == 0.0:
         fastest = fastest_vertex(buffer, np.uint64(0), np.uint64(integers[VERTICES]))
-        reach = 2.0 * (min(fastest, 1e3) + 2.0) * WATCH_STEPS * numbers[DT] + 2e-5
+        reach = 2.0 * (min(fastest, 1e3) + 2.0) * WATCH_STEPS * numbers[DT] + WATCH_MARGIN
         state[WATCHED] = watch_contacts(buffer, integers, reach, stretches)
     retainer, seat = forces_now(buffer, integers, numbers, places, stretches, int(state[WATCHED]), compression)
     if time_step > 0.0:
