@@ -12,7 +12,7 @@ from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.chain_layout import axial_clearance, chain_from_definition
 from valvetrain.springs.chain_statics import contact_depths, contact_rows, element_matrix, solve_static, static_curve
-from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.springs.equivalent import EquivalentSpring, massless_table
 from valvetrain.springs.equivalent_rod import EquivalentRod
 from valvetrain.springs.massless import MasslessSpring, MasslessTable
 from valvetrain.springs.modal import ModalSpring
@@ -175,6 +175,39 @@ def test_statics_of_a_clashing_chain_balances_every_node():
         assert np.max(np.abs(net[1:-1])) < 1e-6 * max(1.0, abs(net[-1]))
     forces, rates = static_curve(model.layout, np.linspace(0, 16e-3, 30))
     assert np.all(np.diff(forces) > 0) and rates[-1] > 1.1 * rates[0]
+
+
+def test_massless_table_follows_the_wire_and_closes_coils():
+    table = massless_table(CLOSED_ENDS, PRECOMPRESSION, 9e-3, points=81)
+    chain = MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION, masses_per_coil=24)
+    for x in (0.0, 2.05e-3, 6.3e-3):
+        assert table.force(table.initial_state(x), x).retainer == pytest.approx(chain.force(chain.initial_state(x), x).retainer, rel=1e-4)
+    assert table.tangent(table.initial_state(8e-3), 8e-3) > 1.05 * table.tangent(table.initial_state(-5e-3), -5e-3)
+
+
+@pytest.mark.parametrize("name", ["chain", "chain-no-clash", "rod", "rod-with-clash", "modal", "finite-element"])
+def test_sections_move_from_the_seat_to_the_retainer(name):
+    """Static state: no motion at the seat, all of it at the retainer, against z; nothing moves at the installed state."""
+    model = MODELS[name]
+    rest = model.outputs(model.initial_state(0.0), 0.0)
+    assert np.allclose(rest.axial_displacement, 0.0, atol=1e-12)
+    shown = model.outputs(model.initial_state(4e-3), 4e-3)
+    assert shown.axial_displacement[0] == pytest.approx(0.0, abs=1e-12)
+    assert shown.axial_displacement[-1] == pytest.approx(-4e-3)
+    assert np.all(np.diff(shown.coil_number) > 0)
+    assert np.all(np.diff(shown.axial_displacement[:: max(1, len(shown.coil_number) // 8)]) <= 1e-6)
+    assert len(shown.coil_gap) == len(shown.upper_coil) == len(shown.coil_contact_force)
+    assert np.all((shown.coil_contact_force > 0) <= (shown.coil_gap < 1e-12))
+
+
+def test_chain_gaps_close_with_the_wire():
+    """Gap shown of an open pair = free gap less the travel between the partners, and the closed ends press in advance."""
+    model = MODELS["chain"]
+    shown, start = (model.outputs(model.initial_state(x), x) for x in (5e-3, 0.0))
+    pair = np.argmin(np.abs(shown.upper_coil - 4.5))
+    upper, lower = (np.interp(c, shown.coil_number, shown.axial_displacement) for c in (4.5, 3.5))
+    assert shown.coil_gap[pair] - start.coil_gap[pair] == pytest.approx(upper - lower, rel=1e-6)
+    assert np.sum(shown.coil_contact_force) > np.sum(start.coil_contact_force) > 0
 
 
 def test_radial_clearance():

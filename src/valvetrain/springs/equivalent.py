@@ -11,7 +11,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.chain_layout import Array, ChainLayout, chain_from_definition
 from valvetrain.springs.chain_statics import contact_depths, solve_static, static_curve
-from valvetrain.springs.massless import check_masses
+from valvetrain.springs.massless import RAYLEIGH_FRACTION, MasslessTable, check_masses
 from valvetrain.springs.multi_mass import CONTACT_STIFFNESS, MultiMassSpring
 
 #: Elements per turn of the chain that reduces a definition.
@@ -84,6 +84,22 @@ class EquivalentSpring:
     def impedance(self) -> float:
         """Force per end velocity of a travelling wave, sqrt(rate * mass) (N s/m)."""
         return float(np.sqrt(self.rate * self.active_mass))
+
+
+def massless_table(
+    spring: SpringDefinition, precompression: float, lift: float, points: int = 41, effective_mass_fraction: float = RAYLEIGH_FRACTION
+) -> MasslessTable:
+    """Massless spring with the static curve of the wire, coils closing, from ``-precompression`` to ``lift`` (m from installed).
+
+    ``effective_mass_fraction`` of the vibrating mass rides on the retainer, with the held coils.
+    """
+    if not (lift > 0 and points >= 3):
+        raise InputError(f"static curve of spring '{spring.name}' needs a positive lift and 3 points or more; it got {lift} m, {points}")
+    compressions = np.unique(np.append(np.linspace(0.0, precompression + lift, points), precompression))
+    forces, _ = static_curve(reduction_chain(spring), compressions)
+    whole = EquivalentSpring.from_definition(spring, precompression)
+    displacements = tuple((compressions - precompression).tolist())
+    return MasslessTable(displacements, tuple(forces.tolist()), whole.active_mass, effective_mass_fraction, whole.held_mass)
 
 
 def reduction_chain(spring: SpringDefinition) -> ChainLayout:

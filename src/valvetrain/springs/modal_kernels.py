@@ -11,7 +11,7 @@ PER_MODE = 5
 #: Slots per mode in the state: position, velocity; then dissipated energy, last step, and decay and pull per mode.
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _prepare(parameters, n, state, time_step):
     """Step factors of every mode: decay exp(-2 z w h) and pull (1 + decay - 2 exp(-z w h) cos(w_d h)) / h."""
     for i in range(n):
@@ -24,7 +24,7 @@ def _prepare(parameters, n, state, time_step):
     state[2 * n + 1] = time_step
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy", _nrt=False)
 def advance_modal(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
     """``parameters`` = preload (N), rate (N/m), mass damping (1/s), 0, then per mode: shape share c (-), circular frequency (rad/s),
     damping ratio (-), modal stiffness (N/m), seat factor (N/m). ``integers`` = [n modes].

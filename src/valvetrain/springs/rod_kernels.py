@@ -6,10 +6,11 @@ import math
 
 from numba import njit
 
-FAST = {"reassoc", "contract", "nsz"}
+#: Nothing is allocated, so no reference counting; sums may be reordered, nothing that hides a NaN.
+OPTIONS = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": {"reassoc", "contract", "nsz"}}
 
 
-@njit(cache=True, fastmath=FAST)
+@njit(forceinline=True, **OPTIONS)
 def _kick(parameters, integers, state, time_step, half):
     """Half damping, kick, half damping on the inner nodes 2 .. n - 1; returns twice the energy over the node mass that was lost."""
     n = integers[0]
@@ -24,7 +25,7 @@ def _kick(parameters, integers, state, time_step, half):
     return lost
 
 
-@njit(cache=True)
+@njit(forceinline=True, **OPTIONS)
 def _kick_end(state, node, n, gain, curvature, half):
     before = state[n + node]
     kicked = half * before + gain * curvature
@@ -32,7 +33,7 @@ def _kick_end(state, node, n, gain, curvature, half):
     return before * before + kicked * kicked
 
 
-@njit(cache=True, fastmath=FAST)
+@njit(forceinline=True, **OPTIONS)
 def _drift(integers, state, time_step):
     n = integers[0]
     positions, velocities = state[:n], state[n : 2 * n]
@@ -40,7 +41,7 @@ def _drift(integers, state, time_step):
         positions[i] += time_step * velocities[i]
 
 
-@njit(cache=True)
+@njit(**OPTIONS)
 def advance_rod(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
     """``parameters`` = preload (N), cell stiffness (N/m), cell mass (kg), mass damping (1/s); ``integers`` = [n inner nodes, n >= 2].
 
