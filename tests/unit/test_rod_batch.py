@@ -60,7 +60,7 @@ def test_workers_and_neighbours_change_no_bit():
     built = [variant(factor, 12) for factor in np.linspace(0.97, 1.03, LANES + 3)]
     meshes, starts = [mesh for mesh, _ in built], [state for _, state in built]
     one = simulate_batch(meshes, starts, push, INTERVAL, SAMPLES, DYNAMICS, 2e-7)
-    many = simulate_batch(meshes, starts, push, INTERVAL, SAMPLES, DYNAMICS, 4e-7, workers=3)
+    many = simulate_batch(meshes, starts, push, INTERVAL, SAMPLES, DYNAMICS, 2e-7, workers=3)
     turned = simulate_batch(meshes[::-1], starts[::-1], push, INTERVAL, SAMPLES, DYNAMICS, 2e-7)
     assert np.array_equal(one.dense_seat_force, many.dense_seat_force)
     assert np.array_equal(one.dense_seat_force, turned.dense_seat_force[::-1])
