@@ -11,11 +11,11 @@ import pytest
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.springs.solid.calculix import find_solver, run_deck, solver_available
+from valvetrain.springs.solid.deck import SolidContact
 from valvetrain.springs.solid.export import write_mesh
 from valvetrain.springs.solid.fields import last_field, read_fields
 from valvetrain.springs.solid.jobs import SolidSpring, axial_modes
 from valvetrain.springs.solid.layout import MeshOptions
-from valvetrain.springs.solid.deck import SolidContact
 from valvetrain.springs.solid.printed import read_printed
 from valvetrain.springs.solid.steps import Printout, frequency_step, static_step
 from valvetrain.springs.solid.transient import TransientJob, transient_deck
@@ -137,8 +137,10 @@ def test_a_cut_off_field_is_dropped():
 
 
 def test_deck_lines_are_short_and_name_every_part(model):
-    deck = model.deck(static_step(7e-3, Printout(True, len(model.pairs)), first=0.1, largest=0.1), frequency_step(5, Printout(), preloaded=True))
-    for keyword in ("*NSET, NSET=SEAT", "*NSET, NSET=RETAINER", "*NSET, NSET=AXIS", "TYPE=SURFACE TO SURFACE", "SEATPLANE", "*STEP, PERTURBATION"):
+    load = static_step(7e-3, Printout(True, len(model.pairs)), first=0.1, largest=0.1)
+    deck = model.deck(load, frequency_step(5, Printout(), preloaded=True))
+    sets = ("*NSET, NSET=SEAT", "*NSET, NSET=RETAINER", "*NSET, NSET=AXIS")
+    for keyword in (*sets, "TYPE=SURFACE TO SURFACE", "SEATPLANE", "*STEP, PERTURBATION"):
         assert keyword in deck
     rows = [line for line in deck.splitlines() if not line.startswith("*")]
     assert max(line.rstrip(",").count(",") for line in rows) <= 15 and max(map(len, rows)) < 160

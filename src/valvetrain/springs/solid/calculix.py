@@ -20,6 +20,7 @@ INSTALL_HINT = (
     "the solid model needs the CalculiX solver 'ccx', which is not on the PATH: install it with 'sudo apt install calculix-ccx' "
     "(Debian, Ubuntu) or 'conda install -c conda-forge calculix', or name its file in the environment variable CCX"
 )
+REMEDY = "take smaller increments or softer contact"
 
 
 @dataclass(frozen=True)
@@ -80,17 +81,18 @@ def _execute(solver: str, folder: str, environment: dict[str, str], time_limit: 
     except subprocess.TimeoutExpired as expired:
         log = expired.stdout or b""
         text = log.decode(errors="replace") if isinstance(log, bytes) else log
-        return Status("interrupted", f"CalculiX was stopped after {time_limit:g} s", remedy="raise the time limit or coarsen the mesh"), text
+        why = f"CalculiX was stopped after {time_limit:g} s"
+        return Status("interrupted", why, remedy="raise the time limit or coarsen the mesh"), text
     if done.returncode == 0:
         return None, done.stdout
     reason = _reason(done.stdout) or f"it gave no reason and ended with code {done.returncode}"
-    return Status("not-converged", f"CalculiX gave up: {reason}", remedy="take smaller increments or softer contact"), done.stdout
+    return Status("not-converged", f"CalculiX gave up: {reason}", remedy=REMEDY), done.stdout
 
 
 def _judge(log: str) -> Status:
     if "Job finished" in log:
         return COMPLETED
-    return Status("not-converged", f"CalculiX ended early: {_reason(log) or 'it gave no reason'}", remedy="take smaller increments or softer contact")
+    return Status("not-converged", f"CalculiX ended early: {_reason(log) or 'it gave no reason'}", remedy=REMEDY)
 
 
 def _reason(log: str) -> str:

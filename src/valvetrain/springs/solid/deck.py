@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,10 +57,13 @@ def model_text(
     return "\n".join(parts) + "\n"
 
 
-def seats_text(mesh: SolidMesh, spring: SpringDefinition) -> str:
-    """Rigid blocks of the seat planes and their contact with the free wire next to the held ends; stands after the contact of coils."""
+def seats_text(mesh: SolidMesh, spring: SpringDefinition, ground: bool) -> str:
+    """Rigid blocks of the seat planes and their contact with the free wire next to the held ends; stands after the contact of coils.
+
+    ``ground``: the mesh has flat ground faces (:func:`seat_plates`).
+    """
     lines, node, element = [], len(mesh.coordinates), len(mesh.elements)
-    for plate, faces in zip(seat_plates(spring), (mesh.lower, mesh.upper), strict=True):
+    for plate, faces in zip(seat_plates(spring, ground), (mesh.lower, mesh.upper), strict=True):
         reachable = faces.between(plate.first, plate.last)
         numbers = np.arange(node + 1, node + 9)
         lines.append(f"*NODE, NSET={plate.node_set}")
@@ -77,7 +81,7 @@ def contact_pairs(mesh: SolidMesh, contact: SolidContact) -> list[tuple[float, F
     first, last = float(mesh.coil.min()) + 1.0, float(mesh.coil.max())
     edges = np.linspace(first, last, max(1, round((last - first) / contact.wire_per_pair)) + 1) if last > first else np.array([])
     pairs = []
-    for start, end in zip(edges[:-1], edges[1:], strict=True):
+    for start, end in pairwise(edges):
         above = mesh.lower.between(start, end)
         below = mesh.upper.between(start - 1 - PARTNER_OVERLAP, end - 1 + PARTNER_OVERLAP)
         if len(above.elements) and len(below.elements):

@@ -60,7 +60,7 @@ class SolidSpring:
         title = f"** {self.spring.name}: {len(self.mesh.elements)} {self.options.element_type}; mm, N, s, tonne, MPa\n"
         model = model_text(self.mesh, self.spring.material, self.options, self.contact, mass_damping)
         if self.contact is not None and self.contact.seats and self.options.ends != "sections":
-            model += seats_text(self.mesh, self.spring)
+            model += seats_text(self.mesh, self.spring, self.options.ends == "ground")
         return title + model + before + "".join(load_steps)
 
     def run(self, deck: str, read_fields: bool = False) -> SolverOutput:
@@ -86,9 +86,10 @@ class SolidSpring:
         gap = axis_motion.coil_gaps(self.spring, self.axis_coil, positions, self.pairs, self.contact)
         stiffness = np.gradient(force, travel, edge_order=2) if len(travel) > 2 else np.full(len(travel), np.nan)
         status = replace(status, time=0.0, where="" if status.completed else f"compression {travel[-1] * 1e3:.3f} mm")
+        height = positions[:, :, 2] - self.spring.lower_seat_height
         return StaticCurve(
             compression=travel, force=force, stiffness=stiffness, coil_gap=gap, coil_contact_force=self.pair_forces(printed, len(travel)),
-            upper_coil=self.pairs, axial_position=positions[:, :, 2] - self.spring.lower_seat_height, coil_number=self.axis_coil, status=status,
+            upper_coil=self.pairs, axial_position=height, coil_number=self.axis_coil, status=status,
         )  # fmt: skip
 
     @property
@@ -132,7 +133,8 @@ class SolidSpring:
         count = min(len(retainer), len(seat), len(tables))
         frequency = printed.frequencies[step][:count]
         coil, index, _ = axis_motion.axis_points(self.mesh)
-        shapes = np.array([axis_motion.averaged(table, self.mesh, index, len(coil)) for table in tables[:count]]).reshape(count, len(coil), 3)
+        shapes = np.array([axis_motion.averaged(table, self.mesh, index, len(coil)) for table in tables[:count]])
+        shapes = shapes.reshape(count, len(coil), 3)
         largest = np.take_along_axis(flat := shapes.reshape(count, -1), np.abs(flat).argmax(axis=1)[:, None], axis=1)
         transmission = self._transmission(frequency, retainer[:count], seat[:count], self._tangent(printed, compression))
         axial = axial_modes(transmission)
@@ -162,7 +164,7 @@ def axial_modes(transmission: Array) -> tuple[int, ...]:
     chosen: list[int] = []
     for mode in np.flatnonzero(np.abs(transmission) >= LEAST_TRANSMISSION):
         if chosen and np.sign(transmission[chosen[-1]]) == np.sign(transmission[mode]):
-            chosen[-1] = int(max(chosen[-1], mode, key=lambda one: abs(transmission[one])))
+            chosen[-1] = int(mode) if abs(transmission[mode]) > abs(transmission[chosen[-1]]) else chosen[-1]
         else:
             chosen.append(int(mode))
     return tuple(chosen)

@@ -30,9 +30,16 @@ class SeatPlate:
     last: float
 
 
-def seat_plates(spring: SpringDefinition) -> tuple[SeatPlate, SeatPlate]:
-    """Blocks under and over ``spring`` whose inner faces are the seat planes, widened to hold the spring."""
+def seat_plates(spring: SpringDefinition, ground: bool) -> tuple[SeatPlate, SeatPlate]:
+    """Blocks under and over ``spring`` whose inner faces are the seat planes, widened to hold the spring.
+
+    ``ground``: the mesh has flat ground faces. A round wire would start inside the plane over the ground turns, so it
+    meets the plane only beyond them.
+    """
     first, last = spring.free_coils
+    if not ground:
+        first = max(first, spring.lower_end.ground_coils)
+        last = min(last, spring.total_coils - spring.upper_end.ground_coils)
     half = 0.75 * float(np.max(spring.outer_diameter(np.linspace(0, spring.total_coils, 257))))
     thick = float(spring.wire_diameter.value(0.0))
     low, high = spring.lower_seat_height, spring.upper_seat_height

@@ -5,6 +5,7 @@ Section coordinates: x points away from the spring axis, y up along the spring; 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +24,8 @@ CORE_BULGE = 0.55
 class SectionMesh:
     """Quadrilaterals over the unit disc.
 
-    ``nodes`` (n, 2) just outside the circle where its arcs would lose area; ``quads`` (q, 8) counter-clockwise corners then edge middles; ``corner`` (n,) True at corners;
+    ``nodes`` (n, 2) just outside the circle where its arcs would lose area; ``quads`` (q, 8)
+    counter-clockwise corners then edge middles; ``corner`` (n,) True at corners;
     ``rim_quads`` the quads whose edge from corner 2 to corner 3 lies on the circle.
     """
 
@@ -92,7 +94,7 @@ class _NodeBook:
 _QUAD_STATIONS = ((0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (1, 0.5), (0.5, 1), (0, 0.5))
 
 
-def _numbered(book: _NodeBook, patch, i: int, j: int, across: int, along: int) -> list[int]:
+def _numbered(book: _NodeBook, patch: Callable[[float, float], tuple[float, float]], i: int, j: int, across: int, along: int) -> list[int]:
     return [book.number(patch((i + a) / across, (j + b) / along)) for a, b in _QUAD_STATIONS]
 
 

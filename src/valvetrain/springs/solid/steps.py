@@ -40,13 +40,16 @@ class Printout:
         return "\n".join(lines)
 
 
-def static_step(compression: float, printout: Printout, *, first: float, largest: float, smallest: float = 1e-5, limit: int = 500) -> str:
+def static_step(
+    compression: float, printout: Printout, *, first: float, largest: float, smallest: float = 1e-5, period: float = 1.0, limit: int = 500
+) -> str:
     """Compression (m) reached in one step; ``first``, ``largest``, ``smallest`` increment as shares of the step.
 
-    First equal to largest equal to smallest asks for fixed increments.
+    First equal to largest equal to smallest asks for fixed increments. ``period`` is the step's length in solver time (s).
     """
+    one, most, least = (f"{share * period:.10g}" for share in (first, largest, smallest))
     fixed = first == largest == smallest
-    times = f"*STATIC, DIRECT\n{first:.10g}, 1." if fixed else f"*STATIC\n{first:.10g}, 1., {smallest:.10g}, {largest:.10g}"
+    times = f"*STATIC, DIRECT\n{one}, {period:.10g}" if fixed else f"*STATIC\n{one}, {period:.10g}, {least}, {most}"
     return (
         f"*STEP, NLGEOM, INC={limit}\n{times}\n*BOUNDARY\nSEAT, 1, 3\nRETAINER, 1, 2\n"
         f"RETAINER, 3, 3, {-compression * MILLIMETRE:.10g}\n{printout.text()}\n*END STEP\n"
@@ -66,9 +69,10 @@ def amplitude_text(name: str, time: Array, value: Array) -> str:
     return f"*AMPLITUDE, NAME={name}\n{rows}\n"
 
 
-def dynamic_step(duration: float, time_step: float, printout: Printout, *, amplitude: str, alpha: float = -0.05, limit: int = 100000) -> str:
+def dynamic_step(duration: float, time_step: float, printout: Printout, *, amplitude: str, alpha: float = -0.05) -> str:
     """Implicit transient (Hilber-Hughes-Taylor, ``alpha``) with the retainer's displacement (mm) in table ``amplitude``."""
+    times = f"{time_step:.9e}, {duration:.9e}, {time_step / 1e3:.9e}, {time_step:.9e}"
     return (
-        f"*STEP, NLGEOM, INC={limit}\n*DYNAMIC, ALPHA={alpha:.4g}\n{time_step:.9e}, {duration:.9e}, {time_step / 1e3:.9e}, {time_step:.9e}\n"
+        f"*STEP, NLGEOM, INC=100000\n*DYNAMIC, ALPHA={alpha:.4g}\n{times}\n"
         f"*BOUNDARY\nSEAT, 1, 3\nRETAINER, 1, 2\n*BOUNDARY, AMPLITUDE={amplitude}\nRETAINER, 3, 3, 1.\n{printout.text()}\n*END STEP\n"
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.solution.channels import spring_channels
-from valvetrain.solution.provenance import collect_provenance
+from valvetrain.solution.provenance import Provenance, collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 from valvetrain.springs.solid import axis_motion, steps
@@ -76,7 +76,8 @@ def transient_deck(model: SolidSpring, job: TransientJob) -> str:
     time = np.linspace(0.0, job.duration, int(np.ceil(job.duration / job.time_step)) + 1)
     table = steps.amplitude_text("LIFT", time, -job.displacement(time) * MILLIMETRE)
     start = float(job.displacement(np.zeros(1))[0])
-    preload = steps.static_step(start, printout, first=0.5 / PRELOAD_INCREMENTS, largest=1 / PRELOAD_INCREMENTS)
+    # The solver prints total time to seven digits: a preload as long as the ride in solver time keeps them for the ride.
+    preload = steps.static_step(start, printout, first=0.5 / PRELOAD_INCREMENTS, largest=1 / PRELOAD_INCREMENTS, period=job.duration)
     ride = steps.dynamic_step(job.duration, float(time[1]), printout, amplitude="LIFT", alpha=job.alpha)
     return model.deck(preload, ride, before=table, mass_damping=job.mass_damping)
 
@@ -94,12 +95,12 @@ def transient_solution(model: SolidSpring, job: TransientJob, output: SolverOutp
     solver_time, retainer = printed.history("total force", "RETAINER")
     _, seat = printed.history("total force", "SEAT")
     _, axis = printed.history("displacements", "AXIS")
-    # The static step ends at solver time 1; its last increment is the start of the ride.
-    before = int(np.count_nonzero(solver_time < 1.0 - 1e-9))
+    # The static step ends at solver time job.duration; its last increment is the start of the ride.
+    before = int(np.count_nonzero(solver_time < job.duration * (1 - 1e-5)))
     count = min(len(retainer), len(seat), len(axis)) - before
     if count < 1:
         return _empty_solution(model, job, output, case_name)
-    time = np.maximum(solver_time[before : before + count] - 1.0, 0.0)
+    time = np.maximum(solver_time[before : before + count] - job.duration, 0.0)
     angle = job.first_angle + job.cam_speed * time
     coil, index, free = axis_motion.axis_points(model.mesh)
     moved = np.stack([axis_motion.averaged(table, model.mesh, index, len(coil)) / MILLIMETRE for table in axis[before : before + count]])
@@ -113,7 +114,8 @@ def transient_solution(model: SolidSpring, job: TransientJob, output: SolverOutp
     }
     if len(model.pairs):
         forces = model.pair_forces(printed, before + count + 1)[before + 1 :]
-        values |= {"coil_gap": axis_motion.coil_gaps(model.spring, coil, free + moved, model.pairs, model.contact), "coil_contact_force": forces}
+        values["coil_gap"] = axis_motion.coil_gaps(model.spring, coil, free + moved, model.pairs, model.contact)
+        values["coil_contact_force"] = forces
     channels = spring_channels(time, angle, values, coil_number=coil, upper_coil=model.pairs if len(model.pairs) else None)
     return Solution(
         channels, status=replace(output.status, time=float(time[-1])), statistics=_statistics(model, output, count),
@@ -133,9 +135,10 @@ def _statistics(model: SolidSpring, output: SolverOutput, increments: int) -> Ma
     return {"unknowns": model.mesh.unknowns, "elements": len(model.mesh.elements), "increments": increments, "wall_time": output.wall_time}
 
 
-def _provenance(model: SolidSpring, job: TransientJob, case_name: str):
-    options = {
+def _provenance(model: SolidSpring, job: TransientJob, case_name: str) -> Provenance:
+    options: dict[str, float | int | str | bool | None] = {
         "solver": "CalculiX", "element_type": model.options.element_type, "elements_per_coil": model.options.elements_per_coil,
-        "core": model.options.core, "rings": model.options.rings, "ends": model.options.ends, "time_step": job.time_step, "alpha": job.alpha,
+        "core": model.options.core, "rings": model.options.rings, "ends": model.options.ends,
+        "time_step": float(job.time_step), "alpha": float(job.alpha),
     }  # fmt: skip
     return collect_provenance(case_name, model.name, engine_speed=job.engine_speed, options=options)
