@@ -255,7 +255,8 @@ def tell_spread(found: Identified, elements: int, workers: int, count: int) -> s
     lines = [
         "# Spread of the beehive's results over what its calibration data leave open; written by scripts/identify_beehive.py.",
         f"# Percentiles 5, 50, 95 over {len(outcomes)} draws of the linearised posterior, {elements} elements per coil, SI units.",
-    ]
+        "", "[identified]", *(f"{name} = {found.parameters[name]:.8g}" for name in ("wire_diameter", "mean_diameter")),
+    ]  # fmt: skip
     for rpm in (4200, 5600, 8000):
         lines += ["", f'["{rpm} rpm"]']
         for name in SPREADS:

@@ -143,6 +143,7 @@ class Case:
     published: tuple[PublishedValue, ...] = ()
     notes: Mapping[str, Note] = field(default_factory=FrozenMapping)
     sources: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "notes", FrozenMapping(self.notes))

@@ -122,6 +122,7 @@ class CaseModel(StrictModel):
     title: str = ""
     description: str = ""
     sources: list[str] = Field(default_factory=list)
+    remarks: list[str] = Field(default_factory=list)
     spring: SpringModel | None = None
     spring_card: SpringCardModel | None = None
     lift_law: LiftField | None = None
@@ -156,6 +157,7 @@ class CaseModel(StrictModel):
             published=tuple(value for group in published for value in group),
             notes=notes,
             sources=tuple(self.sources),
+            remarks=tuple(self.remarks),
         )
 
 

@@ -35,7 +35,7 @@ class Unknown:
     @property
     def step(self) -> float:
         """Step of the forward difference."""
-        return 0.01 * self.spread
+        return 0.03 * self.spread
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.studies.modal_runs import run_modal
+from valvetrain.studies.spread import load_spread, spread_sentences
 from valvetrain.studies.spring_runs import modal_result, run_finite_element, static_curve
 
 #: Spring models that the study of a spring alone knows.
@@ -73,7 +74,8 @@ def assemble_study(
     quantities = study_quantities(curve, modes, solutions, precompression=case.installation.precompression)
     return SpringStudy(
         case=case, static_curve=curve, modal_result=modes, solutions=tuple(solutions), quantities=quantities,
-        comparisons=compare(case.published, quantities), notes=(), provenance=_provenance(case, "spring study", 0.0, created_at),
+        comparisons=compare(case.published, quantities), notes=(*case.remarks, *spread_sentences(case, load_spread(case))),
+        provenance=_provenance(case, "spring study", 0.0, created_at),
     )  # fmt: skip
 
 
