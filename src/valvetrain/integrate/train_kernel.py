@@ -234,10 +234,13 @@ def _march(
         if exchange <= 0:
             clock[4], clock[5] = spring_a(parameters_a, integers_a, state_a, q[retainer], v[retainer], step)
             clock[6], clock[7] = spring_b(parameters_b, integers_b, state_b, q[retainer], v[retainer], step)
-        elif n % exchange == 0:  # the spring module integrates the velocity it was handed and returns its force
-            for _ in range(exchange):
-                clock[4], clock[5] = spring_a(parameters_a, integers_a, state_a, clock[8], v[retainer], step)
-                clock[6], clock[7] = spring_b(parameters_b, integers_b, state_b, clock[8], v[retainer], step)
+        elif n % exchange == 0:  # the force found now is held; the spring module then integrates the velocity it was handed
+            for sub in range(exchange):
+                forces_a = spring_a(parameters_a, integers_a, state_a, clock[8], old[retainer], step)
+                forces_b = spring_b(parameters_b, integers_b, state_b, clock[8], old[retainer], step)
+                if sub == 0:
+                    clock[4], clock[5] = forces_a
+                    clock[6], clock[7] = forces_b
                 clock[8] += step * old[retainer]
         _kick(index, body, gaps, gradients, step, v)
         v[retainer] -= step * (clock[4] + clock[6]) / body[retainer, 0]

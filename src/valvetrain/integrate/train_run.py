@@ -106,7 +106,7 @@ class TrainRunner:
         q = static_equilibrium(self.system, 0.0)
         lift = float(q[self.system.arrays.retainer])
         states = tuple(np.asarray(s.initial_state(lift), dtype=float) for s in self.springs)
-        return TrainState(q, np.zeros_like(q), states, self.system.arrays.law_parameters.copy(), np.zeros(5))
+        return TrainState(q, np.zeros_like(q), states, self.system.arrays.law_parameters.copy(), np.array([0.0, 0.0, 0.0, 0.0, lift]))
 
     def cycle(self, state: TrainState) -> tuple[TrainState, CycleRecord]:
         """Advance one cam cycle; the given state stays as it was."""

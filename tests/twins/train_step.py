@@ -1,0 +1,67 @@
+"""Plain NumPy twin of the compiled train loop: the same step written with matrices and a linear solve."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from valvetrain.contact.kernels import contact_force
+from valvetrain.system.train_forces import gap_state
+
+
+def march(runner, state, steps):
+    """Positions and velocities after ``steps`` steps, and the forces of the last one. Massless springs and no restitution laws."""
+    system, arrays = runner.system, runner.system.arrays
+    q, v, h = state.q.copy(), state.v.copy(), runner.time_step
+    mass, angle, omega = system.masses, state.cam_angle, runner.cam_speed
+    forces = np.zeros(len(arrays.kinds))
+    for _ in range(steps):
+        old = v.copy()
+        pens, gradients, slopes = gap_state(system, q, angle)
+        driven = slopes * omega
+        forces, damping = np.zeros(len(pens)), np.zeros(len(pens))
+        for k, pen in enumerate(pens):
+            row, rate = arrays.law_parameters[k], driven[k] + gradients[k] @ v
+            if arrays.laws[k] < 0:
+                forces[k], damping[k] = row[0] * pen, row[1]
+            elif pen > 0:
+                forces[k] = contact_force(arrays.laws[k], row, pen, 0.0)
+                closing = max(abs(rate), 1e-9)
+                damping[k] = (contact_force(arrays.laws[k], row, pen, closing) - forces[k]) / closing
+        total = arrays.body[:, 1] - forces @ gradients
+        total[arrays.retainer] -= system.spring_force(float(q[arrays.retainer]))
+        v = v + h * total / mass
+        v, forces = _damp(arrays, gradients, driven, damping, forces, mass, h, v, old)
+        for i in range(len(q)):
+            coefficient = arrays.body[i, 2] + arrays.body[i, 3] / max(abs(v[i]), arrays.body[i, 4])
+            z = h * coefficient / mass[i]
+            v[i] /= 1 + z + z * z / 2
+        q = q + h * v
+        angle += h * omega
+    return q, v, forces
+
+
+def _damp(arrays, gradients, driven, damping, forces, mass, h, v, old):
+    active = np.flatnonzero(damping > 0)
+    if not len(active):
+        return v, forces
+    rows = gradients[active]
+    mobility = rows / mass @ rows.T
+    z = h * damping[active] * np.diag(mobility)
+    theta = (3 + z) / (6 + z)
+    right = driven[active] + rows @ v + (1 - theta) / theta * (driven[active] + rows @ old)
+    held = np.zeros(len(active), dtype=bool)
+    floor = np.where(arrays.laws[active] >= 0, -forces[active] * h, -np.inf)
+    impulse = np.zeros(len(active))
+    for _ in range(len(active)):
+        impulse[held] = floor[held]
+        free = ~held
+        matrix = mobility[np.ix_(free, free)] + np.diag(1 / (h * damping[active] * theta))[np.ix_(free, free)]
+        impulse[free] = np.linalg.solve(matrix, right[free] - mobility[np.ix_(free, held)] @ impulse[held])
+        pulling = free & (impulse < floor)
+        if not pulling.any():
+            break
+        held |= pulling
+        impulse[pulling] = floor[pulling]
+    forces = forces.copy()
+    forces[active] += impulse / h
+    return v - impulse @ rows / mass, forces

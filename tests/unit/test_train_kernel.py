@@ -1,0 +1,54 @@
+"""The compiled train loop against its plain twin, and its gap gradients against differences."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from train_parts import KINDS, system
+from twins.train_step import march
+
+from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.parameters.train import ContactParameters, SupportParameters, ValveParameters
+from valvetrain.system.train_forces import gap_state
+
+IMPACT = ContactParameters("impact", {"contact_stiffness": 3.16e9, "exponent": 1.5, "damping": 49920.0, "full_damping_depth": 2e-5})
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("model", ["planar", "lumped", "single-mass"])
+def test_gap_gradients_are_derivatives(kind, model):
+    train = KINDS[kind](model=model, support=None if kind == "direct" else SupportParameters(5e7, 0.1), lash=1e-4)
+    built = system(train)
+    position = np.random.default_rng(3).normal(size=len(built.masses)) * 1e-3
+    for angle in (0.3, 1.7, 2.6, 5.0):
+        _, gradients, slopes = gap_state(built, position, angle)
+        for i, unit in enumerate(np.eye(len(position))):
+            ahead, behind = (gap_state(built, position + step * unit, angle)[0] for step in (1e-7, -1e-7))
+            assert (ahead - behind) / 2e-7 == pytest.approx(gradients[:, i], abs=1e-7)
+        ahead, behind = (gap_state(built, position, angle + step)[0] for step in (1e-6, -1e-6))
+        assert (ahead - behind) / 2e-6 == pytest.approx(slopes, abs=1e-8)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("law", ["linear", "impact"])
+def test_the_loop_equals_its_plain_twin(kind, law):
+    changes = {"lash": 1e-4, "support": None if kind == "direct" else SupportParameters(5e7, 0.1, 200.0)}
+    changes["valve"] = ValveParameters(0.1, stem_stiffness=1e8, stem_damping=100.0, damping=3.0, friction=2.0)
+    if law == "impact":
+        changes["contacts"] = dict.fromkeys(("cam", "tappet", "rocker", "valve_tip", "seat"), IMPACT)
+    ready = runner(system(KINDS[kind](**changes)), 250.0, TrainOptions(samples=720))
+    start = ready.initial_state()
+    steps = ready.steps // 2  # through opening and most of the event
+    q, v, _ = march(ready, start, steps)
+    end, record = ready.cycle(start)
+    row = record.q[steps // (ready.steps // 720)]
+    assert row == pytest.approx(q, rel=1e-9, abs=1e-13)
+    assert np.max(np.abs(v)) > 0.1
+    assert end.cam_angle == pytest.approx(2 * np.pi)
+
+
+def test_a_twin_with_another_mass_is_another_motion():
+    ready = runner(system(KINDS["direct"]()), 250.0, TrainOptions(samples=720))
+    heavier = runner(system(KINDS["direct"](valve=ValveParameters(0.1))), 250.0, TrainOptions(samples=720))
+    one, other = (item.cycle(item.initial_state())[1].q for item in (ready, heavier))
+    assert np.max(np.abs(one - other)) > 1e-8
