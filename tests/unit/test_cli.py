@@ -118,7 +118,7 @@ def test_run_prints_computed_beside_published_and_writes_its_folder(small):
     for line in lines:
         assert re.search(line, result.stdout), line
     assert "9000 rpm (prediction: not used to identify the case)" in result.stdout
-    assert "prediction: 3 published values, 0 of 1 stated tolerances and bounds met, 1 not computed" in result.stdout
+    assert "prediction: 3 published values, 0 of 1 stated tolerances met, 1 not computed" in result.stdout
     written = {path.name for path in (small / "runs" / "small").iterdir()}
     assert {"report.html", "finite-element-9000rpm.nc", "modal-9000rpm.csv", "static.csv", "modes.nc", "comparison.csv"} <= written
 

@@ -99,17 +99,15 @@ def short_verdict(row: Comparison) -> str:
         return "–"
     if first.startswith("misses"):
         return f"misses{' (' + rest.replace('tolerance', '').strip() + ')' if rest else ''}"
-    if first.startswith("beyond"):
-        return "beyond the bound"
-    return "within the bound" if "bound" in first else first
+    return first.partition(":")[0]
 
 
 def tally(rows: Sequence[Comparison], role: str) -> str:
-    """One line: how many values, how many meet a stated tolerance or bound."""
+    """One line: how many values, how many meet a stated tolerance."""
     kinds = Counter(row.verdict.split(" ")[0] for row in rows)
-    judged = kinds["within"] + kinds["misses"] + kinds["beyond"]
+    judged = kinds["within"] + kinds["misses"]
     missing = f", {kinds['not']} not computed" if kinds["not"] else ""
-    met = f"{kinds['within']} of {judged} stated tolerances and bounds met" if judged else "no tolerance or bound was stated"
+    met = f"{kinds['within']} of {judged} stated tolerances met" if judged else "no tolerance was stated"
     return f"{role}: {len(rows)} published values, {met}{missing}"
 
 

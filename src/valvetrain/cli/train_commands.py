@@ -105,12 +105,13 @@ def _check_models(models: tuple[str, ...]) -> None:
 
 
 def _study_outcome(command: str, request: RunRequest, models: tuple[str, ...]) -> Outcome:
-    from valvetrain.cli.progress import busy, progress_bar
+    from valvetrain.cli.progress import announce_compilation, busy, progress_bar
     from valvetrain.report.train_report import write_train_report
     from valvetrain.studies.train_study import run_train_study
 
     _check_models(models)
     make_folder(request.output)
+    announce_compilation("train")
     with progress_bar(request.case.name) as report:
         study = run_train_study(
             request.case, engine_speeds=request.engine_speeds, spring_models=models, workers=request.workers, progress=report,
@@ -197,12 +198,13 @@ def _word(value: Any, number: Any, np: Any) -> str:
 def _sweep_outcome(
     case: Case, speeds: tuple[float, ...], models: tuple[str, ...], sets: tuple[str, ...], workers: int, folder: Any, report: bool
 ) -> Outcome:
-    from valvetrain.cli.progress import busy, progress_bar
+    from valvetrain.cli.progress import announce_compilation, busy, progress_bar
     from valvetrain.report.train_report import write_sweep_report
     from valvetrain.studies.sweep import run_sweep
 
     _check_models(models)
     make_folder(folder)
+    announce_compilation("train")
     with progress_bar(case.name) as progress:
         result = run_sweep(case, speeds, spring_models=models, spring_sets=sets, workers=workers, progress=progress)
     with busy("writing files"):
