@@ -71,6 +71,18 @@ def test_check_prints_what_follows_from_the_definition_by_hand():
         assert found[key]["value"] == pytest.approx(value, rel=2e-6), key
 
 
+def test_the_estimated_rate_of_a_conical_spring_is_the_closed_form():
+    from valvetrain.analysis.design import definition_quantities
+    from valvetrain.parameters.constructors import conical
+    from valvetrain.parameters.spring import OPEN_END
+
+    ends = {"lower_end": OPEN_END, "upper_end": OPEN_END}
+    spring = conical(3e-3, 30e-3, 18e-3, 8e-3, 6, closed_coils=0.0, **ends)
+    lower, upper = 15e-3, 9e-3
+    rate = spring.material.shear_modulus * 3e-3**4 / (16 * 6 * (lower + upper) * (lower**2 + upper**2))
+    assert definition_quantities(spring)["estimated_rate"] == pytest.approx(rate, rel=1e-5)
+
+
 def test_check_shows_the_units_of_the_field():
     text = call("check", "uniform-spring").stdout
     lines = (r"Free length +38\.8 +mm", r"Estimated rate +38\.969 +N/mm", r"Estimated surge frequency +561\.\d+ +Hz", r"Wire mass +30\.9\d* +g")

@@ -121,11 +121,11 @@ def test_a_static_curve_that_ends_early_says_so(tmp_path):
 
     real = spring_runs.static_curve
 
-    def stuck(model, largest, steps):
+    def stuck(model, largest, steps, visit):
         from dataclasses import replace
 
         status = Status("not-converged", "no equilibrium beyond 3 mm", remedy="compress less")
-        return replace(real(model, largest / 2, steps), status=status)
+        return replace(real(model, largest / 2, steps, visit), status=status)
 
     with patch.object(spring_runs, "static_curve", stuck):
         result = call("static", "uniform-spring", "--elements-per-coil", "8", "--to", "8 mm", "--steps", "4", "--json")

@@ -72,8 +72,8 @@ def compute_static(case: Case, largest: float | None, steps: int, csv: Path | No
     model = FiniteElementRod.from_case(case)
     if largest is None:
         largest = static_reach(case, model)
-    with progress_bar("static curve"):
-        curve = static_curve(model, largest, steps)
+    with progress_bar("static curve") as report:
+        curve = static_curve(model, largest, steps, lambda at: report(at.state.compression / largest, f"{at.retainer_force:.0f} N"))
     quantities = static_quantities(curve, case.installation.precompression)
     units = {"compression": "m", "force": "N", "stiffness": "N/m"}
     arrays = {name: {"values": getattr(curve, name), "unit": unit} for name, unit in units.items()}

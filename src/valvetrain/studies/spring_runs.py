@@ -31,11 +31,16 @@ def retainer_motion(law: LiftLaw, precompression: float, cam_speed: float) -> Ca
     return lambda time: precompression + law.lift(cam_speed * np.asarray(time))
 
 
-def static_curve(model: FiniteElementRod, largest_compression: float, steps: int = 64) -> StaticCurve:
-    """Static curve (SI) from the free state to ``largest_compression`` (m) in even steps; ends early with a status when stuck."""
+def static_curve(
+    model: FiniteElementRod, largest_compression: float, steps: int = 64, visit: Callable[[Equilibrium], None] | None = None
+) -> StaticCurve:
+    """Static curve (SI) from the free state to ``largest_compression`` (m) in even steps; ends early with a status when stuck.
+
+    ``visit`` is told each equilibrium as it is found.
+    """
     compressions = np.linspace(0.0, largest_compression, steps + 1)
     start = model.statics.solve(free_state(model.mesh), 0.0)
-    path = [start, *compress(model.statics, compressions[1:].tolist())]
+    path = [start, *compress(model.statics, compressions[1:].tolist(), visit=visit)]
     reached = [point for point in path if point.converged]
     status = COMPLETED
     if len(reached) < len(path):
