@@ -184,7 +184,9 @@ def run_ends(treatment: str) -> dict:
 def run_ride() -> dict:
     """Beehive on its lift law at 8000 rpm from the start of lift past the first clash; mass damping only, 40 us increments."""
     case = load_case("gu2021-beehive")
-    model = SolidSpring(beehive(), MeshOptions(12, 1, 1, ends="held"), SolidContact(), time_limit=590.0)
+    # Softer contact than in statics: coils that meet at speed otherwise exhaust the solver's cutbacks.
+    contact = SolidContact(stiffness=1e13)
+    model = SolidSpring(beehive(), MeshOptions(12, 1, 1, ends="held"), contact, time_limit=480.0)
     speed = 8000 * 2 * np.pi / 60
     job = TransientJob(build_lift_law(case.lift_law), speed, 7e-3, np.radians(85), np.radians(265), 4e-5, case.damping.mass_damping)
     solution = run_transient(model, job, case.name)

@@ -32,6 +32,13 @@ PRINTED = """
 
      P A R T I C I P A T I O N   F A C T O R S
 
+MODE NO.   X-COMPONENT     Y-COMPONENT     Z-COMPONENT     X-ROTATION      Y-ROTATION      Z-ROTATION
+
+      1   0.4013146E-12   0.9732983E-03   0.4786473E-02  -0.1703272E-01  -0.1698305E-02   0.7047506E-02
+      2  -0.1586592E-11  -0.1323719E-03  -0.6875028E-03   0.2316508E-02  -0.8026360E-02   0.5388074E-01
+
+     E F F E C T I V E   M O D A L   M A S S
+
                     E I G E N V A L U E    N U M B E R     1
 
 
@@ -121,6 +128,9 @@ def test_printed_results_are_sorted_into_modes_and_steps():
     printed = read_printed(PRINTED)
     assert printed.frequencies[0] == pytest.approx([548.7816, 617.7708])
     assert [row[0, 2] for row in printed.modal("total force", "RETAINER")] == pytest.approx([-28454.07, 5179.156])
+    # Both clamps together accelerate the mass of the mode: here each takes half.
+    assert printed.participation[0].shape == (2, 6)
+    assert -0.1188937e8 * printed.participation[0][0, 2] == pytest.approx(2 * -28454.07, rel=1e-4)
     # The static step ends at the time at which the modes were printed, and is still told apart.
     time, rows = printed.history("total force", "RETAINER")
     assert time.tolist() == [1.0] and rows[0][0, 2] == pytest.approx(-2.741949)

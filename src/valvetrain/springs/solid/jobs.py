@@ -128,15 +128,17 @@ class SolidSpring:
         if not printed.frequencies:
             nothing = np.zeros(0)
             return ModalResult(compression, nothing, np.zeros((0, len(self.axis_coil), 3)), self.axis_coil, nothing, (), status)
-        retainer, seat = (printed.modal("total force", name, step) for name in ("RETAINER", "SEAT"))
-        tables = printed.modal("displacements", "AXIS", step)
-        count = min(len(retainer), len(seat), len(tables))
+        retainer, tables = printed.modal("total force", "RETAINER", step), printed.modal("displacements", "AXIS", step)
+        count = min(len(retainer), len(tables), len(printed.participation[step]))
         frequency = printed.frequencies[step][:count]
         coil, index, _ = axis_motion.axis_points(self.mesh)
         shapes = np.array([axis_motion.averaged(table, self.mesh, index, len(coil)) for table in tables[:count]])
         shapes = shapes.reshape(count, len(coil), 3)
         largest = np.take_along_axis(flat := shapes.reshape(count, -1), np.abs(flat).argmax(axis=1)[:, None], axis=1)
-        transmission = self._transmission(frequency, retainer[:count], seat[:count], self._tangent(printed, compression))
+        transmission = _transmission(
+            frequency, np.array([row[0, 2] for row in retainer[:count]]), printed.participation[step][:count, 2],
+            self._tangent(printed, compression),
+        )  # fmt: skip
         axial = axial_modes(transmission)
         return ModalResult(compression, frequency, shapes / largest[:, :, None], coil, transmission, axial, status)
 
@@ -147,13 +149,16 @@ class SolidSpring:
             return axis_motion.estimated_rate(self.spring)
         return float(-(rows[-1][0, 2] - rows[-2][0, 2]) / ((time[-1] - time[-2]) * compression))
 
-    def _transmission(self, frequency: Array, retainer: list[Array], seat: list[Array], stiffness: float) -> Array:
-        """Product of both axial end reactions of unit-mass modes over 2 k omega^2: +-1 for a uniform straight rod.
 
-        Reactions are printed in N per mm for a modal mass of one tonne, so k in N/mm makes it a pure number.
-        """
-        product = np.array([top[0, 2] * bottom[0, 2] for top, bottom in zip(retainer, seat, strict=True)])
-        return product / (2 * stiffness / MILLIMETRE * (2 * np.pi * frequency) ** 2)
+def _transmission(frequency: Array, retainer: Array, participation: Array, stiffness: float) -> Array:
+    """Product of both axial end reactions of unit-mass modes over 2 k omega^2: +-1 for a uniform straight rod.
+
+    The seat's reaction follows from the retainer's and the mode's axial momentum: the printed one is wrong where coils rest
+    on held turns. Reactions are in N per mm for a modal mass of one tonne, so k in N/mm makes the result a pure number.
+    """
+    square = (2 * np.pi * frequency) ** 2
+    seat = -square * participation - retainer
+    return retainer * seat / (2 * stiffness / MILLIMETRE * square)
 
 
 def axial_modes(transmission: Array) -> tuple[int, ...]:

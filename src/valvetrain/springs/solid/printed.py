@@ -13,6 +13,7 @@ Array = NDArray[np.float64]
 _HEADING = re.compile(r"^\s*(?P<what>[a-zA-Z][a-zA-Z ]*?) \(.*?\) for set (?P<set>\S+) and time\s+(?P<time>\S+)")
 _CONTACT = re.compile(r"^\s*statistics for slave set (?P<set>\S+?),? master set \S+ and time\s+(?P<time>\S+)")
 _MODE = re.compile(r"E I G E N V A L U E\s+N U M B E R\s+(\d+)")
+_PARTICIPATION = re.compile(r"P A R T I C I P A T I O N")
 _STEP = re.compile(r"E I G E N V A L U E\s+O U T P U T")
 #: More blocks than one mode or increment prints.
 _MOST_SETS = 64
@@ -32,10 +33,11 @@ class Table:
 
 @dataclass(frozen=True)
 class Printed:
-    """All blocks of a .dat file in order, and the natural frequencies (Hz) of each modal step."""
+    """All blocks of a .dat file in order; natural frequencies (Hz) and participation factors (mode, 6) of each modal step."""
 
     tables: tuple[Table, ...]
     frequencies: tuple[Array, ...]
+    participation: tuple[Array, ...] = ()
 
     def history(self, quantity: str, node_set: str) -> tuple[Array, list[Array]]:
         """Times and rows of every non-modal block of that quantity and set."""
@@ -52,15 +54,19 @@ def read_printed(text: str) -> Printed:
     """The blocks of a .dat file; an unfinished last block (a stopped run) is dropped."""
     tables: list[Table] = []
     frequencies: list[Array] = []
+    participation: list[Array] = []
     lines = text.splitlines()
     position, mode = 0, 0
     while position < len(lines):
         line = lines[position]
         position += 1
         if _STEP.search(line):
-            values, position = _frequencies(lines, position)
-            frequencies.append(values)
+            values, position = _mode_rows(lines, position, 5)
+            frequencies.append(values[:, 3])
             mode = 0
+        elif _PARTICIPATION.search(line):
+            values, position = _mode_rows(lines, position, 7)
+            participation.append(values[:, 1:])
         elif found := _MODE.search(line):
             mode = int(found[1])
         elif found := _HEADING.match(line) or _CONTACT.match(line):
@@ -72,19 +78,20 @@ def read_printed(text: str) -> Printed:
                 mode = 0
             if len(rows):
                 tables.append(Table(*key, float(found["time"]), mode, len(frequencies) if mode else 0, rows))
-    return Printed(tuple(tables), tuple(frequencies))
+    return Printed(tuple(tables), tuple(frequencies), tuple(participation))
 
 
-def _frequencies(lines: list[str], position: int) -> tuple[Array, int]:
-    values = []
+def _mode_rows(lines: list[str], position: int, width: int) -> tuple[Array, int]:
+    """Rows of ``width`` numbers that begin with a mode number, up to the first line that is none."""
+    values: list[list[float]] = []
     while position < len(lines):
         items = lines[position].split()
-        if len(items) == 5 and items[0].isdigit():
-            values.append(float(items[3]))
+        if len(items) == width and items[0].isdigit():
+            values.append([float(item) for item in items])
         elif values:
             break
         position += 1
-    return np.array(values), position
+    return np.array(values).reshape(len(values), width), position
 
 
 def _rows(lines: list[str], position: int) -> tuple[Array, int]:

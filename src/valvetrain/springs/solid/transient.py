@@ -90,37 +90,59 @@ def run_transient(model: SolidSpring, job: TransientJob, case_name: str = "") ->
 
 
 def transient_solution(model: SolidSpring, job: TransientJob, output: SolverOutput, case_name: str) -> Solution:
-    """The channels in the printed results of :func:`transient_deck`."""
+    """The channels in the printed results of :func:`transient_deck`; increments cut far below the time step are left out."""
     printed = read_printed(output.printed)
     solver_time, retainer = printed.history("total force", "RETAINER")
     _, seat = printed.history("total force", "SEAT")
     _, axis = printed.history("displacements", "AXIS")
-    # The static step ends at solver time job.duration; its last increment is the start of the ride.
-    before = int(np.count_nonzero(solver_time < job.duration * (1 - 1e-5)))
-    count = min(len(retainer), len(seat), len(axis)) - before
-    if count < 1:
+    kept = _kept_increments(solver_time[: min(len(retainer), len(seat), len(axis))], job)
+    if len(kept) < 3:
         return _empty_solution(model, job, output, case_name)
-    time = np.maximum(solver_time[before : before + count] - job.duration, 0.0)
+    time = np.maximum(solver_time[kept] - job.duration, 0.0)
     angle = job.first_angle + job.cam_speed * time
     coil, index, free = axis_motion.axis_points(model.mesh)
-    moved = np.stack([axis_motion.averaged(table, model.mesh, index, len(coil)) / MILLIMETRE for table in axis[before : before + count]])
+    moved = np.stack([axis_motion.averaged(axis[i], model.mesh, index, len(coil)) / MILLIMETRE for i in kept])
+    force = np.array([-retainer[i][0, 2] for i in kept])
     values: dict[str, Array] = {
         "valve_lift": np.asarray(job.lift.lift(angle), dtype=float),
         "retainer_velocity": np.asarray(job.lift.lift(angle, 1), dtype=float) * job.cam_speed,
-        "retainer_force": np.array([-row[0, 2] for row in retainer[before : before + count]]),
-        "seat_force": np.array([row[0, 2] for row in seat[before : before + count]]),
+        "retainer_force": force,
+        "seat_force": np.array([seat[i][0, 2] for i in kept]),
         "axial_displacement": moved[:, :, 2] - moved[0, :, 2],
         "axial_position": free[None, :, 2] + moved[:, :, 2] - model.spring.lower_seat_height,
     }
     if len(model.pairs):
-        forces = model.pair_forces(printed, before + count + 1)[before + 1 :]
+        values["seat_force"] = _balanced_seat_force(model, job, time, force, moved[:, :, 2])
         values["coil_gap"] = axis_motion.coil_gaps(model.spring, coil, free + moved, model.pairs, model.contact)
-        values["coil_contact_force"] = forces
+        values["coil_contact_force"] = model.pair_forces(printed, len(retainer) + 1)[1:][kept]
     channels = spring_channels(time, angle, values, coil_number=coil, upper_coil=model.pairs if len(model.pairs) else None)
     return Solution(
-        channels, status=replace(output.status, time=float(time[-1])), statistics=_statistics(model, output, count),
+        channels, status=replace(output.status, time=float(time[-1])), statistics=_statistics(model, output, len(kept) - 1),
         provenance=_provenance(model, job, case_name),
     )  # fmt: skip
+
+
+def _kept_increments(solver_time: Array, job: TransientJob) -> list[int]:
+    """Printed increments from the end of the preload (at solver time job.duration) on, at least half a time step apart."""
+    kept: list[int] = []
+    for number, time in enumerate(solver_time):
+        late = time >= job.duration * (1 - 1e-5)
+        if late and (not kept or time - solver_time[kept[-1]] >= 0.45 * job.time_step):
+            kept.append(number)
+    return kept
+
+
+def _balanced_seat_force(model: SolidSpring, job: TransientJob, time: Array, retainer_force: Array, height: Array) -> Array:
+    """Seat force (N) from the retainer's and the axial momentum of the free wire.
+
+    The printed reaction of held turns that other coils rest on chatters with the contact for a millisecond after the preload.
+    """
+    coil, spring = model.axis_coil, model.spring
+    first, last = spring.free_coils
+    free = (coil >= first - 1e-9) & (coil <= last + 1e-9)
+    line_mass = spring.material.density * np.pi / 4 * spring.wire_diameter.value(coil) ** 2 * spring.line_speed(coil)
+    momentum = np.trapezoid((np.gradient(height, time, axis=0) * line_mass)[:, free], coil[free], axis=1)
+    return retainer_force + np.gradient(momentum, time) + job.mass_damping * momentum
 
 
 def _empty_solution(model: SolidSpring, job: TransientJob, output: SolverOutput, case_name: str) -> Solution:
