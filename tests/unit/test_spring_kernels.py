@@ -32,8 +32,11 @@ def chain_twin(model: MultiMassSpring, state, displacement, velocity, time_step)
         nodes = np.concatenate(([0.0], q, [model.precompression + x]))
         rates = np.concatenate(([0.0], v, [speed]))
         depth = contact_depths(layout, nodes)
-        push = layout.contacts.stiffness * np.maximum(depth + model.contact_damping_time * (rows @ rates), 0) * (depth > 0)
-        net = -elements @ (nodes + model.stiffness_damping * rates) - push @ rows
+        closed, stiffness = depth > 0, layout.contacts.stiffness
+        net = -elements @ nodes - (stiffness * np.maximum(depth, 0)) @ rows
+        rates[1:-1] = half * v + time_step / 2 * net[1:-1] / layout.masses
+        damping = stiffness * np.maximum(-depth, model.contact_damping_time * (rows @ rates)) * closed
+        net = net - model.stiffness_damping * elements @ rates - damping @ rows
         forces[k] = -net[-1], net[0]
         v = half * (half * v + time_step * net[1:-1] / layout.masses)
         q = q + time_step * v

@@ -4,9 +4,12 @@
 retainer. In the run both nodes count up by one and the fraction is constant, so its overlaps are one vectorised loop.
 ``parameters`` = [initial compression (m), mass damping (1/s), stiffness damping (s), contact damping time (s)],
 stiffness (n + 1), masses (n), inverse masses (n), then per contact gap, stiffness, fraction (p each).
-``state`` = positions (n), velocities (n), dissipated energy, scratch (forces, positions, velocities of all nodes, n + 2 each; overlaps,
-p), damping impulse of the last step per contact (p): its work is taken half at the rate before, half at the rate after the
-kick, which closes the energy balance to second order.
+``state`` = positions (n), velocities (n), dissipated energy, then scratch of all nodes (n + 2 each): forces, positions, velocities
+at the half step before, predicted velocities; then per contact (p each) overlap, damping impulse of the last step, list of the closed.
+
+Damping works on w = v + (h/2) a, v the half-step velocity and a the acceleration by elastic and contact forces: second order, and stable
+as long as h**2 K < 4 and h C < 2 (mass-scaled), for the energy then falls by h w C (w - h C w / 2) a step. A contact's loss is booked
+half at the rate before and half at the rate after the kick.
 
 Each vectorised loop is a small function of its own that slices the whole arrays and holds no branch.
 """
@@ -28,29 +31,73 @@ LOOP = {**BRANCH, "fastmath": FAST}
 
 def state_size(masses: int, contacts: int) -> int:
     """Length of the state buffer, scratch included."""
-    return 5 * masses + 7 + 2 * contacts
+    return 6 * masses + 9 + 3 * contacts
 
 
 @njit(**LOOP)
-def _place_nodes(parameters, integers, state, top, top_velocity):
-    """Positions and velocities of all nodes, ends included, so that contacts need not ask which end they touch."""
+def _place_nodes(integers, state, top, top_velocity):
+    """Positions and velocities of all nodes, ends included, and no forces."""
     n = integers[0]
-    at = 3 * n + 3
-    inner, values = state[at + 1 : at + n + 1], state[:n]
+    forces, positions, velocities = state[2 * n + 1 : 3 * n + 3], state[3 * n + 4 : 4 * n + 4], state[4 * n + 6 : 5 * n + 6]
+    inner, rates = state[:n], state[n : 2 * n]
+    for i in range(n + 2):
+        forces[i] = 0.0
     for i in range(n):
-        inner[i] = values[i]
-    moving, rates = state[at + n + 3 : at + 2 * n + 3], state[n : 2 * n]
+        positions[i] = inner[i]
     for i in range(n):
-        moving[i] = rates[i]
-    state[at], state[at + n + 1] = 0.0, top
-    state[at + n + 2], state[at + 2 * n + 3] = 0.0, top_velocity
+        velocities[i] = rates[i]
+    state[3 * n + 3], state[4 * n + 4] = 0.0, top
+    state[4 * n + 5], state[5 * n + 6] = 0.0, top_velocity
+
+
+@njit(**LOOP)
+def _element_forces(parameters, integers, state):
+    """Add the elastic net force of the elements to every node, towards the seat."""
+    n = integers[0]
+    lower, upper = parameters[HEADER : HEADER + n], parameters[HEADER + 1 : HEADER + n + 1]
+    below, here, above = state[3 * n + 3 : 4 * n + 3], state[3 * n + 4 : 4 * n + 4], state[3 * n + 5 : 4 * n + 5]
+    inner = state[2 * n + 2 : 3 * n + 2]
+    for i in range(n):
+        inner[i] += upper[i] * (above[i] - here[i]) - lower[i] * (here[i] - below[i])
+    state[2 * n + 1] += parameters[HEADER] * (state[3 * n + 4] - state[3 * n + 3])
+    state[3 * n + 2] -= parameters[HEADER + n] * (state[4 * n + 4] - state[4 * n + 3])
+
+
+@njit(**LOOP)
+def _predict(parameters, integers, state, half, time_step):
+    """Velocities at t_n as elastic and contact forces alone would have them, ends included."""
+    n = integers[0]
+    inverse, rates = parameters[HEADER + 2 * n + 1 : HEADER + 3 * n + 1], state[n : 2 * n]
+    forces, predicted = state[2 * n + 2 : 3 * n + 2], state[5 * n + 8 : 6 * n + 8]
+    for i in range(n):
+        predicted[i] = half * rates[i] + 0.5 * time_step * inverse[i] * forces[i]
+    state[5 * n + 7], state[6 * n + 8] = 0.0, state[5 * n + 6]
+
+
+@njit(**LOOP)
+def _element_damping(parameters, integers, state, time_step):
+    """Add the element damping forces to every node; returns the power lost."""
+    n, beta = integers[0], parameters[2]
+    lower, upper = parameters[HEADER : HEADER + n], parameters[HEADER + 1 : HEADER + n + 1]
+    below, here, above = state[5 * n + 7 : 6 * n + 7], state[5 * n + 8 : 6 * n + 8], state[5 * n + 9 : 6 * n + 9]
+    inner, inverse = state[2 * n + 2 : 3 * n + 2], parameters[HEADER + 2 * n + 1 : HEADER + 3 * n + 1]
+    first, last = beta * parameters[HEADER] * state[5 * n + 8], beta * parameters[HEADER + n] * (state[6 * n + 8] - state[6 * n + 7])
+    state[2 * n + 1] += first
+    state[3 * n + 2] -= last
+    lost = last * (state[6 * n + 8] - state[6 * n + 7])
+    for i in range(n):
+        rate = here[i] - below[i]
+        force = beta * (upper[i] * (above[i] - here[i]) - lower[i] * rate)
+        lost += beta * lower[i] * rate * rate - 0.5 * time_step * inverse[i] * force * force
+        inner[i] += force
+    return lost
 
 
 @njit(**LOOP)
 def _regular_overlaps(parameters, integers, state):
     """Overlap (m) of the contacts of the run into the scratch of ``state``."""
     n, p, run = integers[0], integers[1], integers[2]
-    start, depth_at = HEADER + 3 * n + 1, 5 * n + 7
+    start, depth_at = HEADER + 3 * n + 1, 6 * n + 9
     gaps, depths = parameters[start : start + run], state[depth_at : depth_at + run]
     share, first, second = parameters[start + 2 * p], integers[INTEGER_HEADER] - 1, integers[INTEGER_HEADER + p] - 1
     upper, lower, next_lower = state[first : first + run], state[second : second + run], state[second + 1 : second + 1 + run]
@@ -59,135 +106,104 @@ def _regular_overlaps(parameters, integers, state):
 
 
 @njit(**BRANCH)
-def _other_overlaps(parameters, integers, state):
-    """The same for all other contacts."""
-    n, p = integers[0], integers[1]
-    start, node_at, depth_at = HEADER + 3 * n + 1, 3 * n + 3, 5 * n + 7
-    for c in range(integers[2], p):
-        lower, share = node_at + integers[INTEGER_HEADER + p + c], parameters[start + 2 * p + c]
-        below = state[lower] + share * (state[lower + 1] - state[lower])
-        state[depth_at + c] = state[node_at + integers[INTEGER_HEADER + c]] - below - parameters[start + c]
+def _across(parameters, integers, state, at, c):
+    """Difference across contact ``c`` of the nodal values at ``state[at:]``."""
+    p = integers[1]
+    lower, share = at + integers[INTEGER_HEADER + p + c], parameters[HEADER + 3 * integers[0] + 1 + 2 * p + c]
+    return state[at + integers[INTEGER_HEADER + c]] - state[lower] - share * (state[lower + 1] - state[lower])
 
 
 @njit(**BRANCH)
-def _contact_forces(parameters, integers, state, time_step):
-    """Add the forces of closed contacts to the node forces; returns the energy lost in them since the last step."""
+def _press(parameters, integers, state, c, force):
+    """Contact ``c`` pushes its partners apart with ``force`` (N)."""
     n, p = integers[0], integers[1]
-    start, force_at, rate_at, depth_at, lost = HEADER + 3 * n + 1, 2 * n + 1, 4 * n + 5, 5 * n + 7, 0.0
+    lower, share = 2 * n + 1 + integers[INTEGER_HEADER + p + c], parameters[HEADER + 3 * n + 1 + 2 * p + c]
+    state[2 * n + 1 + integers[INTEGER_HEADER + c]] -= force
+    state[lower] += (1.0 - share) * force
+    if share > 0.0:
+        state[lower + 1] += share * force
+
+
+@njit(**BRANCH)
+def _contact_forces(parameters, integers, state):
+    """Elastic contact forces; lists the contacts that are closed or were so a step ago and returns their number."""
+    n, p = integers[0], integers[1]
+    start, depth_at = HEADER + 3 * n + 1, 6 * n + 9
+    for c in range(integers[2], p):
+        state[depth_at + c] = _across(parameters, integers, state, 3 * n + 3, c) - parameters[start + c]
+    closed = 0
     for c in range(p):
-        depth, pending = state[depth_at + c], state[depth_at + p + c]
-        if depth > 0.0 or pending != 0.0:
-            upper, lower, share = integers[INTEGER_HEADER + c], integers[INTEGER_HEADER + p + c], parameters[start + 2 * p + c]
-            below = state[rate_at + lower]
-            rate = state[rate_at + upper] - below - share * (state[rate_at + lower + 1] - below)
-            damping = 0.0
+        depth = state[depth_at + c]
+        if depth > 0.0 or state[depth_at + p + c] != 0.0:
+            state[depth_at + 2 * p + closed] = float(c)
+            closed += 1
             if depth > 0.0:
-                elastic = parameters[start + p + c] * depth
-                force = max(0.0, elastic + parameters[start + p + c] * parameters[3] * rate)
-                damping = force - elastic
-                state[force_at + upper] -= force
-                state[force_at + lower] += (1.0 - share) * force
-                state[force_at + lower + 1] += share * force
-            if time_step > 0.0:
-                lost += 0.5 * rate * (pending + time_step * damping)
-                state[depth_at + p + c] = time_step * damping
+                _press(parameters, integers, state, c, parameters[start + p + c] * depth)
+    return closed
+
+
+@njit(**BRANCH)
+def _contact_damping(parameters, integers, state, closed, time_step):
+    """Damping forces of the ``closed`` contacts, never adhesive; returns the energy lost in them since the last step."""
+    n, p = integers[0], integers[1]
+    start, depth_at, lost = HEADER + 3 * n + 1, 6 * n + 9, 0.0
+    for k in range(closed):
+        c = int(state[depth_at + 2 * p + k])
+        depth, damping = state[depth_at + c], 0.0
+        if depth > 0.0:
+            stiffness = parameters[start + p + c]
+            damping = stiffness * max(-depth, parameters[3] * _across(parameters, integers, state, 5 * n + 7, c))
+            _press(parameters, integers, state, c, damping)
+        if time_step > 0.0:
+            rate = _across(parameters, integers, state, 4 * n + 5, c)
+            lost += 0.5 * rate * (state[depth_at + p + c] + time_step * damping)
+            state[depth_at + p + c] = time_step * damping
     return lost
 
 
 @njit(**LOOP)
-def _element_forces(parameters, integers, state, start, factor):
-    """Add ``factor`` times the net element force of the nodal values at ``state[start:]`` to nodes 2 .. n - 1."""
-    n = integers[0]
-    lower, upper = parameters[HEADER + 1 : HEADER + n - 1], parameters[HEADER + 2 : HEADER + n]
-    below, here, above = state[start : start + n - 2], state[start + 1 : start + n - 1], state[start + 2 : start + n]
-    inner = state[2 * n + 3 : 3 * n + 1]
-    for i in range(n - 2):
-        inner[i] += factor * (upper[i] * (above[i] - here[i]) - lower[i] * (here[i] - below[i]))
-
-
-@njit(**BRANCH)
-def _end_elements(parameters, integers, state, start, top, factor):
-    """The same for the two end nodes on either side (seat, 1, n, retainer)."""
-    n = integers[0]
-    first = factor * parameters[HEADER] * state[start]
-    last = factor * parameters[HEADER + n] * (top - state[start + n - 1])
-    state[2 * n + 1] += first
-    state[2 * n + 2] -= first
-    state[3 * n + 1] += last
-    state[3 * n + 2] -= last
-    if n > 1:
-        state[2 * n + 2] += factor * parameters[HEADER + 1] * (state[start + 1] - state[start])
-        state[3 * n + 1] -= factor * parameters[HEADER + n - 1] * (state[start + n - 1] - state[start + n - 2])
-
-
-@njit(**LOOP)
-def _element_loss(parameters, integers, state, top):
-    """Sum of stiffness times squared rate over the elements (W per s of stiffness damping)."""
-    n = integers[0]
-    stiffness, below, above = parameters[HEADER + 1 : HEADER + n], state[n : 2 * n - 1], state[n + 1 : 2 * n]
-    lost = 0.0
-    for i in range(n - 1):
-        lost += stiffness[i] * (above[i] - below[i]) ** 2
-    return lost + parameters[HEADER] * state[n] ** 2 + parameters[HEADER + n] * (top - state[2 * n - 1]) ** 2
-
-
-@njit(**LOOP)
-def _clear(integers, state):
-    forces = state[2 * integers[0] + 1 : 3 * integers[0] + 3]
-    for i in range(forces.shape[0]):
-        forces[i] = 0.0
-
-
-@njit(**LOOP)
-def _kick_and_drift(parameters, integers, state, time_step):
+def _kick_and_drift(parameters, integers, state, half, time_step):
+    """Half damping, kick, half damping (symmetric, exact for the damping alone), drift."""
     n = integers[0]
     inverse = parameters[HEADER + 2 * n + 1 : HEADER + 3 * n + 1]
     positions, velocities, inner = state[:n], state[n : 2 * n], state[2 * n + 2 : 3 * n + 2]
     for i in range(n):
-        velocities[i] += time_step * inverse[i] * inner[i]
-        positions[i] += time_step * velocities[i]
+        velocity = half * (half * velocities[i] + time_step * inverse[i] * inner[i])
+        velocities[i] = velocity
+        positions[i] += time_step * velocity
 
 
 @njit(**LOOP)
-def _kick_and_drift_damped(parameters, integers, state, half, time_step):
-    """Half damping, kick, half damping (symmetric, exact for the damping alone), drift; returns the energy lost."""
+def _mass_damping_loss(parameters, integers, state, half):
+    """Energy that the two half dampings took, from the velocities before and after the kick."""
     n, lost = integers[0], 0.0
-    masses, inverse = parameters[HEADER + n + 1 : HEADER + 2 * n + 1], parameters[HEADER + 2 * n + 1 : HEADER + 3 * n + 1]
-    positions, velocities, inner = state[:n], state[n : 2 * n], state[2 * n + 2 : 3 * n + 2]
+    masses, before, after = parameters[HEADER + n + 1 : HEADER + 2 * n + 1], state[4 * n + 6 : 5 * n + 6], state[n : 2 * n]
     for i in range(n):
-        before = velocities[i]
-        kicked = half * before + time_step * inverse[i] * inner[i]
-        lost += masses[i] * (before * before + kicked * kicked)
-        velocities[i] = half * kicked
-        positions[i] += time_step * half * kicked
+        kicked = after[i] / half
+        lost += masses[i] * (before[i] * before[i] + kicked * kicked)
     return 0.5 * (1.0 - half * half) * lost
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
 def advance_chain(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
     """One step of the spring contract for a chain (see the module text for the arrays)."""
-    n, p, run, lost = integers[0], integers[1], integers[2], 0.0
-    contact_loss = 0.0
-    top, beta = parameters[0] + retainer_displacement, parameters[2]
-    _clear(integers, state)
-    _element_forces(parameters, integers, state, 0, 1.0)
-    _end_elements(parameters, integers, state, 0, top, 1.0)
-    if beta > 0.0:
-        _element_forces(parameters, integers, state, n, beta)
-        _end_elements(parameters, integers, state, n, retainer_velocity, beta)
-        lost += beta * _element_loss(parameters, integers, state, retainer_velocity)
-    if p > 0:
-        _place_nodes(parameters, integers, state, top, retainer_velocity)
-        if run > 0:
+    n, closed, lost = integers[0], 0, 0.0
+    half = math.exp(-0.5 * parameters[1] * time_step) if parameters[1] > 0.0 else 1.0
+    _place_nodes(integers, state, parameters[0] + retainer_displacement, retainer_velocity)
+    _element_forces(parameters, integers, state)
+    if integers[1] > 0:
+        if integers[2] > 0:
             _regular_overlaps(parameters, integers, state)
-        _other_overlaps(parameters, integers, state)
-        contact_loss = _contact_forces(parameters, integers, state, time_step)
+        closed = _contact_forces(parameters, integers, state)
+    if closed > 0 or parameters[2] > 0.0:
+        _predict(parameters, integers, state, half, time_step)
+        if parameters[2] > 0.0:
+            lost += time_step * _element_damping(parameters, integers, state, time_step)
+        lost += _contact_damping(parameters, integers, state, closed, time_step)
     retainer, seat = -state[3 * n + 2], state[2 * n + 1]
     if time_step > 0.0:
-        heat = 0.0
-        if parameters[1] > 0.0:
-            heat = _kick_and_drift_damped(parameters, integers, state, math.exp(-0.5 * parameters[1] * time_step), time_step)
-        else:
-            _kick_and_drift(parameters, integers, state, time_step)
-        state[2 * n] += time_step * lost + heat + contact_loss
+        _kick_and_drift(parameters, integers, state, half, time_step)
+        if half < 1.0:
+            lost += _mass_damping_loss(parameters, integers, state, half)
+        state[2 * n] += lost
     return retainer, seat

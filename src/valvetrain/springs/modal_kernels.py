@@ -30,12 +30,12 @@ def advance_modal(parameters, integers, state, retainer_displacement, retainer_v
     damping ratio (-), modal stiffness (N/m), seat factor (N/m). ``integers`` = [n modes].
 
     Mode n moves p = q + c x (absolute), q being the departure from the static shape; it is pulled by its stiffness times (p - c x) and
-    damped on its rate (p' - c x'). With x held the sampled motion is the exact damped oscillation at any step.
+    damped on its rate (p' - c x'). With x held the sampled motion is the exact damped oscillation at any step. While stepping, the rate at
+    t_n is the mean of the half-step velocities around it, so the damping forces are of second order too.
     """
     n = integers[0]
     force = parameters[0] + parameters[1] * retainer_displacement
-    retainer, seat, lost = force, force, 0.0
-    fade = 1.0
+    retainer, seat, lost, fade = force, force, 0.0, 1.0
     if time_step > 0.0:
         if state[2 * n + 1] != time_step:
             _prepare(parameters, n, state, time_step)
@@ -43,18 +43,17 @@ def advance_modal(parameters, integers, state, retainer_displacement, retainer_v
     for i in range(n):
         base = HEADER + PER_MODE * i
         share, omega, stiffness = parameters[base], parameters[base + 1], parameters[base + 3]
-        departure = state[i] - share * retainer_displacement
-        rate = state[n + i] - share * retainer_velocity
-        lag = 2.0 * parameters[base + 2] / omega * rate
+        departure, before, carried = state[i] - share * retainer_displacement, state[n + i], share * retainer_velocity
+        now = before
+        if time_step > 0.0:
+            kicked = carried + state[2 * n + 2 + i] * (fade * before - carried) - state[3 * n + 2 + i] * departure
+            state[n + i] = fade * kicked
+            state[i] += time_step * fade * kicked
+            now = 0.5 * (before + fade * kicked)
+            lost += 0.5 * stiffness / (omega * omega) * (1.0 - fade * fade) * (before * before + kicked * kicked)
+        lag = 2.0 * parameters[base + 2] / omega * (now - carried)
         retainer -= share * stiffness * (departure + lag)
         seat += parameters[base + 4] * (departure + lag)
-        if time_step > 0.0:
-            lost += time_step * stiffness * lag * rate
-            before = state[n + i]
-            kicked = share * retainer_velocity + state[2 * n + 2 + i] * (fade * before - share * retainer_velocity)
-            kicked -= state[3 * n + 2 + i] * departure
-            state[n + i] = fade * kicked
-            lost += 0.5 * stiffness / (omega * omega) * (1.0 - fade * fade) * (before * before + kicked * kicked)
-            state[i] += time_step * fade * kicked
+        lost += time_step * stiffness * lag * (now - carried)
     state[2 * n] += lost
     return retainer, seat

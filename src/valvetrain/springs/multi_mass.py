@@ -99,8 +99,8 @@ class MultiMassSpring:
         closed = chain_statics.stiffness_matrix(self.layout, np.ones(self.layout.contacts.count))[1:-1, 1:-1]
         damped = self.stiffness_damping * elements + self.contact_damping_time * (closed - elements)
         stiff, lossy = (float(np.linalg.eigvalsh(root[:, None] * m * root)[-1]) for m in (closed, damped))
-        # Velocities lag half a step, so stability wants h^2 K + 2 h C < 4 (mass-scaled).
-        return 4 / (lossy + np.sqrt(lossy**2 + 4 * stiff))
+        # Damping works on predicted velocities, so the two limits stand apart: h^2 K < 4 and h C < 2 (mass-scaled).
+        return float(min(2 / np.sqrt(stiff), 2 / lossy if lossy > 0 else np.inf))
 
     def stable_time_step(self) -> float:
         return self._time_step

@@ -18,7 +18,7 @@ from valvetrain.springs.equivalent_rod import cells_for_step
 from valvetrain.springs.multi_mass import MultiMassSpring
 
 #: Courant number that leaves room for the contacts, their stiffness over a cell's, and their damping time over the step.
-COURANT, CONTACT_SHARE, DAMPING_SHARE = 0.85, 0.2, 0.4
+COURANT, CONTACT_SHARE, DAMPING_SHARE = 0.9, 0.2, 0.4
 
 
 @dataclass(frozen=True, eq=False)
