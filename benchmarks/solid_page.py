@@ -9,11 +9,16 @@ from pathlib import Path
 import numpy as np
 from solid_reference import BEEHIVE_LEVELS, LARGE, LEVELS, SMALL, SPRINGS, STORE, STRESS_LEVELS, beehive, richardson, summary
 
+from valvetrain.cam import build_lift_law
+from valvetrain.parameters.loading import load_case
+from valvetrain.rod.buffer import RodDynamics
 from valvetrain.rod.mesh import mesh_spring
 from valvetrain.rod.modes import natural_modes
 from valvetrain.rod.state import free_state
 from valvetrain.rod.static import RodStatics, compress
+from valvetrain.rod.transient import simulate
 from valvetrain.solution.atomic import write_text
+from valvetrain.solution.netcdf import load_netcdf
 
 HEAD = """# The rod against solid finite elements
 
@@ -24,10 +29,10 @@ so that the rod is checked against them in every test run without the solver.
 
 ## Model
 
-Swept O-grid over the round section, arcs along the circle, area equal to the circle's (`valvetrain.springs.solid`). Element C3D20R
-(quadratic hexahedron, reduced integration). Steel with E 206 GPa, G 79.6 GPa, 7850 kg/m3. Uniform springs: wire 3.8 mm, pitch 7 mm, both wire
-ends cut at right angles and clamped over the whole section, the upper one moved along the axis without turning; large displacements.
-"Limit" is the Richardson limit of the three meshes, with the observed order p.
+Swept O-grid over the round section, arcs along the circle, area equal to the circle's (`valvetrain.springs.solid`). Element
+C3D20R (quadratic hexahedron, reduced integration). Steel with E 206 GPa, G 79.6 GPa, 7850 kg/m3. Uniform springs: wire 3.8 mm,
+pitch 7 mm, both wire ends cut at right angles and clamped over the whole section, the upper one moved along the axis without turning;
+large displacements. "Limit" is the Richardson limit of the three meshes, with the observed order p.
 
 Choice of the element (five turns, D 22 mm; small compression and first frequency, differences from the limits):
 
@@ -39,7 +44,8 @@ Choice of the element (five turns, D 22 mm; small compression and first frequenc
 | C3D8I | 24 | 12 | 6069 | +0.98 % | +1.07 % | 4 s |
 | C3D8I | 48 | 20 | 17925 | -0.04 % | +0.13 % | 18 s |
 
-The quadratic element with reduced integration gives the most for its cost. Wall times: one core, all of one deck (two static steps, 28 modes).
+The quadratic element with reduced integration gives the most for its cost. Wall times: one core of a shared server, all of one
+deck (two static steps, 28 modes).
 """
 
 
@@ -73,8 +79,10 @@ def uniform_section(name: str) -> str:
         rows.append(["limit", "", "", "", f"{small[0]:.5f}", f"{large[0]:.4f}", f"{first[0]:.3f}", ""])
         rows.append(["p", "", "", "", *(f"{v[2]:.2f}" if v[2] == v[2] else "-" for v in (small, large, first)), ""])
     difference = 100 * (rod_force / [small[0], large[0]] - 1)
-    rows.append(["rod", "36", "", "", *(f"{v:+.3f} %" for v in difference), f"{100 * (rod_frequency['free'][0] / first[0] - 1):+.2f} %", ""])
-    head = ["mesh", "per coil", "elements", "unknowns", f"force at {SMALL * 1e3:g} mm (N)", f"at {LARGE * 1e3:g} mm (N)", "mode 1, free (Hz)", "wall time"]
+    first_difference = 100 * (rod_frequency["free"][0] / first[0] - 1)
+    rows.append(["rod", "36", "", "", *(f"{v:+.3f} %" for v in difference), f"{first_difference:+.2f} %", ""])
+    head = ["mesh", "per coil", "elements", "unknowns", f"force at {SMALL * 1e3:g} mm (N)"]
+    head += [f"at {LARGE * 1e3:g} mm (N)", "mode 1, free (Hz)", "wall time"]
     text += table(head, rows) + "\n"
     rows = []
     for mode in range(len(data["free"])):
@@ -89,7 +97,10 @@ def uniform_section(name: str) -> str:
 
 def stress_section() -> str:
     found = [json.loads((STORE / f"stress-index-6-{level}.json").read_text()) for level in STRESS_LEVELS]
-    rows = [[item["level"], str(item["unknowns"]), f"{item['inner_factor']:.4f}", f"{item['outer_factor']:.4f}", f"{item['wall_time']:.0f} s"] for item in found]
+    rows = [
+        [item["level"], str(item["unknowns"]), f"{item['inner_factor']:.4f}", f"{item['outer_factor']:.4f}", f"{item['wall_time']:.0f} s"]
+        for item in found
+    ]  # fmt: skip
     limits = [richardson([item[key] for item in found], (1 / 2, 1 / 4, 1 / 6)) for key in ("inner_factor", "outer_factor")]
     rows.append(["limit", "", *(f"{v[0]:.3f} +- {v[1]:.3f}" for v in limits), ""])
     w = 6.0
@@ -98,9 +109,9 @@ def stress_section() -> str:
         ["Wahl", f"{(4 * w - 1) / (4 * w - 4) + 0.615 / w:.4f}"],
     ]  # fmt: skip
     return (
-        "\n## Stress at the inner fibre\n\nThree turns at D/d = 6 under 0.1 mm (5.94 N): shear on the inner and outer fibre over 16 T / (pi d^3), "
-        "T the torsional moment left in the wire by the printed reactions, mean over the middle turn; nodal stress extrapolated by the solver, "
-        "which converges slowly (order 1.8) and from above.\n\n"
+        "\n## Stress at the inner fibre\n\nThree turns at D/d = 6 under 0.1 mm (5.94 N): shear on the inner and outer fibre over\n"
+        "16 T / (pi d^3), T the torsional moment left in the wire by the printed reactions, mean over the middle turn; nodal stress\n"
+        "extrapolated by the solver, which converges slowly (order 1.8) and from above.\n\n"
         + table(["mesh", "unknowns", "inner", "outer", "wall time"], rows) + "\n" + table(["closed form at index 6", "factor"], closed)
         + "\nGoehner and Bergstraesser lie within the mesh uncertainty of the limit; Wahl is 1.8 % above it.\n"
     )  # fmt: skip
@@ -113,9 +124,10 @@ def beehive_section() -> str:
     results = compress(statics, best["compression"][1:])
     rod = natural_modes(statics, results[-1].state, 14)
     text = (
-        "\n## Beehive, coil 2 coming to rest on coil 1\n\nWire 3.867 mm, mean diameter 22.47 mm to coil 4 and then linear to 17.31 mm at coil 7, rise per turn less wire "
-        "diameter 0, 0, 1.017, 2.032, 5.488, 5.488, 1.351 mm at coils 0, 0.875, 1.125, 2, 3, 6, 7; end turns held over 0.78 and 0.83; face-to-face "
-        "penalty contact of all coils (5e4 MPa/mm) and seat planes. A fixed spring of the kind of `gu2021-beehive`, not the case itself.\n\n"
+        "\n## Beehive, coil 2 coming to rest on coil 1\n\nWire 3.867 mm, mean diameter 22.47 mm to coil 4 and then linear to 17.31 mm at\n"
+        "coil 7, rise per turn less wire diameter 0, 0, 1.017, 2.032, 5.488, 5.488, 1.351 mm at coils 0, 0.875, 1.125, 2, 3, 6, 7; end\n"
+        "turns held over 0.78 and 0.83; face-to-face penalty contact of all coils (5e4 MPa/mm) and seat planes. A fixed spring of the\n"
+        "kind of `gu2021-beehive`, not the case itself.\n\n"
     )
     rows = [
         [item["level"], "{} x {}, {}".format(*BEEHIVE_LEVELS[item["level"]]), str(item["unknowns"]), f"{item['force'][-1]:.2f}",
@@ -124,11 +136,13 @@ def beehive_section() -> str:
     ]  # fmt: skip
     axial = rod.axial_modes(3)
     rows.append(["rod", "24", "", f"{results[-1].retainer_force:.2f}", *(f"{rod.natural_frequency[i]:.1f}" for i in axial), ""])
-    text += table(["mesh", "per coil x core, rings", "unknowns", "force at 7 mm (N)", "axial 1 (Hz)", "axial 2", "axial 3", "wall time"], rows) + "\n"
+    head = ["mesh", "per coil x core, rings", "unknowns", "force at 7 mm (N)", "axial 1 (Hz)", "axial 2", "axial 3", "wall time"]
+    text += table(head, rows) + "\n"
     contact = np.sum(best["coil_contact_force"], axis=1)
+    gap = [100 * (result.retainer_force / force - 1) for result, force in zip(results, best["force"][1:], strict=True)]
     rows = [
-        [f"{best['compression'][i] * 1e3:.2f}", f"{best['force'][i]:.2f}", f"{100 * (results[i - 1].retainer_force / best['force'][i] - 1):+.2f} %",
-         f"{best['stiffness'][i] / 1e3:.2f}", f"{contact[i]:.1f}"]
+        [f"{best['compression'][i] * 1e3:.2f}", f"{best['force'][i]:.2f}", f"{gap[i - 1]:+.2f} %", f"{best['stiffness'][i] / 1e3:.2f}",
+         f"{contact[i]:.1f}"]
         for i in range(2, len(best["force"]), 2)
     ]  # fmt: skip
     text += table(["compression (mm)", "force (N)", "rod", "stiffness (N/mm)", "coil contact (N)"], rows)
@@ -136,26 +150,56 @@ def beehive_section() -> str:
     return text + f"\nRod against solid, modes 1 to {len(pairs)} at 7 mm, per cent: {', '.join(pairs)}.\n"
 
 
-def other_sections() -> str:
-    text = ""
-    ends = [STORE / f"ends-{name}.json" for name in ("held", "ground")]
-    if all(path.exists() for path in ends):
-        held, ground = (json.loads(path.read_text()) for path in ends)
-        force = [np.interp(5e-3, item["compression"], item["force"]) for item in (held, ground)]
-        text += (
-            "\n## Held or ground end turns\n\nSix turns, one closed and ground turn at either end (three quarters of it held), D 22 mm, pitch 7 mm, at 5 mm: "
-            f"{force[0]:.2f} N with every node of the held turns bonded, {force[1]:.2f} N ({100 * (force[1] / force[0] - 1):+.2f} %) with truly ground end turns bonded "
-            f"at the ground face only ({held['unknowns']} and {ground['unknowns']} unknowns). Holding the turns is the simplification that the rod makes too.\n"
-        )
-    ride = STORE / "ride-8000rpm.json"
-    if ride.exists():
-        data = json.loads(ride.read_text())
-        text += (
-            "\n## Transient\n\nThe beehive on its lift law at 8000 rpm from 85 to 265 cam degrees (7.5 ms), coarse mesh of "
-            f"{data['elements']} elements ({data['unknowns']} unknowns), implicit increments of 40 us: {data['increments']} increments in {data['wall_time']:.0f} s on one core. "
-            f"End of the run: {data['status']}\n" + data.get("comparison", "")
-        )
-    return text + LIMITS
+def ends_section() -> str:
+    paths = [STORE / f"ends-{name}.json" for name in ("held", "ground")]
+    if not all(path.exists() for path in paths):
+        return ""
+    held, ground = (json.loads(path.read_text()) for path in paths)
+    force = [np.interp(5e-3, item["compression"], item["force"]) for item in (held, ground)]
+    bonded, share = held["unknowns"], 100 * (force[1] / force[0] - 1)
+    return (
+        "\n## Held or ground end turns\n\nSix turns, one closed and ground turn at either end (three quarters of it held),\n"
+        f"D 22 mm, pitch 7 mm, at 5 mm: {force[0]:.2f} N with every node of the held turns bonded ({bonded} unknowns),\n"
+        f"{force[1]:.2f} N ({share:+.2f} %) with ground end turns bonded at the ground face only ({ground['unknowns']} unknowns). "
+        "Holding the turns is the\nsimplification that the rod makes too.\n"
+    )
+
+
+def ride_section() -> str:
+    if not (STORE / "ride.nc").exists():
+        return ""
+    solid = load_netcdf(STORE / "ride.nc")
+    data = solid.statistics
+    text = (
+        "\n## Transient\n\nThe beehive on the lift law of `gu2021-beehive` at 8000 rpm from 85 cam degrees, coarse mesh of "
+        f"{data['elements']} elements\n({data['unknowns']} unknowns), increments of 40 us, mass damping only, contact 1e4 MPa/mm: "
+        f"{1e3 * solid.time[-1]:.2f} ms in {data['wall_time']:.0f} s on one core.\nEnd of the run: {solid.status.sentence()}.\n\n"
+    )
+    rod_retainer, rod_seat = rod_ride(solid.time)
+    retainer, seat, degrees = solid.channel("retainer_force"), solid.channel("seat_force"), np.degrees(solid.cam_angle)
+    rows = [
+        [f"{degrees[i]:.1f}", f"{retainer[i]:.0f}", f"{rod_retainer[i]:.0f}", f"{seat[i]:.0f}", f"{rod_seat[i]:.0f}"]
+        for i in range(0, len(degrees), 10)
+    ]  # fmt: skip
+    text += table(["cam angle (deg)", "retainer force, solid (N)", "rod", "seat force, solid (N)", "rod"], rows)
+    rms = [np.sqrt(np.mean((one - two)[2:-2] ** 2)) for one, two in ((retainer, rod_retainer), (seat, rod_seat))]
+    return text + f"\nRoot mean square of the difference: {rms[0]:.1f} N at the retainer, {rms[1]:.1f} N at the seat.\n"
+
+
+def rod_ride(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Retainer and seat force of the rod on the same ride, means over the solid's increments."""
+    case = load_case("gu2021-beehive")
+    law, speed, first = build_lift_law(case.lift_law), 8000 * np.pi / 60, np.radians(85)
+    mesh = mesh_spring(beehive(), 24)
+    start = compress(RodStatics(mesh), [LARGE])[-1].state
+    run = simulate(
+        mesh, start, lambda t: LARGE + np.asarray(law.lift(first + speed * t)), 4e-5, round(time[-1] / 4e-5) + 2,
+        RodDynamics(mass_damping=case.damping.mass_damping, stiffness_damping=0.0),
+    )  # fmt: skip
+    width = max(1, round(4e-5 / (run.dense_time[1] - run.dense_time[0])))
+    window, count = np.ones(width), np.convolve(np.ones(len(run.dense_time)), np.ones(width), mode="same")
+    mean = [np.convolve(force, window, mode="same") / count for force in (run.dense_retainer_force, run.dense_seat_force)]
+    return np.interp(time, run.dense_time, mean[0]), np.interp(time, run.dense_time, mean[1])
 
 
 LIMITS = """
@@ -175,5 +219,5 @@ LIMITS = """
 if __name__ == "__main__":
     sections = [HEAD, "\n## Uniform springs\n\nAxial modes carry a star.\n"]
     sections += [uniform_section(name) for name in SPRINGS if (STORE / f"{name}-2.json").exists()]
-    sections += [stress_section(), beehive_section(), other_sections()]
+    sections += [stress_section(), beehive_section(), ends_section(), ride_section(), LIMITS]
     write_text(Path("docs/solid-reference.md"), "".join(sections))

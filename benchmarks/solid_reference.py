@@ -246,8 +246,8 @@ def toml_text() -> str:
     """The data file for the tests."""
     lines = [
         "# Solid finite elements (CalculiX 2.20, C3D20R) as a reference for the rod. Written by benchmarks/solid_reference.py; SI units.",
-        "# Uniform springs: wire 3.8 mm, pitch 7 mm, end sections clamped, E 206 GPa, G 79.6 GPa, 7850 kg/m3. Values are Richardson limits of",
-        "# three meshes with their uncertainty; axial modes are counted from 1.",
+        "# Uniform springs: wire 3.8 mm, pitch 7 mm, end sections clamped, E 206 GPa, G 79.6 GPa, 7850 kg/m3. Values are Richardson",
+        "# limits of three meshes with their uncertainty; axial modes are counted from 1.",
         "",
     ]
     for name, spring in SPRINGS.items():
@@ -256,7 +256,8 @@ def toml_text() -> str:
         data = summary(name)
         small, large = data["force_small"], data["force_large"]
         lines += [
-            "[[uniform]]", f'name = "{name}"', "wire_diameter = 3.8e-3", f"mean_diameter = {float(spring.mean_diameter.value(0)):.6g}", "pitch = 7e-3",
+            "[[uniform]]", f'name = "{name}"', "wire_diameter = 3.8e-3", f"mean_diameter = {float(spring.mean_diameter.value(0)):.6g}",
+            "pitch = 7e-3",
             f"coils = {spring.total_coils:g}", f"compressions = [{SMALL:g}, {LARGE:g}]", f"forces = {_numbers([small[0], large[0]])}",
             f"force_uncertainties = {_numbers([small[1], large[1]], 2)}", f"frequencies_free = {_numbers([v[0] for v in data['free']])}",
             f"frequencies_loaded = {_numbers([v[0] for v in data['loaded']])}", f"axial_modes_free = {data['axial_free']}",

@@ -126,7 +126,7 @@ def stand_in(tmp_path, monkeypatch):
 
 def test_printed_results_are_sorted_into_modes_and_steps():
     printed = read_printed(PRINTED)
-    assert printed.frequencies[0] == pytest.approx([548.7816, 617.7708])
+    assert printed.natural_frequencies[0] == pytest.approx([548.7816, 617.7708])
     assert [row[0, 2] for row in printed.modal("total force", "RETAINER")] == pytest.approx([-28454.07, 5179.156])
     # Both clamps together accelerate the mass of the mode: here each takes half.
     assert printed.participation[0].shape == (2, 6)

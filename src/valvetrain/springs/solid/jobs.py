@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ from valvetrain.springs.solid.layout import MeshOptions
 from valvetrain.springs.solid.mesh import SolidMesh
 from valvetrain.springs.solid.printed import Printed, read_printed
 from valvetrain.springs.solid.sweep import sweep_spring
+
+if TYPE_CHECKING:
+    from valvetrain.parameters.case import Case
 
 Array = NDArray[np.float64]
 
@@ -40,6 +44,12 @@ class SolidSpring:
     time_limit: float = 300.0
     threads: int = 1
     name: str = "solid"
+
+    @classmethod
+    def from_case(cls, case: Case, **changes: Any) -> SolidSpring:
+        """The solid model of a case's spring, its end turns held and its coils in contact, on the coarse mesh a transient can carry."""
+        coarse = cls(case.require_spring(), MeshOptions(12, 1, 1, ends="held"), SolidContact())
+        return replace(coarse, **changes)
 
     @cached_property
     def mesh(self) -> SolidMesh:
@@ -125,12 +135,12 @@ class SolidSpring:
 
     def modes_from(self, printed: Printed, compression: float, status: Status, step: int = -1) -> ModalResult:
         """Modes in the printed results of a frequency step (-1 the last one)."""
-        if not printed.frequencies:
+        if not printed.natural_frequencies:
             nothing = np.zeros(0)
             return ModalResult(compression, nothing, np.zeros((0, len(self.axis_coil), 3)), self.axis_coil, nothing, (), status)
         retainer, tables = printed.modal("total force", "RETAINER", step), printed.modal("displacements", "AXIS", step)
         count = min(len(retainer), len(tables), len(printed.participation[step]))
-        frequency = printed.frequencies[step][:count]
+        frequency = printed.natural_frequencies[step][:count]
         coil, index, _ = axis_motion.axis_points(self.mesh)
         shapes = np.array([axis_motion.averaged(table, self.mesh, index, len(coil)) for table in tables[:count]])
         shapes = shapes.reshape(count, len(coil), 3)

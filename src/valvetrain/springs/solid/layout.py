@@ -49,6 +49,7 @@ class MeshOptions:
 
     @property
     def quadratic(self) -> bool:
+        """True for twenty-node elements, whose edges follow the wire."""
         return ELEMENT_TYPES[self.element_type] == 20
 
 

@@ -46,6 +46,7 @@ class SolidMesh:
 
     @property
     def quadratic(self) -> bool:
+        """True for twenty-node elements, whose edges follow the wire."""
         return self.elements.shape[1] == 20
 
     @property

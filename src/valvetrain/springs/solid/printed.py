@@ -36,7 +36,7 @@ class Printed:
     """All blocks of a .dat file in order; natural frequencies (Hz) and participation factors (mode, 6) of each modal step."""
 
     tables: tuple[Table, ...]
-    frequencies: tuple[Array, ...]
+    natural_frequencies: tuple[Array, ...]
     participation: tuple[Array, ...] = ()
 
     def history(self, quantity: str, node_set: str) -> tuple[Array, list[Array]]:
@@ -46,7 +46,7 @@ class Printed:
 
     def modal(self, quantity: str, node_set: str, step: int = -1) -> list[Array]:
         """Rows of every mode of the modal step (-1 the last), in order."""
-        wanted = len(self.frequencies) + step + 1 if step < 0 else step + 1
+        wanted = len(self.natural_frequencies) + step + 1 if step < 0 else step + 1
         return [t.rows for t in self.tables if (t.quantity, t.node_set, t.modal_step) == (quantity, node_set, wanted) and t.mode > 0]
 
 

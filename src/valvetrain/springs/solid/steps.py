@@ -27,6 +27,7 @@ class Printout:
     nodal_reactions: bool = False
 
     def text(self) -> str:
+        """The output requests of one step."""
         lines = [f"*NODE PRINT, NSET={name}, TOTALS=ONLY\nRF" for name in ("SEAT", "RETAINER")]
         if self.axis:
             lines.append("*NODE PRINT, NSET=AXIS\nU")

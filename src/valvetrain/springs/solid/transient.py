@@ -34,7 +34,7 @@ class Lift(Protocol):
 
 @dataclass(frozen=True)
 class TransientJob:
-    """Ride of the retainer over ``lift`` from ``first_angle`` to ``last_angle`` (cam rad) at ``engine_speed`` (crank rad/s).
+    """Ride of the retainer over ``lift_law`` from ``first_angle`` to ``last_angle`` (cam rad) at ``engine_speed`` (crank rad/s).
 
     The spring starts at rest at ``precompression`` (m) plus the first lift, so the lift law should rest there.
     ``time_step`` (s) is the largest increment; the solver may take smaller ones. ``alpha`` (-1/3 to 0) is the numerical damping of
@@ -42,7 +42,7 @@ class TransientJob:
     prescribed retainer out of its stiffness-proportional damping, which then brakes the wire against a standing frame.
     """
 
-    lift: Lift
+    lift_law: Lift
     engine_speed: float
     precompression: float
     first_angle: float
@@ -67,7 +67,7 @@ class TransientJob:
 
     def displacement(self, time: Array) -> Array:
         """Downward way (m) of the retainer from the free state at ``time`` (s) after the start."""
-        return self.precompression + np.asarray(self.lift.lift(self.first_angle + self.cam_speed * time))
+        return self.precompression + np.asarray(self.lift_law.lift(self.first_angle + self.cam_speed * time))
 
 
 def transient_deck(model: SolidSpring, job: TransientJob) -> str:
@@ -104,8 +104,8 @@ def transient_solution(model: SolidSpring, job: TransientJob, output: SolverOutp
     moved = np.stack([axis_motion.averaged(axis[i], model.mesh, index, len(coil)) / MILLIMETRE for i in kept])
     force = np.array([-retainer[i][0, 2] for i in kept])
     values: dict[str, Array] = {
-        "valve_lift": np.asarray(job.lift.lift(angle), dtype=float),
-        "retainer_velocity": np.asarray(job.lift.lift(angle, 1), dtype=float) * job.cam_speed,
+        "valve_lift": np.asarray(job.lift_law.lift(angle), dtype=float),
+        "retainer_velocity": np.asarray(job.lift_law.lift(angle, 1), dtype=float) * job.cam_speed,
         "retainer_force": force,
         "seat_force": np.array([seat[i][0, 2] for i in kept]),
         "axial_displacement": moved[:, :, 2] - moved[0, :, 2],
