@@ -56,7 +56,13 @@ def simulate(cycles: int = 2, samples: int = 1440) -> dict[str, np.ndarray]:
     found = solve_ivp(motion, (0, cycles * period), [rest, 0.0], "RK45", times, rtol=1e-8, atol=1e-12, max_step=period / 4000)
     pushed = np.array([forces(CAM_SPEED * t, *y) for t, y in zip(found.t, found.y.T, strict=True)])
     angle = np.arange(samples) * 2 * np.pi / samples
-    return {"cam_angle": angle, "valve_lift": found.y[0], "valve_velocity": found.y[1], "cam_force": pushed[:, 0], "seat_force": pushed[:, 1]}
+    return {
+        "cam_angle": angle,
+        "valve_lift": found.y[0],
+        "valve_velocity": found.y[1],
+        "cam_force": pushed[:, 0],
+        "seat_force": pushed[:, 1],
+    }
 
 
 if __name__ == "__main__":

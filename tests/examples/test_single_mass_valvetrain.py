@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from train_parts import TrainSystem, build_mechanism, direct
 
+from train_parts import TrainSystem, build_mechanism, direct
 from valvetrain.cam.sine_power import SinePower
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.train import CamParameters, ContactParameters, FollowerParameters, ValveParameters

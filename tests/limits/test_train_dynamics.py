@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from train_parts import KINDS, LAW, PLACES, contacts, direct, finger, system
 
+from train_parts import KINDS, LAW, PLACES, contacts, direct, finger, system
 from valvetrain.analysis.kinematics import rigid_table
 from valvetrain.contact.linear import LinearContact
 from valvetrain.contact.restitution import rebound
@@ -123,7 +123,8 @@ def test_work_of_the_cam_is_what_damping_takes():
 
 
 def test_partitioned_exchange_errs_with_the_exchange_step():
-    """Velocity out, force back, held: the force lags by half the exchange and the displacement by half a step, so the error goes as (exchange + 1) h."""
+    """Velocity out, force back, held: the force lags by half the exchange and the displacement by half a step, so the error goes as
+    (exchange + 1) h."""
     built = system(direct(), spring=MultiMassSpring.from_card(30e3, 300.0, 0.04, mass_damping=50.0))
     errors = {}
     for steps in (5760, 11520):

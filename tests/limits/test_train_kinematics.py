@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from train_parts import KINDS, LAW, direct, finger, pushrod, system
 
+from train_parts import KINDS, LAW, direct, finger, pushrod, system
 from valvetrain.analysis.kinematics import contact_loss_cam_speed, rigid_table
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.contour import curvature_radius_flat, curvature_radius_round, lift_table, pitch_from_support

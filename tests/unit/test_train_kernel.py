@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from train_parts import KINDS, system
 from twins.train_step import march
-
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.train import ContactParameters, SupportParameters, ValveParameters
 from valvetrain.system.train_forces import gap_state

@@ -22,9 +22,10 @@ Array = NDArray[np.float64]
 class RigidTable:
     """Rigid motion and quasi-static forces over ``cam_angle`` (S,) at one ``cam_speed`` (rad/s); SI units.
 
-    ``columns``: name -> (S,): valve_lift, valve_velocity, valve_acceleration, valve_jerk, motion_ratio (valve per follower travel along the cam
-    normal), reduced_mass, inertia_force, spring_force, spring_margin (spring and weight less inertia, at the valve), contact_force (on the cam),
-    cam_torque, contact_radius (of the cam, infinite where straight), contact_offset, sliding_velocity, hertz_pressure.
+    ``columns``: name -> (S,): valve_lift, valve_velocity, valve_acceleration, valve_jerk, motion_ratio (valve per follower travel along
+    the cam normal), reduced_mass, inertia_force, spring_force, spring_margin (spring and weight less inertia, at the valve),
+    contact_force (on the cam), cam_torque, contact_radius (of the cam, infinite where straight), contact_offset, sliding_velocity,
+    hertz_pressure.
     """
 
     cam_angle: Array
@@ -97,7 +98,14 @@ def _cam_gradients(system: TrainSystem, poses: RigidPoses, angle: Array, lift: A
 
 
 def _contact_geometry(
-    system: TrainSystem, train: TrainParameters, poses: RigidPoses, angle: Array, lift: Array, velocity: Array, cam_speed: float, contact: Array
+    system: TrainSystem,
+    train: TrainParameters,
+    poses: RigidPoses,
+    angle: Array,
+    lift: Array,
+    velocity: Array,
+    cam_speed: float,
+    contact: Array,
 ) -> dict[str, Array]:
     """Cam radius at the contact, its offset from the follower's axis, sliding velocity (m/s) and Hertz pressure (Pa)."""
     interaction = system.mechanism.interactions[system.mechanism.interaction_index("cam")]

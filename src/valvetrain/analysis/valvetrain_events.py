@@ -104,7 +104,7 @@ def seatings_and_bounces(data: CycleData) -> list[Event]:
     """Every touch of the seat with its velocity (m/s) and which one it is, and every bounce with its height (m)."""
     lifted = data.valve_lift > SMALLEST_GAP
     runs = intervals(lifted)
-    if not runs or len(runs) == 1 and runs[0][1] == len(lifted):
+    if not runs or (len(runs) == 1 and runs[0][1] == len(lifted)):
         return []
     main = max(range(len(runs)), key=lambda place: runs[place][1])
     found = []

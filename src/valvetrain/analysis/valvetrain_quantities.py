@@ -24,7 +24,10 @@ def cycle_data(steady: SteadyTrain, table: RigidTable) -> CycleData:
     valve, retainer = system.mechanism.index(system.mechanism.valve), system.arrays.retainer
     angle = np.arange(len(record.q)) * TURN / len(record.q)
     ring = np.append(table.cam_angle, TURN)
-    rigid = {name: np.interp(angle, ring, np.append(table[name], table[name][0])) for name in ("valve_lift", "valve_acceleration", "contact_force")}
+    rigid = {
+        name: np.interp(angle, ring, np.append(table[name], table[name][0]))
+        for name in ("valve_lift", "valve_acceleration", "contact_force")
+    }
     lift = record.q[:, retainer]
     grid = np.linspace(min(float(lift.min()), 0.0), float(lift.max()) + 1e-6, 33)
     static = np.interp(lift, grid, [system.spring_force(float(value)) for value in grid])

@@ -23,7 +23,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class SpringTraces:
-    """One spring over the cycle: end forces (S,), section motion (S, n) from installed (m, seat to retainer positive), pair forces (S, p)."""
+    """One spring over the cycle: end forces (S,), section motion (S, n) from installed (m, seat to retainer positive), pair forces (S,
+    p)."""
 
     name: str
     retainer_force: Array
@@ -108,7 +109,12 @@ def channels(traces: CycleTraces) -> xarray.Dataset:
         words[f"{spring.name}_seat_force"] = (("sample",), spring.seat_force, "N", f"{spring.name}: force on the seat")
         if spring.coil_number.size:
             dims = ("sample", f"{spring.name}_wire_point")
-            words[f"{spring.name}_axial_displacement"] = (dims, spring.axial_displacement, "m", f"{spring.name}: section motion from installed")
+            words[f"{spring.name}_axial_displacement"] = (
+                dims,
+                spring.axial_displacement,
+                "m",
+                f"{spring.name}: section motion from installed",
+            )
     if traces.piston_clearance is not None:
         words["piston_clearance"] = (("sample",), traces.piston_clearance, "m", "clearance between piston and valve")
     coords = {
@@ -119,4 +125,6 @@ def channels(traces: CycleTraces) -> xarray.Dataset:
         if spring.coil_number.size:
             label = {"units": "1", "long_name": f"{spring.name}: turns (or share) along the spring"}
             coords[f"{spring.name}_coil_number"] = ((f"{spring.name}_wire_point",), spring.coil_number, label)
-    return xarray.Dataset({name: (dims, values, {"units": unit, "long_name": text}) for name, (dims, values, unit, text) in words.items()}, coords)
+    return xarray.Dataset(
+        {name: (dims, values, {"units": unit, "long_name": text}) for name, (dims, values, unit, text) in words.items()}, coords
+    )

@@ -32,10 +32,13 @@ if TYPE_CHECKING:
 
 SpringsOption = Annotated[
     str | None,
-    typer.Option("--springs", metavar="MODELS", help="Spring models, such as massless,multi-mass,modal,rod,finite-element.", show_default=False),
+    typer.Option(
+        "--springs", metavar="MODELS", help="Spring models, such as massless,multi-mass,modal,rod,finite-element.", show_default=False
+    ),
 ]
 SetsOption = Annotated[
-    str | None, typer.Option("--spring-sets", metavar="SETS", help="Spring sets of the case, such as stock,performance.", show_default=False)
+    str | None,
+    typer.Option("--spring-sets", metavar="SETS", help="Spring sets of the case, such as stock,performance.", show_default=False),
 ]
 ReportOption = Annotated[bool, typer.Option("--report/--no-report", help="Write the report page and its figures.")]
 
@@ -52,7 +55,8 @@ def run_train(request: RunRequest) -> Outcome:
 
 
 def compare(
-    case: CaseArgument, springs: SpringsOption = None, output: OutputOption = None, engine_speed: SpeedOption = None, settings: SetOption = None,
+    case: CaseArgument, springs: SpringsOption = None, output: OutputOption = None, engine_speed: SpeedOption = None,
+    settings: SetOption = None,
     workers: WorkersOption = None, report: ReportOption = True, as_json: JsonOption = False,
 ) -> None:  # fmt: skip
     """Run a case's train (or spring) by several spring models, side by side."""
@@ -150,10 +154,12 @@ def _run_object(run: TrainRun) -> dict[str, Any]:
     from valvetrain.cli.results import engine_speed_object, quantities_object, status_object
 
     return {
-        "label": run.label, "spring_model": run.spring_model, "spring_set": run.spring_set, "engine_speed": engine_speed_object(run.engine_speed),
+        "label": run.label, "spring_model": run.spring_model, "spring_set": run.spring_set,
+        "engine_speed": engine_speed_object(run.engine_speed),
         "status": status_object(run.status), "quantities": quantities_object(run.quantities),
         "events": [
-            {"kind": event.kind, "where": event.where, "cam_angle": measured(event.cam_angle, "rad"), "duration": measured(event.duration, "s"),
+            {"kind": event.kind, "where": event.where, "cam_angle": measured(event.cam_angle, "rad"),
+            "duration": measured(event.duration, "s"),
              "size": measured(event.size, event.unit), "cause": str(event.details.get("cause", ""))}
             for event in run.events
         ],
@@ -225,10 +231,17 @@ def _series_object(item: Any) -> dict[str, Any]:
     return {
         "spring_set": item.spring_set, "spring_model": item.spring_model,
         "float_engine_speed": measured(rpm(item.float_engine_speed), "rpm"),
+        "contact_loss_engine_speed": measured(rpm(item.contact_loss_engine_speed), "rpm"),
         "rigid_contact_loss_engine_speed": measured(rpm(item.rigid_engine_speed), "rpm"),
         "engine_speed": {"values": [rpm(speed) for speed in item.engine_speeds], "unit": "rpm"}, "columns": columns,
         "surge_orders": {"values": item.orders, "unit": "N"}, "statuses": [status.code for status in item.statuses],
     }  # fmt: skip
+
+
+def _speed_or(engine_speed: float, words: str) -> str:
+    from valvetrain.report.words import number, rpm
+
+    return words if engine_speed != engine_speed else number(rpm(engine_speed))
 
 
 def _show_sweep(console: Console, result: TrainSweep, page: str) -> None:
@@ -240,11 +253,18 @@ def _show_sweep(console: Console, result: TrainSweep, page: str) -> None:
     console.print(result.case.title or result.case.name)
     console.print()
     rows = [
-        (item.label, "kept over the sweep" if not np.isfinite(item.float_engine_speed) else number(rpm(item.float_engine_speed)),
-         number(rpm(item.rigid_engine_speed)), number(float(np.nanmax(item.columns["peak_open_cam_contact_force"]))),
+        (item.label, _speed_or(item.contact_loss_engine_speed, "never"), number(rpm(item.rigid_engine_speed)),
+         _speed_or(item.float_engine_speed, "never"), number(float(np.nanmax(item.columns["peak_open_cam_contact_force"]))),
          number(float(np.nanmax(item.columns["seating_velocity"]))))
         for item in result.series
     ]  # fmt: skip
-    headers = ("springs", "floats from (rpm)", "rigid theory (rpm)", "largest cam force (N)", "largest seating velocity (m/s)")
-    console.print(plain_table(headers, rows, right=(1, 2, 3, 4)))
+    headers = (
+        "springs",
+        "contact first lost (rpm)",
+        "by rigid theory (rpm)",
+        "floats from (rpm)",
+        "largest cam force (N)",
+        "largest seating velocity (m/s)",
+    )
+    console.print(plain_table(headers, rows, right=(1, 2, 3, 4, 5)))
     console.print(f"\n{len(result.series[0].engine_speeds)} speeds per spring, {result.wall_time:.1f} s\nresults  {page}", soft_wrap=True)

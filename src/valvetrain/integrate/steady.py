@@ -11,6 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+PROBE_CYCLES = 4
+"""Plain cycles that test whether an orbit found by acceleration attracts."""
+
 Array = NDArray[np.float64]
 CycleMap = Callable[[Array], Array]
 
@@ -57,18 +60,21 @@ def repeat_cycles(
             return SteadyState(states[-1], tuple(residuals), 1, len(residuals), "repeat", tolerance)
         if not np.all(np.isfinite(states[-1])):
             break
-    return SteadyState(states[-1], tuple(residuals), _period(states, weights, tolerance, longest_period), len(residuals), "repeat", tolerance)
+    return SteadyState(
+        states[-1], tuple(residuals), _period(states, weights, tolerance, longest_period), len(residuals), "repeat", tolerance
+    )
 
 
 def accelerate(
-    cycle: CycleMap, start: Array, weights: Array, tolerance: float = 1e-6, cycles: int = 60, memory: int = 6, settle: int = 2,
+    cycle: CycleMap, start: Array, weights: Array, tolerance: float = 1e-6, cycles: int = 60, memory: int = 20, settle: int = 2,
     longest_period: int = 8,
 ) -> SteadyState:  # fmt: skip
     """Anderson acceleration of the cycle map (D. G. Anderson, J. ACM 12 (1965) 547; Walker and Ni, SIAM J. Numer. Anal. 49 (2011)).
 
     ``settle`` plain cycles first; then each new start is the combination of the last ``memory`` cycles with the least residual.
-    A step that raises the residual tenfold clears the memory. Falls back to plain cycles, and looks for a sub-harmonic, when half of
-    ``cycles`` are spent.
+    A step that raises the residual tenfold clears the memory. An orbit is accepted when plain cycles from a small disturbance come
+    back to it, for acceleration finds unstable orbits too, which no train shows. Falls back to plain cycles, and looks for a
+    sub-harmonic, when half of ``cycles`` are spent or the orbit found repels.
     """
     x, residuals = np.array(start, dtype=float), []
     inputs: list[Array] = []
@@ -79,7 +85,10 @@ def accelerate(
         change = image - x
         residuals.append(residual_norm(change, weights))
         if residuals[-1] <= tolerance:
-            return SteadyState(image, tuple(residuals), 1, len(residuals), "anderson", tolerance)
+            attracts, x = _attracts(cycle, image, weights, tolerance)
+            if attracts:
+                return SteadyState(image, tuple(residuals), 1, len(residuals) + PROBE_CYCLES, "anderson", tolerance)
+            break
         if not np.isfinite(residuals[-1]):
             break
         if count < settle:
@@ -91,9 +100,20 @@ def accelerate(
         best = min(best, residuals[-1])
         inputs, changes = [*inputs, x][-memory:], [*changes, change][-memory:]
         x = _mixed(inputs, changes, weights)
-    rest = repeat_cycles(cycle, x, weights, tolerance, max(cycles - len(residuals), 2 * longest_period), longest_period)
+    rest = repeat_cycles(cycle, x, weights, tolerance, max(cycles - len(residuals), 3 * longest_period), longest_period)
     residuals.extend(rest.residuals)
     return SteadyState(rest.state, tuple(residuals), rest.period, len(residuals), "anderson", tolerance)
+
+
+def _attracts(cycle: CycleMap, orbit: Array, weights: Array, tolerance: float) -> tuple[bool, Array]:
+    """Whether plain cycles from a disturbance of a hundred tolerances draw nearer to each other, and where they ended."""
+    kick = np.random.default_rng(1).choice((-1.0, 1.0), len(orbit)) * 100 * tolerance
+    x, sizes = orbit + np.where(weights > 0, kick / np.where(weights > 0, weights, 1.0), 0.0), []
+    for _ in range(PROBE_CYCLES):
+        image = cycle(x)
+        sizes.append(float(np.linalg.norm((image - x) * weights)))
+        x = image
+    return bool(sizes[-1] < sizes[0] or sizes[-1] <= tolerance), x
 
 
 def _mixed(inputs: list[Array], changes: list[Array], weights: Array) -> Array:

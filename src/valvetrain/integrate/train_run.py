@@ -56,7 +56,12 @@ class TrainState:
     def copy(self) -> TrainState:
         """An independent copy."""
         return TrainState(
-            self.q.copy(), self.v.copy(), tuple(s.copy() for s in self.springs), self.law_parameters.copy(), self.held.copy(), self.cam_angle
+            self.q.copy(),
+            self.v.copy(),
+            tuple(s.copy() for s in self.springs),
+            self.law_parameters.copy(),
+            self.held.copy(),
+            self.cam_angle,
         )
 
 

@@ -60,8 +60,9 @@ def steady_train(
 
     vector, weights = _pack(template[0], runner), _weights(template[0], runner)
     search = (accelerate if method == "anderson" else repeat_cycles)(cycle, vector, weights, tolerance, cycles)
-    # the last image is the state the compiled loop itself left behind, its bookkeeping included
-    first = template[0] if np.all(np.isfinite(search.state)) else (start or runner.initial_state())
+    # what is no part of the motion (histories, contact memories) is taken from the last cycle run
+    finite = bool(np.all(np.isfinite(search.state)))
+    first = _unpack(search.state, template[0], runner) if finite else (start or runner.initial_state())
     _, record = runner.cycle(first)
     return SteadyTrain(runner, search, first, record)
 

@@ -64,7 +64,8 @@ def check_flat(table: Array) -> None:
     worst = int(np.argmin(radius))
     if radius[worst] <= 0:
         raise InputError(
-            f"a flat follower needs a cam with a cusp near cam angle {worst * 360 / len(table):.1f} deg (radius {radius[worst] * 1e3:.2f} mm); "
+            f"a flat follower needs a cam with a cusp near cam angle {worst * 360 / len(table):.1f} deg (radius "
+            f"{radius[worst] * 1e3:.2f} mm); "
             "enlarge the base circle, soften the opening flank or use a roller"
         )
 

@@ -6,7 +6,7 @@ import math
 
 from numba import njit
 
-from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_LIFT, CAM_ROUND, DISTANCE, LINEAR, POINT_PLANE
+from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_LIFT, CAM_ROUND, LINEAR, POINT_PLANE
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)

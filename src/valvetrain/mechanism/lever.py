@@ -16,7 +16,8 @@ from valvetrain.parameters.train import LeverParameters, TrainParameters
 
 
 def build_lever(train: TrainParameters, law: Any, laws: dict[str, Any], law_of: str) -> AssembledMechanism:
-    """Planar train with a cam-driven lever. ``law_of`` 'valve': lift at the valve with zero lash; 'tappet': drive arm times lever angle (m)."""
+    """Planar train with a cam-driven lever. ``law_of`` 'valve': lift at the valve with zero lash; 'tappet': drive arm times lever angle
+    (m)."""
     lever = train.lever
     assert lever is not None
     arm = drive_arm(train, lever)
@@ -57,7 +58,8 @@ def drive_arm(train: TrainParameters, lever: LeverParameters) -> tuple[float, fl
     cosine = (wanted**2 - distance**2 - lever.drive_arm**2) / (2 * distance * lever.drive_arm)
     if not -1 < cosine < 1:
         raise InputError(
-            f"a lever arm of {lever.drive_arm * 1e3:g} mm on a pivot {distance * 1e3:g} mm from the cam centre cannot rest on a base circle of "
+            f"a lever arm of {lever.drive_arm * 1e3:g} mm on a pivot {distance * 1e3:g} mm from the cam centre cannot rest on a base "
+            f"circle of "
             f"{train.cam.base_radius * 1e3:g} mm; change pivot, arm or radius"
         )
     polar = math.atan2(py, px) + lever.drive_side * math.acos(cosine)

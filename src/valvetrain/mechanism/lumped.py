@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.mechanism.contour import lift_table
-from valvetrain.mechanism.gap_kinds import CAM_LIFT, CAM_ROUND, CAM_FLAT, LINEAR
+from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_LIFT, CAM_ROUND, LINEAR
 from valvetrain.mechanism.gaps import penetration_and_gradient
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction
 from valvetrain.mechanism.rigid import RigidKinematics
@@ -116,6 +116,11 @@ def build_single_mass(planar: AssembledMechanism) -> AssembledMechanism:
     scaled = lift_table(_Scaled(kinematics, 1.0))
     cam = Interaction("cam", CAM_LIFT, ("valve",), (kinematics.lash, 1.0, 0.0, 0.0, 0.0, 1.0), cam_law, "cam lift")
     return AssembledMechanism(
-        f"{planar.name}, single mass", (valve,), (cam, replace(seat, coordinates=("valve",))), {"cam lift": scaled}, "valve", "valve", kinematics
+        f"{planar.name}, single mass",
+        (valve,),
+        (cam, replace(seat, coordinates=("valve",))),
+        {"cam lift": scaled},
+        "valve",
+        "valve",
+        kinematics,
     )
-

@@ -38,7 +38,8 @@ def build_pushrod(train: TrainParameters, law: Any, laws: dict[str, Any], law_of
     upper, lower, rods = _rod_parts(train)
     own_tappet = follower.mass > 0
     contact, table = cam_contact(
-        sliding_row(origin, (0.0, 1.0)), ("tappet" if own_tappet else lower,), follower, laws["cam"], angle, (np.full_like(angle, origin[0]), origin[1] + lift),
+        sliding_row(origin, (0.0, 1.0)), ("tappet" if own_tappet else lower,), follower, laws["cam"], angle, (np.full_like(angle,
+        origin[0]), origin[1] + lift),
         np.zeros_like(angle), math.pi / 2 + follower.tilt, cam.rotation,
     )  # fmt: skip
     support, support_links, direction, support_name = support_parts(train, lever.mass)
@@ -52,7 +53,8 @@ def build_pushrod(train: TrainParameters, law: Any, laws: dict[str, Any], law_of
     tip_contact = valve_tip_contact(train, tip, sign, direction, (driving, support_name, retainer), laws["valve_tip"])
     return AssembledMechanism(
         "pushrod", (*tappets, *rods[0], *bodies, *support, *parts),
-        (contact, *joints, socket, tip_contact, *rods[1], *bars, *support_links, *links), {"cam contour": table}, valve, retainer, kinematics,
+        (contact, *joints, socket, tip_contact, *rods[1], *bars, *support_links, *links), {"cam contour": table}, valve, retainer,
+        kinematics,
     )  # fmt: skip
 
 

@@ -44,8 +44,8 @@ class RatioCurve:
 class RigidKinematics:
     """Chain of lift law -> drive coordinate -> valve, every part rigid and every contact closed but the ``lash`` (m, at the valve).
 
-    ``law``: lift law. ``law_of``: ``drive`` when the law prescribes the drive coordinate times ``drive_scale`` (m per unit), ``valve`` when it
-    prescribes the valve lift at zero lash. ``ratio``: geometry of the chain.
+    ``law``: lift law. ``law_of``: ``drive`` when the law prescribes the drive coordinate times ``drive_scale`` (m per unit), ``valve``
+    when it prescribes the valve lift at zero lash. ``ratio``: geometry of the chain.
     """
 
     law: Any
@@ -98,6 +98,7 @@ def check_lash(kinematics: RigidKinematics) -> None:
     tight = float(np.max(kinematics._tight(np.linspace(0, 2 * np.pi, 1441), 0)))
     if kinematics.lash >= tight:
         raise InputError(
-            f"the lash ({kinematics.lash * 1e3:.3f} mm) is not smaller than the valve lift ({tight * 1e3:.3f} mm), so the valve never opens; "
+            f"the lash ({kinematics.lash * 1e3:.3f} mm) is not smaller than the valve lift ({tight * 1e3:.3f} mm), so the valve never "
+            f"opens; "
             "reduce the lash or check its unit"
         )

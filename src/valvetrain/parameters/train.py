@@ -125,7 +125,8 @@ class PushrodParameters:
 
 @dataclass(frozen=True, slots=True)
 class SupportParameters:
-    """Elastic pivot or rocker shaft: ``stiffness`` (N/m) and ``damping`` (N s/m) along ``direction`` (polar angle, rad), moving ``mass`` (kg)."""
+    """Elastic pivot or rocker shaft: ``stiffness`` (N/m) and ``damping`` (N s/m) along ``direction`` (polar angle, rad), moving ``mass``
+    (kg)."""
 
     stiffness: float
     mass: float
@@ -180,10 +181,11 @@ class GasLoad:
 
 @dataclass(frozen=True, slots=True)
 class CrankParameters:
-    """Crank slider on the 2:1 drive: ``radius`` (m, half the stroke), ``rod_length`` (m), ``top_dead_centre`` cam angle (rad) of gas exchange.
+    """Crank slider on the 2:1 drive: ``radius`` (m, half the stroke), ``rod_length`` (m), ``top_dead_centre`` cam angle (rad) of gas
+    exchange.
 
-    ``clearance`` (m): piston crown to the closed valve along the cylinder at top dead centre; ``valve_inclination`` (rad) of the valve axis to the
-    cylinder axis.
+    ``clearance`` (m): piston crown to the closed valve along the cylinder at top dead centre; ``valve_inclination`` (rad) of the valve
+    axis to the cylinder axis.
     """
 
     radius: float
@@ -229,8 +231,8 @@ class TrainVariant:
     """One of the runs that a case asks for: what differs from the train itself.
 
     ``spring_set`` and ``spring_model``: words, empty for the train's own. ``lash`` (m), ``valve_damping`` (N s/m, a damper on the valve),
-    ``contact_law`` (a word, for every contact that has the values it needs), ``without_preload``: springs at rest with the valve closed, as one
-    source computed them. ``note`` is printed beside the results.
+    ``contact_law`` (a word, for every contact that has the values it needs), ``without_preload``: springs at rest with the valve closed,
+    as one source computed them. ``note`` is printed beside the results.
     """
 
     label: str
@@ -270,9 +272,10 @@ def _without_preload(part: Any) -> Any:
 class TrainParameters:
     """One valvetrain. ``model``: planar rigid bodies with the true cam profile, lumped masses with constant ratios, or a single mass.
 
-    ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and ``rocker``. ``springs``: sets of springs by
-    name, each a tuple of one or two :class:`InstalledSpring` or :class:`SpringCard` (outer first); ``spring_set`` is the one in use and ``spring_model`` the word
-    for its fidelity. ``variants``: the runs a case asks for (none: one run as it stands). ``spring_options``: keyword arguments of spring models (damping, masses). ``gravity``: vector (m/s2).
+    ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and ``rocker``. ``springs``: sets of
+    springs by name, each a tuple of one or two :class:`InstalledSpring` or :class:`SpringCard` (outer first); ``spring_set`` is the one
+    in use and ``spring_model`` the word for its fidelity. ``variants``: the runs a case asks for (none: one run as it stands).
+    ``spring_options``: keyword arguments of spring models (damping, masses). ``gravity``: vector (m/s2).
     """
 
     kind: TrainKind

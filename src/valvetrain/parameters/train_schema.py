@@ -245,10 +245,10 @@ class TrainModel(StrictModel):
     springs: dict[str, Annotated[Any, PlainValidator(_read_spring_set)]]
     spring_set: str = ""
     spring_model: str = "multi-mass"
-    spring_options: Values = {}
+    spring_options: Values = {}  # noqa: RUF012 (pydantic copies it)
     lash: Length = 0.0
     gravity: quantities("acceleration") = (0.0, -9.80665)  # type: ignore[valid-type]
-    variants: list[VariantModel] = []
+    variants: list[VariantModel] = []  # noqa: RUF012
 
     def build(self) -> TrainParameters:
         """The frozen parameters; raises a located problem."""
@@ -263,7 +263,10 @@ class TrainModel(StrictModel):
         variants = tuple(variant.build() for variant in self.variants)
         for place, variant in enumerate(variants):
             if variant.spring_set and variant.spring_set not in self.springs:
-                raise problem(f"spring set '{variant.spring_set}' is unknown; the case holds {', '.join(self.springs)}", ("variants", place, "spring_set"))
+                raise problem(
+                    f"spring set '{variant.spring_set}' is unknown; the case holds {', '.join(self.springs)}",
+                    ("variants", place, "spring_set"),
+                )
         built: TrainParameters = guarded(
             lambda: TrainParameters(contacts=self.contacts, springs=self.springs, variants=variants, **parts, **plain)
         )

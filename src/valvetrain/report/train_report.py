@@ -28,7 +28,8 @@ from valvetrain.studies.sweep import TrainSweep
 SUMMARY: dict[str, tuple[str, float]] = {
     "nose_cam_contact_force": ("N", 1.0), "peak_open_cam_contact_force": ("N", 1.0), "minimum_cam_contact_force": ("N", 1.0),
     "peak_open_valve_tip_contact_force": ("N", 1.0), "peak_seat_contact_force": ("N", 1.0), "peak_retainer_force": ("N", 1.0),
-    "minimum_retainer_force": ("N", 1.0), "peak_valve_lift": ("mm", 1e3), "lift_loss_displacement": ("mm", 1e3), "seating_velocity": ("m/s", 1.0),
+    "minimum_retainer_force": ("N", 1.0), "peak_valve_lift": ("mm", 1e3), "lift_loss_displacement": ("mm", 1e3),
+    "seating_velocity": ("m/s", 1.0),
     "bounce_height": ("mm", 1e3), "loft_gap": ("mm", 1e3), "peak_lever_speed": ("deg/s", 180 / np.pi),
     "outer_mean_peak_section_displacement": ("mm", 1e3), "minimum_piston_clearance_gap": ("mm", 1e3), "clash_count": ("", 1.0),
     "steady_cycles_count": ("", 1.0), "steady_residual_ratio": ("", 1.0), "motion_period_count": ("", 1.0),
@@ -97,7 +98,11 @@ def train_page(study: TrainStudy) -> Page:
         ("springs", ", ".join(dict.fromkeys(run.spring_model for run in runs))), ("runs", f"{completed} of {len(runs)} completed"),
     )  # fmt: skip
     zero = case.lift_law.zero_of_angle if case.lift_law is not None else ""
-    footer = "Angles are cam degrees" + (f" (zero: {zero})" if zero else "") + ". Engine speed is crank speed. Compressive forces and opening lift are positive."
+    footer = (
+        "Angles are cam degrees"
+        + (f" (zero: {zero})" if zero else "")
+        + ". Engine speed is crank speed. Compressive forces and opening lift are positive."
+    )
     return Page(case.title or case.name, "Valvetrain study", case.description, facts, tuple(s for s in sections if s.blocks), footer)
 
 
@@ -124,7 +129,11 @@ def _curves(runs: Sequence[TrainRun]) -> tuple[Block, ...]:
     if not shown:
         return ()
     lift = train_figures.curve_chart(
-        shown, ("valve lift", "valve velocity", "valve acceleration"), "train-lift", "Valve motion", "Steady cycle; velocity and acceleration at the valve."
+        shown,
+        ("valve lift", "valve velocity", "valve acceleration"),
+        "train-lift",
+        "Valve motion",
+        "Steady cycle; velocity and acceleration at the valve.",
     )
     forces = train_figures.curve_chart(
         shown, ("cam contact force", "force on the valve", "seat force", "cam torque"), "train-forces", "Contact forces",
@@ -142,7 +151,9 @@ def _springs(runs: Sequence[TrainRun]) -> tuple[Block, ...]:
     if not shown:
         return ()
     caption = "Force of all springs on the retainer, and what a spring without inertia would give at the same lift."
-    blocks: list[Block] = [Figure(train_figures.curve_chart(shown, ("spring force", "static spring force"), "spring-force", "Spring force", caption))]
+    blocks: list[Block] = [
+        Figure(train_figures.curve_chart(shown, ("spring force", "static spring force"), "spring-force", "Spring force", caption))
+    ]
     sections = train_figures.section_chart(shown)
     return (*blocks, Figure(sections)) if sections is not None else tuple(blocks)
 
@@ -175,12 +186,16 @@ def write_train_report(study: TrainStudy, folder: str | os.PathLike[str], page: 
 
 def sweep_page(sweep: TrainSweep) -> Page:
     """The report of a sweep: where each spring floats, curves over speed, order maps, all numbers."""
-    rows = np.array([[rpm(item.float_engine_speed), rpm(item.rigid_engine_speed)] for item in sweep.series]).reshape(-1, 2)
+    speeds_of = ("contact_loss_engine_speed", "rigid_engine_speed", "float_engine_speed")
+    rows = np.array([[rpm(getattr(item, name)) for name in speeds_of] for item in sweep.series]).reshape(-1, 3)
     floats = table(
-        ("springs", "", np.array([item.label for item in sweep.series], dtype=object)), ("floats from", "rpm", rows[:, 0]),
-        ("rigid theory", "rpm", rows[:, 1]),
+        ("springs", "", np.array([item.label for item in sweep.series], dtype=object)), ("contact first lost", "rpm", rows[:, 0]),
+        ("by rigid theory", "rpm", rows[:, 1]), ("floats from", "rpm", rows[:, 2]),
     )  # fmt: skip
-    lead = text("A dash means that control is kept over the whole sweep. Rigid theory: the speed at which inertia first exceeds the spring force, no elasticity, no surge.")
+    lead = text(
+        "A dash means that control is kept over the whole sweep. Rigid theory: the speed at which inertia first exceeds the spring "
+        "force, no elasticity, no surge."
+    )
     maps = tuple((item.label, (Figure(sweep_figures.order_chart(item, f"orders-{_slug(item.label)}")),)) for item in sweep.series)
     tables = tuple((item.label, (grid_of(sweep_figures.sweep_table(item)),)) for item in sweep.series)
     sections = (
@@ -191,7 +206,14 @@ def sweep_page(sweep: TrainSweep) -> Page:
     )
     speeds = sweep.series[0].engine_speeds
     facts = (("case", sweep.case.name), ("engine speeds", f"{len(speeds)} from {speed_words(speeds[0])} to {speed_words(speeds[-1])}"))
-    return Page(sweep.case.title or sweep.case.name, "Speed sweep", sweep.case.description, facts, sections, "Engine speed is crank speed; orders count per cam turn.")
+    return Page(
+        sweep.case.title or sweep.case.name,
+        "Speed sweep",
+        sweep.case.description,
+        facts,
+        sections,
+        "Engine speed is crank speed; orders count per cam turn.",
+    )
 
 
 def write_sweep_report(sweep: TrainSweep, folder: str | os.PathLike[str], page: bool = True) -> ReportFiles:
@@ -206,5 +228,3 @@ def write_sweep_report(sweep: TrainSweep, folder: str | os.PathLike[str], page: 
 
 def _slug(words: str) -> str:
     return "-".join("".join(char if char.isalnum() or char == "." else " " for char in words).split())
-
-

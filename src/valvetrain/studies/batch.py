@@ -16,12 +16,16 @@ Result = TypeVar("Result")
 
 
 def map_cases(
-    function: Callable[[Case], Result], cases: Iterable[Case], workers: int | None = None, progress: Callable[[int, int], None] | None = None
+    function: Callable[[Case], Result],
+    cases: Iterable[Case],
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Result, ...]:
     """``function`` of every case, in their order; ``workers`` processes (None: one per core, 1: in this process).
 
     ``function`` must be importable (a module-level function or a partial of one) and results must pickle. ``progress(done, total)`` is
-    called after each case. Every case runs by itself, so the results do not depend on ``workers``. Raises :class:`InputError` for fewer than one worker.
+    called after each case. Every case runs by itself, so the results do not depend on ``workers``. Raises :class:`InputError` for fewer
+    than one worker.
     """
     items: Sequence[Case] = tuple(cases)
     count = available_cores() if workers is None else workers

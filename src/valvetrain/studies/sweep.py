@@ -25,7 +25,8 @@ Array = NDArray[np.float64]
 #: Columns of a sweep's table, in order.
 COLUMNS = (
     "peak_open_cam_contact_force", "minimum_cam_contact_force", "peak_open_valve_tip_contact_force", "minimum_valve_tip_contact_force",
-    "peak_seat_contact_force", "lift_loss_displacement", "seating_velocity", "bounce_height", "bounce_count", "loft_gap", "float_excess_lift",
+    "peak_seat_contact_force", "lift_loss_displacement", "seating_velocity", "bounce_height", "bounce_count", "loft_gap",
+    "float_excess_lift",
     "peak_retainer_force", "minimum_retainer_force", "motion_period_count", "steady_cycles_count",
 )  # fmt: skip
 
@@ -40,8 +41,8 @@ class SweepSeries:
     """One spring set and model over ``engine_speeds`` (rad/s of the crank).
 
     ``columns``: name -> (speeds,), NaN where a run failed; ``orders`` (speeds, orders + 1): surge amplitude (N, 0 to peak) by cam order;
-    ``statuses`` per speed; ``float_engine_speed``: the lowest speed from which control is lost (NaN: not within the sweep), ``rigid_engine_speed`` the
-    same by rigid theory.
+    ``statuses`` per speed. ``contact_loss_engine_speed``: lowest speed at which the cam contact is open for a moment while the valve is;
+    ``rigid_engine_speed`` the same by rigid theory; ``float_engine_speed``: from where control is lost. NaN: not within the sweep.
     """
 
     spring_set: str
@@ -52,6 +53,12 @@ class SweepSeries:
     statuses: tuple[Status, ...]
     float_engine_speed: float
     rigid_engine_speed: float
+
+    @property
+    def contact_loss_engine_speed(self) -> float:
+        """Lowest speed (rad/s) at which the cam contact opens while the valve is more than a tenth open; NaN when it never does."""
+        lost = np.flatnonzero(self.columns["minimum_cam_contact_force"] <= 0)
+        return float(self.engine_speeds[lost[0]]) if len(lost) else float("nan")
 
     @property
     def label(self) -> str:
@@ -79,7 +86,8 @@ class TrainSweep:
 
 
 def run_sweep(
-    case: Case, engine_speeds: Sequence[float], *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (), workers: int | None = None,
+    case: Case, engine_speeds: Sequence[float], *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
+    workers: int | None = None,
     cycles: int = 30, progress: Callable[[float, str], None] | None = None,
 ) -> TrainSweep:  # fmt: skip
     """Steady states over ``engine_speeds`` (rad/s) for every spring set and model (the case's own by default).
@@ -109,7 +117,8 @@ def run_sweep(
 
     runs = map_cases(run_job, jobs, workers, report)
     series = [
-        _series(case, chosen, model, speeds, runs[place * len(speeds) : (place + 1) * len(speeds)]) for place, (chosen, model) in enumerate(pairs)
+        _series(case, chosen, model, speeds, runs[place * len(speeds) : (place + 1) * len(speeds)])
+        for place, (chosen, model) in enumerate(pairs)
     ]
     return TrainSweep(case, tuple(series), time.perf_counter() - begun)
 
@@ -124,7 +133,8 @@ def _series(case: Case, spring_set: str, model: str, speeds: Array, runs: Sequen
 
 
 def float_engine_speed(speeds: Array, columns: dict[str, Array]) -> float:
-    """Lowest speed (rad/s) from which the train floats: gap in the drive or lift above the rigid one beyond :data:`CONTROL_LOST_GAP`, at that speed and the next.
+    """Lowest speed (rad/s) from which the train floats: gap in the drive or lift above the rigid one beyond :data:`CONTROL_LOST_GAP`, at
+    that speed and the next.
 
     A single resonance that lets go and catches again does not count; the last point of a sweep may stand alone.
     """

@@ -16,19 +16,24 @@ from valvetrain.parameters.train import TrainParameters
 Array = NDArray[np.float64]
 
 PUSHROD_NOTES = (
-    "The peak contact forces printed (283 and 400 N) fit springs without their seat load: rate x 8 mm x lever ratio 1.6 is 275 and 395 N; with the seat "
+    "The peak contact forces printed (283 and 400 N) fit springs without their seat load: rate x 8 mm x lever ratio 1.6 is 275 and 395 "
+    "N; with the seat "
     "load of the same source's table 588 and 944 N are due. Both are computed: 'as printed' without, the others with the seat load.",
     "Equation 4 of the source lacks the penetration rate in its damping term and adds N s/mm to N; its check of 283 N is the elastic force "
     "at 0.02 mm and predicts nothing. The runs use F = k d^1.5 + c(d) d', the damping risen to its maximum at 0.02 mm.",
-    "A damper of zeta = 1 (195.8 N s/m) on a valve that moves at 2 m/s adds some 390 N on the flanks, so a peak of 412 N can only be meant at the nose, where "
-    "the valve stands still; there the damper changes next to nothing. On the closing flank the damped springs without seat load let the train go.",
+    "A damper of zeta = 1 (195.8 N s/m) on a valve that moves at 2 m/s adds some 390 N on the flanks, so a peak of 412 N can only be "
+    "meant at the nose, where "
+    "the valve stands still; there the damper changes next to nothing. On the closing flank the damped springs without seat load let "
+    "the train go.",
     "384 deg/s of rocker rotation cannot be: 8 mm of lift in 90 cam degrees at 2000 rpm with an arm of 40 mm needs some 2900 deg/s.",
     "50 Hz is the lumped mass on the spring rate; the surge frequency of a spring of this rate and some 45 g lies near 400 Hz.",
 )
 VALVE_GEAR_NOTES = (
-    "The source prints no mass, spring datum, lift or curve value: its figures 3 and 4 cannot be compared number by number. Springs follow a service manual "
+    "The source prints no mass, spring datum, lift or curve value: its figures 3 and 4 cannot be compared number by number. Springs "
+    "follow a service manual "
     "as recalled, masses and geometry are assumed (see the case file).",
-    "The source's term 2 mu / omega dU/dphi is a mass-proportional damping of 2 mu = 50 1/s at mu = 25 1/s; surge mode n then has the damping ratio mu / (2 pi f_n).",
+    "The source's term 2 mu / omega dU/dphi is a mass-proportional damping of 2 mu = 50 1/s at mu = 25 1/s; surge mode n then has the "
+    "damping ratio mu / (2 pi f_n).",
 )
 
 
@@ -97,8 +102,10 @@ def _pushrod_findings(runs: dict[str, TrainRun]) -> list[Finding]:
     if len(zetas) == 3:
         nose = [_number(runs[label], "nose_cam_contact_force") for label in zetas]
         peaks = [_number(runs[label], "peak_open_cam_contact_force") for label in zetas]
-        words = f"at the nose {nose[0]:.0f}, {nose[1]:.0f}, {nose[2]:.0f} N, on the opening flank up to {peaks[0]:.0f}, {peaks[1]:.0f}, {peaks[2]:.0f} N at zeta 0, 0.5, 1"
-        verdict = f"at the nose up {nose[2] / nose[0] - 1:.1%} (source 3 %), but the true peak moves to the opening flank and rises {peaks[2] / peaks[0] - 1:.0%}"
+        words = f"at the nose {nose[0]:.0f}, {nose[1]:.0f}, {nose[2]:.0f} N, on the opening flank up to {peaks[0]:.0f}, {peaks[1]:.0f}, "
+        f"{peaks[2]:.0f} N at zeta 0, 0.5, 1"
+        verdict = f"at the nose up {nose[2] / nose[0] - 1:.1%} (source 3 %), but the true peak moves to the opening flank and rises "
+        f"{peaks[2] / peaks[0] - 1:.0%}"
         found.append(Finding("section 6", "damping raises the peak contact force slightly (400 to 412 N)", words, verdict))
     return found
 
@@ -110,20 +117,32 @@ def _valve_gear_findings(runs: dict[str, TrainRun]) -> list[Finding]:
         if masses is None or rod is None or masses.traces is None or rod.traces is None:
             continue
         first, second = _halves(masses, rod)
-        words = f"root mean square difference of the lever's force on the valve {first:.1f} N while opening, {second:.1f} N while closing (lash {lash})"
+        words = f"root mean square difference of the lever's force on the valve {first:.1f} N while opening, {second:.1f} N while "
+        f"closing (lash {lash})"
         verdict = "agrees" if second > first else "not seen with these assumed parts: the two models differ more while opening"
         found.append(Finding("section 4", "six masses and rods differ most in the second half, towards the seat", words, verdict))
         single = runs.get(f"single mass, lash {lash}")
         if single is not None and single.traces is not None:
             gap = _rms(single, rod, single.traces.rigid_lift > 0)
             other = _rms(masses, rod, masses.traces.rigid_lift > 0)
-            words = f"against the rods: single mass {gap:.1f} N, six masses {other:.1f} N root mean square over the open valve (lash {lash})"
-            found.append(Finding("section 4", "how a spring is split into masses changes the result markedly", words, "agrees" if gap > 2 * other else "weaker here"))
+            words = (
+                f"against the rods: single mass {gap:.1f} N, six masses {other:.1f} N root mean square over the open valve (lash {lash})"
+            )
+            found.append(
+                Finding(
+                    "section 4",
+                    "how a spring is split into masses changes the result markedly",
+                    words,
+                    "agrees" if gap > 2 * other else "weaker here",
+                )
+            )
         finite = runs.get(f"finite elements, lash {lash}")
         if finite is not None and finite.traces is not None:
             peaks = [1e3 * _number(run, "outer_mean_peak_section_displacement") for run in (masses, rod, finite)]
             words = f"{peaks[0]:.2f} mm (six masses), {peaks[1]:.2f} mm (rod), {peaks[2]:.2f} mm (finite elements) at lash {lash}"
-            found.append(Finding("figure 3", "mean peak displacement of the outer spring's sections", words, "no printed value to compare with"))
+            found.append(
+                Finding("figure 3", "mean peak displacement of the outer spring's sections", words, "no printed value to compare with")
+            )
     return found
 
 

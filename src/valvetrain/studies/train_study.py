@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -29,6 +29,8 @@ from valvetrain.system.train_system import TrainSystem
 
 #: The finite-element spring costs seconds per cycle and its state (frames among it) does not mix; few plain cycles serve.
 FEW_CYCLES = {"finite-element": 3}
+#: How often the step is cut to a third when a contact hardens beyond what it resolves.
+FINER_STEPS = 2
 
 
 @dataclass(frozen=True)
@@ -76,14 +78,25 @@ def run_train(
 
 
 def settle(
-    system: TrainSystem, engine_speed: float, spring_model: str, options: TrainOptions | None = None, method: str = "anderson", cycles: int = 60
+    system: TrainSystem,
+    engine_speed: float,
+    spring_model: str,
+    options: TrainOptions | None = None,
+    method: str = "anderson",
+    cycles: int = 60,
 ) -> SteadyTrain:
-    """Steady state of an assembled train (rad/s of the crank)."""
-    few = FEW_CYCLES.get(spring_model)
-    ready = runner(system, engine_speed / 2, options or TrainOptions(record_springs=True))
-    if few is not None:
-        return steady_train(ready, "repeat", cycles=min(few, cycles), tolerance=1e-3)
-    return steady_train(ready, method, cycles=cycles)
+    """Steady state of an assembled train (rad/s of the crank); a contact harder than the step resolves is run again with a finer one."""
+    few, chosen = FEW_CYCLES.get(spring_model), options or TrainOptions(record_springs=True)
+    for _ in range(FINER_STEPS + 1):
+        ready = runner(system, engine_speed / 2, chosen)
+        if few is not None:
+            found = steady_train(ready, "repeat", cycles=min(few, cycles), tolerance=1e-3)
+        else:
+            found = steady_train(ready, method, cycles=cycles)
+        if found.record.status.completed or chosen.time_step is not None:
+            break
+        chosen = replace(chosen, step_fraction=chosen.step_fraction / 3)
+    return found
 
 
 def first_engine_speed(case: Case) -> float:
@@ -116,7 +129,9 @@ def run_train_study(
     quantities |= static_quantities(case)
     derived = derived_quantities(case, runs)
     quantities |= derived
-    provenance = collect_provenance(case.name, train_of(case).spring_model, engine_speed=speeds[0], created_at=created_at, citations=case.cite())
+    provenance = collect_provenance(
+        case.name, train_of(case).spring_model, engine_speed=speeds[0], created_at=created_at, citations=case.cite()
+    )
     notes, found = findings(case, runs)
     return TrainStudy(case, runs, quantities, compare(case.published, derived), found, notes, provenance)
 
@@ -140,9 +155,7 @@ def _progress(progress: Callable[[float, str], None] | None, jobs: Sequence[RunJ
         progress(done / total, jobs[done - 1].variant.label)
 
 
-def _named(
-    job: RunJob, steady: SteadyTrain, table: RigidTable, train: TrainParameters, spring_set: str, per_cycle: float
-) -> TrainRun:
+def _named(job: RunJob, steady: SteadyTrain, table: RigidTable, train: TrainParameters, spring_set: str, per_cycle: float) -> TrainRun:
     data = cycle_data(steady, table)
     finite = bool(np.all(np.isfinite(data.valve_lift))) and steady.record.status.completed
     events = cycle_events(steady, data) if finite else ()

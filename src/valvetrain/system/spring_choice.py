@@ -75,7 +75,9 @@ def _multi_mass(part: Any, options: Mapping[str, Any]) -> Any:
 
     damping = _take(options, "mass_damping", "stiffness_damping", "contact_damping_time")
     if isinstance(part, InstalledSpring):
-        return MultiMassSpring.from_definition(part.definition, part.precompression, **_take(options, "masses_per_coil", "contact_stiffness"), **damping)
+        return MultiMassSpring.from_definition(
+            part.definition, part.precompression, **_take(options, "masses_per_coil", "contact_stiffness"), **damping
+        )
     return MultiMassSpring.from_card(part.rate, part.preload, _card_mass(part, "multi-mass"), **_take(options, "elements"), **damping)
 
 

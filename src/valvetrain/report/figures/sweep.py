@@ -22,7 +22,8 @@ SHOWN: dict[str, tuple[str, str, float]] = {
     "steady_cycles_count": ("cycles to steady state", "", 1.0),
 }  # fmt: skip
 PANELS = (
-    "peak_open_cam_contact_force", "minimum_cam_contact_force", "lift_loss_displacement", "seating_velocity", "bounce_height", "float_excess_lift",
+    "peak_open_cam_contact_force", "minimum_cam_contact_force", "lift_loss_displacement", "seating_velocity",
+    "bounce_height", "float_excess_lift",
 )  # fmt: skip
 
 
@@ -52,7 +53,9 @@ def sweep_chart(sweep: TrainSweep) -> Chart:
         floats = sorted({round(rpm(series.float_engine_speed)) for series in sweep.series if np.isfinite(series.float_engine_speed)})
         rules = tuple(Rule("x", float(value), f"float {value}") for value in floats)
         panels.append(Panel("engine speed (rpm)", f"{words} ({unit})" if unit else words, tuple(layers), rules=rules))
-    caption = "Steady state at every speed. Rules mark the speed from which the train floats: it runs more than 0.05 mm above its rigid lift."
+    caption = (
+        "Steady state at every speed. Rules mark the speed from which the train floats: it runs more than 0.05 mm above its rigid lift."
+    )
     return Chart("sweep", "Forces, seating and float over engine speed", caption, tuple(panels), columns=2, height=780)
 
 
@@ -62,5 +65,6 @@ def order_chart(series: SweepSeries, key: str) -> Chart:
     orders = np.arange(1, series.orders.shape[1])
     z = np.array([data[f"order {order}"] for order in orders])
     layer = HeatMap(data["engine speed"], orders.astype(float), np.nan_to_num(z), "surge amplitude", "N")
-    caption = "Amplitude (0 to peak) of the spring force less its static value at the same lift, per cam order. Ridges rise where an order meets a surge mode."
+    caption = "Amplitude (0 to peak) of the spring force less its static value at the same lift, per cam order. Ridges rise where an "
+    "order meets a surge mode."
     return Chart(key, f"Order map, {series.label}", caption, (Panel("engine speed (rpm)", "cam order", (layer,)),), height=420)

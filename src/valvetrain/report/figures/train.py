@@ -54,7 +54,15 @@ def curve_chart(runs: Sequence[TrainRun], names: Sequence[str], key: str, title:
         for place, (run, data) in enumerate(tables):
             if name in data:
                 colour = theme.SERIES[place % len(theme.SERIES)]
-                layers.append(Line(*thin(data["cam angle"], data[name]), run.label, colour, 1.4, ("solid", "dash", "dot")[place // len(theme.SERIES) % 3]))
+                layers.append(
+                    Line(
+                        *thin(data["cam angle"], data[name]),
+                        run.label,
+                        colour,
+                        1.4,
+                        ("solid", "dash", "dot")[place // len(theme.SERIES) % 3],
+                    )
+                )
         if layers:
             panels.append(Panel(ANGLE_LABEL, f"{name} ({CURVES[name][0]})", tuple(layers), x_range=(0, 360), x_step=30))
     return Chart(key, title, caption, tuple(panels), height=230 * len(panels) + 60)
@@ -101,7 +109,8 @@ def kinematics_table(rigid: RigidTable) -> Table:
         ("velocity", "mm/deg", rigid["valve_velocity"] / speed * degree * 1e3),
         ("acceleration", "mm/deg²", rigid["valve_acceleration"] / speed**2 * degree**2 * 1e3),
         ("jerk", "mm/deg³", rigid["valve_jerk"] / speed**3 * degree**3 * 1e3), ("inertia force", "N", rigid["inertia_force"]),
-        ("spring force", "N", rigid["spring_force"]), ("spring margin", "N", rigid["spring_margin"]), ("contact force", "N", rigid["contact_force"]),
+        ("spring force", "N", rigid["spring_force"]), ("spring margin", "N", rigid["spring_margin"]),
+        ("contact force", "N", rigid["contact_force"]),
         ("cam torque", "N m", rigid["cam_torque"]), ("motion ratio", "", rigid["motion_ratio"]),
     ]  # fmt: skip
     if "contact_radius" in rigid.columns:
@@ -119,5 +128,6 @@ def kinematics_chart(rigid: RigidTable) -> Chart:
             column = data.column(name)
             line = Line(*thin(data["cam angle"], column.values), name, theme.INK, 1.4, in_legend=False)
             panels.append(Panel(ANGLE_LABEL, column.header.replace("[", "(").replace("]", ")"), (line,), x_range=(0, 360), x_step=30))
-    caption = "Rigid parts, closed contacts: what the geometry asks for before any dynamics. The margin is spring force and weight plus inertia at the valve."
+    caption = "Rigid parts, closed contacts: what the geometry asks for before any dynamics. The margin is spring force and weight plus "
+    "inertia at the valve."
     return Chart("kinematics", "Kinematics and quasi-statics", caption, tuple(panels), height=170 * len(panels) + 60, legend=False)

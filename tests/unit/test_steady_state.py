@@ -1,0 +1,78 @@
+"""Search for the periodic orbit on toy maps of known answer, then on a train."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from train_parts import direct, system
+from valvetrain.integrate.steady import accelerate, repeat_cycles, residual_norm
+from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_steady import steady_train
+from valvetrain.springs.multi_mass import MultiMassSpring
+
+ROTATION = 0.97 * np.kron(np.eye(3), np.array([[0.6, -0.8], [0.8, 0.6]])) * np.repeat([1.0, 0.9, 0.8], 2)[:, None]
+TARGET = np.linspace(1, 2, 6)
+
+
+def linear(x):
+    """A slowly turning contraction with the fixed point TARGET, as surge modes are."""
+    return TARGET + ROTATION @ (x - TARGET)
+
+
+def logistic(rate):
+    return lambda x: rate * x * (1 - x)
+
+
+def test_both_methods_find_the_fixed_point_and_the_faster_one_in_fewer_cycles():
+    weights, start = np.ones(6), np.zeros(6)
+    slow, fast = repeat_cycles(linear, start, weights, 1e-9, 1000), accelerate(linear, start, weights, 1e-9, 1000)
+    for found in (slow, fast):
+        assert found.converged and found.period == 1
+        assert found.state == pytest.approx(TARGET, abs=1e-7)
+        assert found.residuals[-1] <= 1e-9
+    assert len(slow.residuals) == slow.cycles > 400  # 0.97**n reaches 1e-9 after some 700
+    assert fast.cycles <= 15
+
+
+@pytest.mark.parametrize("method", [repeat_cycles, accelerate])
+@pytest.mark.parametrize(("rate", "period"), [(2.8, 1), (3.2, 2), (3.5, 4), (3.9, 0)])
+def test_the_period_of_what_does_not_settle_is_told(method, rate, period):
+    found = method(logistic(rate), np.array([0.3]), np.ones(1), 1e-8, 400)
+    assert found.period == period
+    assert found.converged is (period == 1)
+
+
+def test_a_map_that_leaves_all_bounds_ends_the_search():
+    found = repeat_cycles(lambda x: x * np.inf, np.ones(1), np.ones(1))
+    assert not found.converged and found.cycles == 1
+
+
+def test_the_norm_is_the_largest_weighted_change():
+    assert residual_norm(np.array([1.0, -4.0]), np.array([1.0, 0.5])) == 2.0
+
+
+def test_both_methods_find_the_same_orbit_of_a_train_and_the_record_repeats():
+    spring = MultiMassSpring.from_card(30e3, 300.0, 0.04, elements=5, mass_damping=16.0)
+    ready = runner(system(direct(), spring=spring), 250.0, TrainOptions(samples=720))
+    slow, fast = steady_train(ready, "repeat", 1e-6, 200), steady_train(ready, "anderson", 1e-6, 200)
+    assert slow.search.converged and fast.search.converged
+    assert slow.status.completed and fast.status.completed
+    assert fast.search.cycles < 0.5 * slow.search.cycles
+    assert fast.record.spring_forces == pytest.approx(slow.record.spring_forces, abs=0.05)
+    _, again = ready.cycle(fast.start)
+    assert np.array_equal(again.q, fast.record.q)  # a cycle is repeatable to the bit
+
+
+def test_a_train_that_needs_two_cycles_says_so():
+    from valvetrain.springs.massless import MasslessSpring
+
+    periods = set()
+    for cam_speed in np.linspace(330, 520, 12):
+        ready = runner(system(direct(), spring=MasslessSpring(12e3, 120.0, 0.04)), cam_speed, TrainOptions(samples=720))
+        found = steady_train(ready, "repeat", 1e-6, 80)
+        periods.add(found.search.period)
+        if not found.search.converged:
+            assert found.status.code == "not-converged"
+            assert ("every" in found.status.message) is (found.search.period > 1)
+    assert periods - {1}, "every speed settled, so nothing was tested; raise the speeds"

@@ -1,0 +1,125 @@
+"""Bodies, contacts and trains with impossible values are refused with the reason."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from train_parts import LAW, direct, finger, pushrod, system
+from valvetrain.errors import InputError
+from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.mechanism.build import build_mechanism
+from valvetrain.parameters.loading import load_case, parse_case
+from valvetrain.parameters.train import (
+    CamParameters,
+    ContactParameters,
+    CrankParameters,
+    FollowerParameters,
+    GasLoad,
+    LeverParameters,
+    PushrodParameters,
+    SupportParameters,
+    ValveParameters,
+)
+from valvetrain.springs.massless import MasslessSpring
+from valvetrain.system.build_train import build_train
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: ValveParameters(0.0), "mass of the valve must be positive"),
+        (lambda: ValveParameters(-0.1), "mass of the valve must be positive"),
+        (lambda: ValveParameters(float("nan")), "mass of the valve must be positive"),
+        (lambda: ValveParameters(0.1, friction=-1.0), "friction"),
+        (lambda: ValveParameters(0.1, head_fraction=1.0), "head_fraction"),
+        (lambda: PushrodParameters(-0.2, (0, 0)), "mass of the pushrod"),
+        (lambda: SupportParameters(0.0, 0.1), "stiffness of the support"),
+        (lambda: LeverParameters((0, 0), 0.03, 0.04, 0.0), "inertia of the lever"),
+        (lambda: CamParameters(0.0), "base_radius"),
+        (lambda: CamParameters(0.01, rotation=0), "rotation"),
+        (lambda: FollowerParameters("square"), "use flat, domed, roller or knife"),
+        (lambda: FollowerParameters("roller"), "positive radius"),
+        (lambda: FollowerParameters("flat", radius=0.01), "has no radius"),
+        (lambda: GasLoad((0.0, 1.0), (1.0, 2.0)), "at least three"),
+        (lambda: GasLoad((0.0, 2.0, 1.0), (1.0, 2.0, 3.0)), "must increase"),
+        (lambda: CrankParameters(0.05, 0.04, 0.001, 0.0), "connecting rod must be longer"),
+        (lambda: direct(lash=-1e-4), "lash must be zero or positive"),
+        (lambda: direct(follower=FollowerParameters("flat")), "needs a positive mass"),
+        (lambda: direct(kind="desmodromic"), "use direct, finger, rocker or pushrod"),
+        (lambda: direct(model="solid"), "planar, lumped or single-mass"),
+        (lambda: finger(lever=None), "needs a lever"),
+        (lambda: pushrod(pushrod=None), "needs a pushrod"),
+        (lambda: build_mechanism(direct(lash=6e-3), LAW), "not smaller than the valve lift"),
+        (lambda: build_mechanism(direct(cam=CamParameters(0.004)), LAW), "cusp"),
+        (lambda: build_mechanism(direct(cam=CamParameters(0.004), follower=FollowerParameters("roller", 0.03, 0.05)), LAW), "undercut"),
+        (lambda: build_mechanism(direct(contacts={}), LAW), "no contact law for 'cam'"),
+        (lambda: build_mechanism(direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), ContactParameters("linaer"))), LAW), "did "
+        "you mean 'linear'"),
+        (lambda: build_mechanism(finger(lever=LeverParameters((-0.2, 0.0), 0.03, 0.047, 1e-4)), LAW), "cannot rest on a base circle"),
+        (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, math.pi)), LAW), "close the valve"),
+        (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, -math.pi / 2)), LAW), "along the "
+        "valve axis"),
+        (lambda: runner(system(direct()), 0.0), "cam speed must be positive"),
+        (lambda: runner(system(direct()), -10.0), "cam speed must be positive"),
+        (lambda: runner(system(direct()), 200.0, TrainOptions(time_step=1e-3)), "cannot resolve the stiffest contact"),
+    ],
+)  # fmt: skip
+def test_the_impossible_is_refused_in_one_sentence(make, words):
+    with pytest.raises(InputError) as error:
+        make()
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_step_too_long_for_the_force_that_came_is_reported_as_a_status():
+    """A contact that hardens with its force, judged at too low a force: the run says that the step was too long, and what to do."""
+    stiff = ContactParameters("impact", {"contact_stiffness": 1e17, "exponent": 2.5, "damping": 0.0, "full_damping_depth": 1e-5})
+    built = system(direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), stiff)), spring=MasslessSpring(5.0, 5.0))
+    ready = runner(built, 900.0, TrainOptions(samples=720, step_fraction=0.99))
+    state = ready.initial_state()
+    for _ in range(4):
+        state, record = ready.cycle(state)
+        if not record.status.completed:
+            break
+    assert record.status.code == "diverged"
+    assert "resolve" in record.status.message or "km/s" in record.status.message
+    assert record.status.remedy
+
+
+def test_unknown_spring_words_name_the_nearest():
+    case = load_case("tdi-pushrod")
+    with pytest.raises(InputError, match="did you mean 'massless'"):
+        build_train(case, spring_model="masless")
+    with pytest.raises(InputError, match="stock, performance"):
+        build_train(case, spring_set="racing")
+    with pytest.raises(InputError, match="needs its wire"):
+        build_train(case, spring_model="finite-element")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('mass = { value = "30.49 g"', 'mass = { value = "-30.49 g"', "train.valve.mass"),
+        ('lash = "0 mm"', 'lash = "9 N"', "train.lash"),
+        ('shape = "domed"', 'shape = "dome"', "train.follower.shape"),
+        ("[train.pushrod]", "[train.push_rod]", "pushrod"),
+        ('law = "impact"\ncontact_stiffness', "contact_stiffness", "needs its law"),
+        (
+            'spring_set = "stock"\nspring_model = "multi-mass"',
+            'spring_set = "stocky"\nspring_model = "multi-mass"',
+            "spring set 'stocky' is unknown",
+        ),
+        ('pivot = "25, 220 mm"', 'pivot = "25 mm"', "two lengths"),
+    ],
+)
+def test_case_files_say_where_they_are_wrong(old, new, words):
+    from valvetrain.parameters.loading import LIBRARY
+
+    text = (LIBRARY / "tdi-pushrod.toml").read_text()
+    assert old in text
+    with pytest.raises(InputError) as error:
+        parse_case(text.replace(old, new, 1))
+    assert words in str(error.value)
+    assert "line" in str(error.value) or "spring set" in str(error.value)
