@@ -27,6 +27,22 @@ The finite-element rod is a one-dimensional theory. These numbers come from thre
 so that the rod is checked against them in every test run without the solver.
 `benchmarks/solid_reference.py` computes them, `benchmarks/solid_page.py` writes this page.
 
+## Use
+
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.springs.solid.jobs import SolidSpring
+    from valvetrain.springs.solid.layout import MeshOptions
+    from valvetrain.springs.solid.export import write_mesh
+
+    model = SolidSpring.from_case(load_case("gu2021-beehive"), options=MeshOptions(24, 2, 1, ends="held"))
+    curve = model.static_curve(7e-3)            # StaticCurve, coils closing
+    modes = model.modes(7e-3)                   # ModalResult about the compressed state
+    write_mesh(model.mesh, "spring.vtu")        # needs meshio: pip install "valvetrain[mesh]"
+
+`springs.solid.transient.run_case` rides a case's lift law and gives a `Solution`. Each run happens in a temporary folder within
+`time_limit` seconds; a solver that gives up leaves what it reached and its own words in the status. Without `ccx` the error names the
+command that installs it.
+
 ## Model
 
 Swept O-grid over the round section, arcs along the circle, area equal to the circle's (`valvetrain.springs.solid`). Element

@@ -203,6 +203,17 @@ def test_error_exit_becomes_a_status_with_the_solvers_reason(stand_in, model):
     assert model.modes(0.0).status.code == "not-converged"
 
 
+def test_a_ride_that_fails_is_a_solution_with_a_status(stand_in):
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.springs.solid.transient import run_case
+
+    work = stand_in("printf ' *ERROR in arpack: no room\n'\nexit 201\n")
+    solution = run_case(load_case("gu2021-beehive"), 800.0, 1.5, 2.0)
+    assert solution.status.code == "not-converged" and "no room" in solution.status.message
+    assert solution.model == "solid" and solution.engine_speed == 800.0 and len(solution.time) == 0
+    assert solution.statistics["elements"] > 0 and list(work.iterdir()) == []
+
+
 def test_silent_end_is_no_success(stand_in):
     stand_in("exit 0\n")
     assert run_deck("*HEADING\n").status.code == "not-converged"
