@@ -17,6 +17,7 @@ Each vectorised loop is a small function of its own that slices the whole arrays
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from numba import njit
 
@@ -25,8 +26,9 @@ INTEGER_HEADER = 3
 #: Sums may be reordered (vectorised); nothing that hides a NaN.
 FAST = {"reassoc", "contract", "nsz"}
 #: No reference counting (nothing is allocated): a slice that lives across a call or a branch would pay for it atomically.
-BRANCH = {"cache": True, "error_model": "numpy", "_nrt": False, "forceinline": True}
-LOOP = {**BRANCH, "fastmath": FAST}
+KERNEL: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
+BRANCH: dict[str, Any] = {**KERNEL, "forceinline": True}
+LOOP: dict[str, Any] = {**BRANCH, "fastmath": FAST}
 
 
 def state_size(masses: int, contacts: int) -> int:
@@ -184,7 +186,7 @@ def _mass_damping_loss(parameters, integers, state, half):
     return 0.5 * (1.0 - half * half) * lost
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@njit(**KERNEL)
 def advance_chain(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
     """One step of the spring contract for a chain (see the module text for the arrays)."""
     n, closed, lost = integers[0], 0, 0.0

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from numba import njit
 
 HEADER = 4
 PER_MODE = 5
-#: Slots per mode in the state: position, velocity; then dissipated energy, last step, and decay and pull per mode.
+#: Nothing is allocated, so no reference counting.
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@njit(**OPTIONS)
 def _prepare(parameters, n, state, time_step):
     """Step factors of every mode: decay exp(-2 z w h) and pull (1 + decay - 2 exp(-z w h) cos(w_d h)) / h."""
     for i in range(n):
@@ -24,10 +26,11 @@ def _prepare(parameters, n, state, time_step):
     state[2 * n + 1] = time_step
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@njit(**OPTIONS)
 def advance_modal(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
     """``parameters`` = preload (N), rate (N/m), mass damping (1/s), 0, then per mode: shape share c (-), circular frequency (rad/s),
-    damping ratio (-), modal stiffness (N/m), seat factor (N/m). ``integers`` = [n modes].
+    damping ratio (-), modal stiffness (N/m), seat factor (N/m). ``integers`` = [n modes]. ``state`` = positions (n), velocities (n),
+    dissipated energy, last step, decay and pull of every mode at that step.
 
     Mode n moves p = q + c x (absolute), q being the departure from the static shape; it is pulled by its stiffness times (p - c x) and
     damped on its rate (p' - c x'). With x held the sampled motion is the exact damped oscillation at any step. While stepping, the rate at

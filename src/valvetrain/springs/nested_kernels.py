@@ -9,9 +9,11 @@ from numba import njit
 
 HEADER = 1
 INTEGER_HEADER = 8
+#: Nothing is allocated, so no reference counting.
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@njit(**OPTIONS)
 def _rub(parameters, integers, state, outer_at, inner_at, time_step):
     """Friction impulse between each inner section and its nearest outer one: what stops the slip, at most mu N h; returns the loss.
 
@@ -35,7 +37,7 @@ def _rub(parameters, integers, state, outer_at, inner_at, time_step):
     return lost
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@njit(**OPTIONS)
 def _copy(state, source, target, count):
     values, places = state[source : source + count], state[target : target + count]
     for i in range(count):
@@ -52,7 +54,7 @@ def nested_kernel(outer_kernel: Any, inner_kernel: Any) -> Any:
     ``state`` = positions outer, inner, velocities outer, inner, rubbing loss, outer's buffer, inner's buffer.
     """
 
-    @njit(error_model="numpy", _nrt=False)
+    @njit(**{**OPTIONS, "cache": False})
     def advance_nested(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
         n, m, pairs = integers[0], integers[1], integers[6]
         outer_values, inner_values, outer_counts = integers[2], integers[3], integers[4]

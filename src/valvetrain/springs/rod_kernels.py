@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from numba import njit
 
 #: Nothing is allocated, so no reference counting; sums may be reordered, nothing that hides a NaN.
-OPTIONS = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": {"reassoc", "contract", "nsz"}}
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": {"reassoc", "contract", "nsz"}}
 
 
 @njit(forceinline=True, **OPTIONS)
