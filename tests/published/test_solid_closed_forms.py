@@ -15,7 +15,7 @@ from valvetrain.springs.solid.layout import MeshOptions
 from valvetrain.springs.solid.mesh import FaceSet, SolidMesh
 from valvetrain.springs.solid.printed import read_printed
 from valvetrain.springs.solid.section import disc_section
-from valvetrain.springs.solid.sweep import _connect
+from valvetrain.springs.solid.sweep import connect_sections
 from valvetrain.springs.solid.transient import TransientJob, run_transient
 
 pytestmark = pytest.mark.calculix
@@ -29,7 +29,7 @@ def straight_bar(core: int = 2, rings: int = 1, spans: int = 10) -> SolidMesh:
     section = disc_section(core, rings)
     stations = np.linspace(0, LENGTH, 2 * spans + 1)
     grid = np.concatenate([np.column_stack([RADIUS * section.nodes, np.full(len(section.nodes), z)]) for z in stations])
-    elements = _connect(section, spans, reverse=False)
+    elements = connect_sections(section, spans, reverse=False)
     used, numbered = np.unique(elements, return_inverse=True)
     coordinates = grid[used]
     ends = {"seat": np.flatnonzero(coordinates[:, 2] < 1e-12), "retainer": np.flatnonzero(coordinates[:, 2] > LENGTH - 1e-12)}

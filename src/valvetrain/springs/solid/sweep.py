@@ -47,13 +47,13 @@ def sweep_spring(spring: SpringDefinition, options: MeshOptions | None = None) -
         place = np.stack([ground_section(spring, u, up[2], section) for u, up in zip(stations, upward, strict=True)])
     scaled = place * radius[:, None, None]
     grid = centre[:, None] + scaled[..., :1] * outward[:, None] + scaled[..., 1:] * upward[:, None]
-    elements = _connect(section, len(layers) - 1, reverse=spring.hand == "right")
+    elements = connect_sections(section, len(layers) - 1, reverse=spring.hand == "right")
     if not options.quadratic:
         elements = elements[:, :8]
     return _finish(spring, options, section, layers, stations, grid, elements)
 
 
-def _connect(section: SectionMesh, spans: int, reverse: bool) -> Integers:
+def connect_sections(section: SectionMesh, spans: int, reverse: bool) -> Integers:
     """Twenty-node elements, span after span; nodes are numbered station * section nodes + section node."""
     count = len(section.nodes)
     corners, middles = section.quads[:, :4], section.quads[:, 4:]
