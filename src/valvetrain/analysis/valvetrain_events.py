@@ -148,7 +148,7 @@ def clash_events(
     return found
 
 
-def _cause(data: CycleData, window: Array) -> str:
+def _cause(data: CycleData, window: NDArray[np.int64]) -> str:
     first = window[: max(1, len(window) // 4)]
     if np.min(data.rigid_force[window]) <= 0:
         return CAUSE_INERTIA

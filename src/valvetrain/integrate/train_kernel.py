@@ -18,7 +18,7 @@ from numba import njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from valvetrain.contact.kernels import FLORES, LANKARANI_NIKRAVESH, contact_force, update_impact
-from valvetrain.mechanism.gaps import penetration_and_gradient, table_value
+from valvetrain.mechanism.gaps import OPTIONS, penetration_and_gradient, table_value
 
 # Spring kernels enter as first-class functions; numba calls that experimental each time it compiles the loop.
 warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
@@ -33,7 +33,7 @@ SPRING_SIGNATURE = types.UniTuple(f8, 2)(_vector, _integers, _vector, f8, f8, f8
 SPRING_FUNCTION = types.FunctionType(SPRING_SIGNATURE)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@njit(forceinline=True, **OPTIONS)
 def law_force_and_damping(law, parameters, pen, rate):
     """Rate-free force (N) and damping coefficient (N s/m) of a contact at this penetration (positive)."""
     still = contact_force(law, parameters, pen, 0.0)
@@ -48,7 +48,7 @@ _SIGNATURE = i8(
 )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@njit(forceinline=True, **OPTIONS)
 def _gaps_and_laws(kinds, index, table_of, laws, geometry, law_parameters, tables, q, v, cam_angle, cam_speed, gaps, gradients, totals):
     """Fill ``gaps`` (n, 4): penetration, gap rate of the cam alone, rate-free force, damping coefficient."""
     interactions = kinds.shape[0]
@@ -71,7 +71,7 @@ def _gaps_and_laws(kinds, index, table_of, laws, geometry, law_parameters, table
         totals[4 + interactions + k] = max(totals[4 + interactions + k], pen)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@njit(forceinline=True, **OPTIONS)
 def _kick(index, body, gaps, gradients, step, v):
     """Velocity change by constant and rate-free forces."""
     for i in range(v.shape[0]):
@@ -83,7 +83,7 @@ def _kick(index, body, gaps, gradients, step, v):
                     v[index[k, slot]] -= step * gaps[k, 2] * gradients[k, slot] / body[index[k, slot], 0]
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@njit(forceinline=True, **OPTIONS)
 def _damped_rows(index, body, gaps, gradients, step, v, old, rows, dense, right, diagonal):
     """Collect the damped interactions: their places, gradients over the root of mass, right-hand sides and diagonals."""
     count = 0
@@ -109,7 +109,7 @@ def _damped_rows(index, body, gaps, gradients, step, v, old, rows, dense, right,
     return count
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@njit(forceinline=True, **OPTIONS)
 def _solve(count, held, dense, right, diagonal, matrix, impulse):
     """Impulses of all interactions that are not held at their bound: Cholesky in contact space (at most n by n)."""
     for a in range(count):
@@ -141,7 +141,7 @@ def _solve(count, held, dense, right, diagonal, matrix, impulse):
         impulse[a] *= matrix[a, a]
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@njit(forceinline=True, **OPTIONS)
 def _damp(index, laws, body, gaps, gradients, step, v, old, rows, held, dense, right, diagonal, matrix, impulse):
     """Damping impulses of all interactions together; adds the mean damping forces to ``gaps[:, 2]``; returns the energy lost (J).
 
@@ -182,7 +182,7 @@ def _damp(index, laws, body, gaps, gradients, step, v, old, rows, held, dense, r
     return lost
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@njit(forceinline=True, **OPTIONS)
 def _account(body, gaps, cam_speed, step, v, old, totals):
     """Add the work of cam and constant forces and the peak forces to ``totals``; returns cam power (W) and largest speed."""
     power, work, bound, interactions = 0.0, 0.0, 0.0, gaps.shape[0]
@@ -197,7 +197,7 @@ def _account(body, gaps, cam_speed, step, v, old, totals):
     return power, bound
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@njit(forceinline=True, **OPTIONS)
 def _record(row, motion, force, gap, spring, q, v, old, step, cam_angle, power, gaps, clock):
     count = q.shape[0]
     for i in range(count):
@@ -211,7 +211,7 @@ def _record(row, motion, force, gap, spring, q, v, old, step, cam_angle, power, 
         spring[row, j] = clock[4 + j]
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@njit(**OPTIONS)
 def _march(
     spring_a, spring_b, kinds, index, table_of, laws, geometry, law_parameters, tables, body,
     gas, gas_coordinate, retainer, parameters_a, integers_a, state_a, parameters_b, integers_b, state_b, q, v,

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from numba import njit
 
 from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_LIFT, CAM_ROUND, LINEAR, POINT_PLANE
 
+#: No reference counting: nothing is allocated, and counting the arrays passed along would cost more than the geometry.
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+
+@njit(forceinline=True, **OPTIONS)
 def table_value(tables, place_of_table, cam_angle):
     """Quintic Hermite value, first and second derivative of one of ``tables`` (m, nodes, 3) over one turn, periodic."""
     nodes, m = tables.shape[1], place_of_table
@@ -34,7 +38,7 @@ def table_value(tables, place_of_table, cam_angle):
     return level, first / spacing, second / (spacing * spacing)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@njit(forceinline=True, **OPTIONS)
 def penetration_and_gradient(k, kinds, index, geometry, tables, table_of, q, cam_angle, gradients):
     """Penetration (m) and d penetration / d cam_angle (m/rad) of interaction ``k``; row k of ``gradients`` (n, 4) is filled.
 
@@ -98,7 +102,7 @@ def penetration_and_gradient(k, kinds, index, geometry, tables, table_of, q, cam
     return upper - lower - (length - geometry[k, 12]) - geometry[k, 13], 0.0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@njit(forceinline=True, **OPTIONS)
 def _planar_point(k, index, geometry, q):
     """Position X, its derivative by the body coordinate, and the angle the body has turned."""
     body = q[index[k, 0]] if index[k, 0] >= 0 else 0.0
@@ -112,7 +116,7 @@ def _planar_point(k, index, geometry, q):
     return x + ax, y + ay, -geometry[k, 5] * ay, geometry[k, 5] * ax, turn
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@njit(forceinline=True, **OPTIONS)
 def _round_follower(k, geometry, tables, table_of, cam_angle, x, y, dx, dy, gradients):
     distance = math.sqrt(x * x + y * y)
     direction = math.atan2(y, x)

@@ -74,7 +74,7 @@ def valve_parts(train: TrainParameters, laws: dict[str, Any]) -> tuple[list[Coor
     valve = train.valve
     ux, uy = unit(valve.opening_direction)
     along = train.gravity[0] * ux + train.gravity[1] * uy
-    guide = {"damping": valve.damping, "friction": valve.friction}
+    guide: dict[str, Any] = {"damping": valve.damping, "friction": valve.friction}
     if valve.stem_stiffness is None:
         parts = [Coordinate("valve", valve.mass, force=valve.mass * along, **guide)]
         seat = Interaction("seat", LINEAR, ("valve",), (0.0, -1.0), laws["seat"])

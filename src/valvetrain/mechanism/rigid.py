@@ -18,20 +18,20 @@ class RatioCurve:
     """Valve lift (m, without lash) as a function of the drive coordinate ``s`` (m or rad): an exact quintic spline through the geometry."""
 
     drive: Array
-    lift: Array
+    valve_lift: Array
 
     def spline(self) -> Any:
         """The interpolating spline lift(s)."""
         from scipy.interpolate import make_interp_spline
 
-        return make_interp_spline(self.drive, self.lift, k=5)
+        return make_interp_spline(self.drive, self.valve_lift, k=5)
 
-    def inverse(self, lift: ArrayLike) -> Array:
+    def inverse(self, valve_lift: ArrayLike) -> Array:
         """Drive coordinate of a valve lift (m), by Newton on the spline."""
         spline = self.spline()
         slope = spline.derivative()
-        wanted = np.asarray(lift, dtype=float)
-        drive = np.interp(wanted, self.lift, self.drive)
+        wanted = np.asarray(valve_lift, dtype=float)
+        drive = np.interp(wanted, self.valve_lift, self.drive)
         for _ in range(20):
             change = (spline(drive) - wanted) / slope(drive)
             drive = drive - change

@@ -20,8 +20,6 @@ from valvetrain.parameters.schema_types import (
     StrictModel,
     guarded,
     problem,
-    quantities,
-    quantity,
     validate_as,
 )
 from valvetrain.parameters.train import (
@@ -38,13 +36,8 @@ from valvetrain.parameters.train import (
     TrainVariant,
     ValveParameters,
 )
+from valvetrain.parameters.train_units import Damping, Forces, Friction, Gravity, Inertia, NotNegativeMass, Pair, Torque
 from valvetrain.units import parse_quantity
-
-Damping = quantity("damping", low=0.0)
-Inertia = quantity("moment of inertia", low=0.0, open_low=True)
-NotNegativeMass = quantity("mass", low=0.0)
-Friction = quantity("force", low=0.0)
-Pair = quantities("length")
 
 #: Dimension of the values of contact laws and spring options, by name; a name that is missing is a plain number.
 VALUE_DIMENSIONS: dict[str, str | None] = {
@@ -113,6 +106,7 @@ class CamModel(StrictModel):
     poisson_ratio: Ratio = 0.3
 
     def build(self) -> CamParameters:
+        """The cam of this table."""
         return CamParameters(**self.model_dump())
 
 
@@ -128,6 +122,7 @@ class FollowerModel(StrictModel):
     friction: Friction = 0.0
 
     def build(self) -> FollowerParameters:
+        """The follower of this table."""
         return FollowerParameters(**self.model_dump())
 
 
@@ -144,9 +139,10 @@ class LeverModel(StrictModel):
     mass: NotNegativeMass = 0.0
     stiffness: Stiffness | None = None
     damping: Damping = 0.0
-    holding_torque: quantity("moment", low=0.0) = 0.0  # type: ignore[valid-type]
+    holding_torque: Torque = 0.0
 
     def build(self) -> LeverParameters:
+        """The lever of this table."""
         return LeverParameters(**(self.model_dump() | {"pivot": _pair(self.pivot, "pivot")}))
 
 
@@ -159,6 +155,7 @@ class PushrodModel(StrictModel):
     damping: Damping = 0.0
 
     def build(self) -> PushrodParameters:
+        """The pushrod of this table."""
         return PushrodParameters(**(self.model_dump() | {"lower_end": _pair(self.lower_end, "lower_end")}))
 
 
@@ -171,6 +168,7 @@ class SupportModel(StrictModel):
     direction: Angle = math.pi / 2
 
     def build(self) -> SupportParameters:
+        """The support of this table."""
         return SupportParameters(**self.model_dump())
 
 
@@ -186,6 +184,7 @@ class ValveModel(StrictModel):
     friction: Friction = 0.0
 
     def build(self) -> ValveParameters:
+        """The valve of this table."""
         return ValveParameters(**self.model_dump())
 
 
@@ -193,9 +192,10 @@ class GasModel(StrictModel):
     """The [train.gas] table."""
 
     cam_angles: Angles
-    forces: quantities("force")  # type: ignore[valid-type]
+    forces: Forces
 
     def build(self) -> GasLoad:
+        """The gas load of this table."""
         return GasLoad(self.cam_angles, self.forces)
 
 
@@ -210,6 +210,7 @@ class CrankModel(StrictModel):
     offset: Length = 0.0
 
     def build(self) -> CrankParameters:
+        """The crank of this table."""
         return CrankParameters(**self.model_dump())
 
 
@@ -225,6 +226,7 @@ class VariantModel(StrictModel):
     note: str = ""
 
     def build(self) -> TrainVariant:
+        """The variant of this table."""
         return TrainVariant(**self.model_dump())
 
 
@@ -247,7 +249,7 @@ class TrainModel(StrictModel):
     spring_model: str = "multi-mass"
     spring_options: Values = {}  # noqa: RUF012 (pydantic copies it)
     lash: Length = 0.0
-    gravity: quantities("acceleration") = (0.0, -9.80665)  # type: ignore[valid-type]
+    gravity: Gravity = (0.0, -9.80665)
     variants: list[VariantModel] = []  # noqa: RUF012
 
     def build(self) -> TrainParameters:

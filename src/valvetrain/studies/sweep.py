@@ -132,7 +132,7 @@ def _series(case: Case, spring_set: str, model: str, speeds: Array, runs: Sequen
     return SweepSeries(spring_set, model, speeds, columns, orders, statuses, float_engine_speed(speeds, columns), rigid)
 
 
-def float_engine_speed(speeds: Array, columns: dict[str, Array]) -> float:
+def float_engine_speed(engine_speeds: Array, columns: dict[str, Array]) -> float:
     """Lowest speed (rad/s) from which the train floats: gap in the drive or lift above the rigid one beyond :data:`CONTROL_LOST_GAP`, at
     that speed and the next.
 
@@ -140,6 +140,6 @@ def float_engine_speed(speeds: Array, columns: dict[str, Array]) -> float:
     """
     lost = (columns["float_excess_lift"] > CONTROL_LOST_GAP) | np.isnan(columns["float_excess_lift"])
     for place in np.flatnonzero(lost):
-        if place + 1 == len(speeds) or lost[place + 1]:
-            return float(speeds[place])
+        if place + 1 == len(engine_speeds) or lost[place + 1]:
+            return float(engine_speeds[place])
     return float("nan")

@@ -154,7 +154,7 @@ def _halves(one: TrainRun, other: TrainRun) -> tuple[float, float]:
     return _rms(one, other, (lift > 0) & (place <= nose)), _rms(one, other, (lift > 0) & (place > nose))
 
 
-def _rms(one: TrainRun, other: TrainRun, window: Array) -> float:
+def _rms(one: TrainRun, other: TrainRun, window: NDArray[np.bool_]) -> float:
     assert one.traces is not None and other.traces is not None
     difference = one.traces.forces["valve tip"] - other.traces.forces["valve tip"]
     return float(np.sqrt(np.mean(difference[window] ** 2)))

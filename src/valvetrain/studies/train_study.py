@@ -138,7 +138,8 @@ def run_train_study(
 
 def static_quantities(case: Case) -> dict[Quantity, float]:
     """Numbers of rigid theory: largest lift, reduced mass, speed of first loss of contact per spring set."""
-    train, found = train_of(case), {}
+    train = train_of(case)
+    found: dict[Quantity, float] = {}
     for spring_set in train.springs:
         system = build_train(case, spring_model="massless", spring_set=spring_set)
         cam_speed, angle = contact_loss_cam_speed(system)

@@ -101,4 +101,4 @@ def _mode(system: TrainSystem, q: Array, places: list[int], pins: list[int]) -> 
     target = np.zeros(len(matrix))
     target[len(places)] = 1.0
     mode, *_ = np.linalg.lstsq(matrix, target, rcond=None)
-    return mode
+    return np.asarray(mode)

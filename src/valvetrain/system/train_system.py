@@ -62,10 +62,12 @@ class TrainSystem:
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:
+        """Names of the coordinates, in the order of ``q``."""
         return tuple(coordinate.name for coordinate in self.mechanism.coordinates)
 
     @property
     def interaction_names(self) -> tuple[str, ...]:
+        """Names of the interactions, in the order of the forces."""
         return tuple(interaction.name for interaction in self.mechanism.interactions)
 
     @property

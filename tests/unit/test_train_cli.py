@@ -1,0 +1,102 @@
+"""``run``, ``compare`` and ``sweep`` of trains: JSON with units, files, pages, sentences for wrong input."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from valvetrain.cli.main import app
+
+QUICK = ["--workers", "1", "--json"]
+
+
+def call(*words: str, code: int = 0):
+    result = CliRunner().invoke(app, list(words))
+    assert result.exit_code == code, result.output
+    return result
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("trains")
+
+
+@pytest.fixture(scope="module")
+def compared(folder):
+    target = folder / "compare"
+    words = ("compare", "tdi-pushrod", "--springs", "massless,multi-mass,modal,rod", "--output", str(target), *QUICK)
+    return json.loads(call(*words).stdout), target
+
+
+def test_compare_gives_every_model_its_numbers_with_units(compared):
+    data, _ = compared
+    assert data["command"] == "compare" and data["completed"]
+    assert [run["spring_model"] for run in data["runs"]] == ["massless", "multi-mass", "modal", "rod"]
+    for run in data["runs"]:
+        force = run["quantities"]["nose_cam_contact_force"]
+        assert force["unit"] == "N" and force["value"] == pytest.approx(580, rel=0.03)
+        assert run["status"]["code"] == "completed"
+        assert run["engine_speed"] == {"value": pytest.approx(4000), "unit": "rpm"}
+        assert any(event["kind"] == "seating" for event in run["events"])
+
+
+def test_compare_writes_data_and_a_page_whole(compared):
+    data, target = compared
+    names = {path.name for path in target.rglob("*") if path.is_file()}
+    assert {"summary.csv", "events.csv", "report.html", "rod-4000rpm.nc", "rod-4000rpm.csv"} <= names
+    assert all(path.rpartition("/")[2] in names for path in data["files"])
+    html = (target / "report.html").read_text()
+    for words in ("Contact forces", "Valve motion", "Before dynamics", "multi-mass", "Events"):
+        assert words in html
+
+
+def test_saved_runs_are_read_back_without_loss(compared):
+    from valvetrain.solution.netcdf import load_netcdf
+
+    _, target = compared
+    solution = load_netcdf(target / "rod-4000rpm.nc")
+    assert solution.status.completed and solution.model == "rod"
+    assert solution.channel("valve_lift").max() == pytest.approx(7.89e-3, rel=1e-2)
+    assert solution.channels["cam_force"].attrs["units"] == "N"
+
+
+def test_sweep_tells_where_contact_is_lost(folder):
+    target = folder / "sweep"
+    words = ("sweep", "tdi-pushrod", "--engine-speed", "6500:8500:500", "--springs", "massless", "--spring-sets", "stock")
+    data = json.loads(call(*words, "--output", str(target), *QUICK).stdout)
+    (series,) = data["series"]
+    assert series["engine_speed"]["values"] == pytest.approx([6500, 7000, 7500, 8000, 8500])
+    assert series["contact_loss_engine_speed"] == {"value": pytest.approx(7500), "unit": "rpm"}
+    assert series["rigid_contact_loss_engine_speed"]["value"] == pytest.approx(7148, abs=2)
+    assert series["columns"]["seating_velocity"]["unit"] == "m/s"
+    assert (target / "sweep.html").is_file() and (target / "sweep-stock-massless.csv").is_file()
+    assert "order 20" in (target / "orders-stock-massless.csv").read_text().splitlines()[0]
+
+
+def test_run_prints_a_table_for_people(folder):
+    words = ("run", "tdi-pushrod", "--spring", "massless", "--no-report", "--workers", "1", "--output", str(folder / "run"))
+    printed = call(*words).stdout
+    assert "Nose cam contact force" in " ".join(printed.split())
+    assert "seat load" in printed
+    assert not (folder / "run" / "report.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("compare", "tdi-pushrod", "--springs", "masles"), "massless"),
+        (("compare", "tdi-pushrod", "--springs", "finite-element"), "needs its wire"),
+        (("sweep", "gu2021-beehive"), "holds no valvetrain"),
+        (("sweep", "tdi-pushrod", "--engine-speed", "0:100:10"), "leads nowhere"),
+        (("sweep", "tdi-pushrod", "--spring-sets", "racing", "--engine-speed", "1000, 2000 rpm"), "stock, performance"),
+        (("run", "tdi-pushrod", "--set", "train.valve.mass=0 g"), "train.valve.mass"),
+        (("run", "tdi-pushrod", "--set", "train.lash=9 mm"), "not smaller than the valve lift"),
+    ],
+)
+def test_wrong_input_is_one_sentence_and_exit_code_two(words, sentence, tmp_path):
+    result = call(*words, "--output", str(tmp_path / "out"), code=2)
+    assert sentence in result.stderr
+    assert result.stderr.count("\n") == 1 and result.stderr.startswith("error: ")
+    assert not list(tmp_path.rglob("*.html"))
