@@ -39,7 +39,7 @@ SUMMARY: dict[str, tuple[str, float]] = {
 def solution_of(study: TrainStudy, run: TrainRun) -> Solution:
     """A run as the package's one result object, ready to be saved."""
     assert run.traces is not None
-    provenance = collect_provenance(study.case.name, run.spring_model, engine_speed=run.engine_speed, citations=study.case.cite())
+    provenance = collect_provenance(study.case.name, run.spring_model, engine_speed=run.engine_speed, citations=study.provenance.citations)
     statistics = {name: float(value) for name, value in run.quantities.items()}
     return Solution(channels(run.traces), run.events, run.status, statistics, provenance)
 
@@ -90,7 +90,7 @@ def train_page(study: TrainStudy) -> Page:
         Section("events", "Events", (grid_of(event_table(runs)),) if any(run.events for run in runs) else ()),
         Section("kinematics", "Before dynamics", _kinematics(runs)),
         Section("case", "Values of the case", _case(study)),
-        Section("references", "Papers to cite", tuple(text(reference) for reference in case.cite())),
+        Section("references", "Papers to cite", tuple(text(reference, "reference") for reference in study.provenance.citations)),
     )
     completed = sum(run.status.completed for run in runs)
     facts = (

@@ -78,7 +78,7 @@ def _closed_forms(train: TrainParameters) -> dict[str, float]:
 def findings(case: Case, runs: Sequence[TrainRun]) -> tuple[tuple[str, ...], tuple[Finding, ...]]:
     """Notes that the report prints, and the findings in words that this set of runs can answer."""
     by_label = {run.label: run for run in runs if run.quantities}
-    if "vasilyev" in case.sources:
+    if "vasilyev2016" in case.sources:
         return VALVE_GEAR_NOTES, tuple(_valve_gear_findings(by_label))
     if "multibody4b17" in case.sources:
         return PUSHROD_NOTES, tuple(_pushrod_findings(by_label))

@@ -16,6 +16,7 @@ from valvetrain.analysis.quantity import Quantity, named
 from valvetrain.analysis.valvetrain_quantities import cycle_data, cycle_events, cycle_quantities
 from valvetrain.analysis.valvetrain_study import TrainRun, TrainStudy
 from valvetrain.analysis.valvetrain_traces import cycle_traces
+from valvetrain.citations import cite
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import SteadyTrain, steady_train
@@ -130,7 +131,7 @@ def run_train_study(
     derived = derived_quantities(case, runs)
     quantities |= derived
     provenance = collect_provenance(
-        case.name, train_of(case).spring_model, engine_speed=speeds[0], created_at=created_at, citations=case.cite()
+        case.name, train_of(case).spring_model, engine_speed=speeds[0], created_at=created_at, citations=cite(case.cite()).splitlines()
     )
     notes, found = findings(case, runs)
     return TrainStudy(case, runs, quantities, compare(case.published, derived), found, notes, provenance)
