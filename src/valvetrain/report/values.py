@@ -7,6 +7,7 @@ from typing import Any
 
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.curves import Constant, PiecewiseLinear, Table
+from valvetrain.parameters.material import Material
 from valvetrain.report.words import in_unit, number
 
 #: Last word of a key path -> unit shown.
@@ -54,7 +55,7 @@ def value_words(item: Any, key: str) -> str:
         return f"{pairs} ({unit} at coil number)"
     if isinstance(item, tuple) and all(isinstance(entry, (int, float)) for entry in item):
         return ", ".join(number(_shown(float(entry), unit)) for entry in item) + (f" {unit}" if unit else "")
-    if hasattr(item, "youngs_modulus"):
+    if isinstance(item, Material):
         parts = (("E", item.youngs_modulus, "GPa"), ("G", item.shear_modulus, "GPa"), ("density", item.density, "kg/m^3"))
         return f"{item.name}: " + ", ".join(f"{name} {_number(value, shown)}" for name, value, shown in parts)
     if isinstance(item, str):
