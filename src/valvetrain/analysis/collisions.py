@@ -31,8 +31,8 @@ def separation_angle(cycle: Cycle, surge_frequency: float | None) -> float:
 def collision_angles(cycle: Cycle, separation: float) -> Array:
     """Cam angles (rad, ascending) at which coil 2 meets coil 1.
 
-    A collision is the first touch, within ``separation``, of any point within half a turn of node 2; for a model without gaps,
-    it is a spike of the acceleration of node 2.
+    A collision is a touch of any point within half a turn of node 2 that comes more than ``separation`` (rad) after the touch
+    before it; for a model without gaps it is a spike of the acceleration of node 2.
     """
     gaps = _meeting_gaps(cycle)
     if gaps is None:

@@ -48,7 +48,7 @@ def spike_table(study: SpringStudy, engine_speed: float, window: tuple[float, fl
         _, angle, values = fine_series(run)
         filtered = fine_filtered(run, SPIKE_BANDWIDTH) if run.has("coil_contact_force") else None
         degrees = np.degrees(angle - turn)
-        near = (degrees >= window[0]) & (degrees <= window[1])
+        near = (degrees >= window[0] - 1e-9) & (degrees <= window[1] + 1e-9)
         models += [run.model] * int(np.sum(near))
         angles.append(degrees[near])
         forces.append(values[near])

@@ -14,7 +14,7 @@ from valvetrain.solution.result import Solution
 
 def lift_table(run: Solution) -> Table | None:
     """``cam angle`` (deg), ``lift`` (mm), ``velocity`` (mm/deg) and ``acceleration`` (mm/deg2) by differences; None without a lift."""
-    if not run.has("valve_lift"):
+    if not run.has("valve_lift") or len(run.time) < 5:
         return None
     cycle = reported_cycle(run)
     angle, lift = np.degrees(cycle.cam_angle), cycle.channel("valve_lift") * 1e3
