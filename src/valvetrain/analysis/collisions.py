@@ -77,9 +77,9 @@ def collision_quantities(cycle: Cycle, separation: float, surge_frequency: float
     return found | (bounce_quantities(cycle, float(late[0]), separation) if len(late) else {})
 
 
-def mean_interval(angles: Array, stages: Stages = Stages()) -> float | None:
+def mean_interval(clash_angles: Array, stages: Stages = Stages()) -> float | None:
     """Mean distance (rad) of successive collisions within Stage I and within Stage III; a missed one is left out."""
-    first, second = angles[angles < stages.first_end], angles[angles >= stages.second_end]
+    first, second = clash_angles[clash_angles < stages.first_end], clash_angles[clash_angles >= stages.second_end]
     steps = np.concatenate((np.diff(first), np.diff(second)))
     if len(steps) == 0:
         return None

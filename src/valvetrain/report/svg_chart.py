@@ -1,6 +1,6 @@
 """Charts as SVG pictures, written directly: no drawing library to load, a few milliseconds a figure.
 
-docs/decisions records the timing that spoke for this against matplotlib and kaleido.
+docs/decisions/0017-pictures.md has the timing that spoke for this against matplotlib and kaleido.
 """
 
 from __future__ import annotations

@@ -77,10 +77,10 @@ def _middle(values: np.ndarray, most: int) -> np.ndarray:
     return np.add.reduceat(values, starts) / np.diff(np.append(starts, len(values)))
 
 
-def clash_chart(angle: np.ndarray, coil: np.ndarray, force: np.ndarray, engine_speed: float) -> Chart:
+def clash_chart(cam_angle: np.ndarray, coil: np.ndarray, force: np.ndarray, engine_speed: float) -> Chart:
     """Contact force by cam angle and place along the wire."""
     panel = Panel(
-        ANGLE_LABEL, "coil number of the upper coil", (HeatMap(angle, coil, force, "contact force", "N"),),
+        ANGLE_LABEL, "coil number of the upper coil", (HeatMap(cam_angle, coil, force, "contact force", "N"),),
         bands=tuple(type(band)(band.first, band.last, band.words, False) for band in stage_bands()), x_range=(0, 360), x_step=30,
     )  # fmt: skip
     speed = speed_words(engine_speed)

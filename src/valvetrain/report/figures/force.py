@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from valvetrain.analysis.compare import same_speed
@@ -96,16 +98,16 @@ def stage_bands(stages: Stages = Stages()) -> tuple[Band, ...]:
     return tuple(Band(float(edges[stage][0]), float(edges[stage][1]), names[stage], shaded=stage == 2) for stage in names)
 
 
-def model_lines(data: Table, column: str, suffix: str = "", width: float = 1.7, dash: str = "solid") -> list[Layer]:
+def model_lines(data: Table, column: str, suffix: str = "") -> list[Line]:
     """One line per model of a long table with columns ``run``, ``cam angle`` and ``column``."""
-    lines: list[Layer] = []
+    lines: list[Line] = []
     for model in dict.fromkeys(data["run"].tolist()):
         mine = data["run"] == model
         x, y = thin(data["cam angle"][mine], data[column][mine])
         if np.any(np.isfinite(y)):
-            lines.append(Line(x, y, theme.model_words(model) + suffix, theme.model_colour(model), width, dash))
+            lines.append(Line(x, y, theme.model_words(model) + suffix, theme.model_colour(model)))
     # The reference model is drawn last, on top of the simpler ones.
-    return sorted(lines, key=lambda line: line.colour == theme.model_colour("finite-element"))  # type: ignore[union-attr]
+    return sorted(lines, key=lambda line: line.colour == theme.model_colour("finite-element"))
 
 
 def published_marks(published: Table, with_words: bool = True) -> list[Layer]:
@@ -133,7 +135,9 @@ def force_chart(data: Table, published: Table, engine_speed: float) -> Chart:
 
 def spike_chart(data: Table, published: Table, engine_speed: float, window: tuple[float, float] = SPIKE_WINDOW) -> Chart:
     """The same force close up after the event, raw and below 10 kHz."""
-    smooth = model_lines(data, "below 10 kHz", ", below 10 kHz", width=1.2, dash="dash")
+    # Darker than the raw line, so that the two part where they lie on each other.
+    filtered = model_lines(data, "below 10 kHz", ", below 10 kHz")
+    smooth = [replace(line, colour=theme.mix(line.colour, theme.INK, 0.75), dash="dash") for line in filtered]
     layers = (*model_lines(data, "force"), *smooth, *published_marks(published))
     panel = Panel(ANGLE_LABEL, "force on the lower seat (N)", layers, x_range=window, x_step=5)
     speed = speed_words(engine_speed)

@@ -34,10 +34,10 @@ def frequency_table(result: ModalResult) -> Table:
     return table(("natural frequency", "Hz", np.asarray(result.natural_frequency)), ("transmission", "", share), ("axial", "", axial))
 
 
-def modes_chart(shapes: Table, frequencies: Table, published: Sequence[PublishedValue]) -> Chart:
+def modes_chart(shapes: Table, all_modes: Table, published: Sequence[PublishedValue]) -> Chart:
     """Axial shapes left, the frequencies of all modes by how much axial force they transmit right."""
     known = {value.quantity: value.value for value in published if value.engine_speed is None and value.quantity.startswith("mode_")}
-    axial = frequencies["natural frequency"][frequencies["axial"].astype(bool)]
+    axial = all_modes["natural frequency"][all_modes["axial"].astype(bool)]
     lines = []
     names = [column.name for column in shapes.columns[1:]]
     for index, (name, colour) in enumerate(zip(names, theme.SERIES, strict=False)):
@@ -48,11 +48,11 @@ def modes_chart(shapes: Table, frequencies: Table, published: Sequence[Published
         "Modes about the installed state, both ends held. A coil spring has many modes; the axial ones are those that carry force from end "
         "to end, found by the residue of the axial force transmission. Dotted lines: published frequencies."
     )
-    return Chart("modes", "Natural modes", caption, (left, _frequency_panel(frequencies, axial, known)), columns=2, height=400)
+    return Chart("modes", "Natural modes", caption, (left, _frequency_panel(all_modes, axial, known)), columns=2, height=400)
 
 
-def _frequency_panel(frequencies: Table, axial: np.ndarray, known: dict[str, float]) -> Panel:
-    mine, found, share = frequencies["axial"].astype(bool), frequencies["natural frequency"], frequencies["transmission"]
+def _frequency_panel(all_modes: Table, axial: np.ndarray, known: dict[str, float]) -> Panel:
+    mine, found, share = all_modes["axial"].astype(bool), all_modes["natural frequency"], all_modes["transmission"]
     top = max([float(axial.max(initial=1.0)), *known.values()]) * 1.12
     stems = np.stack([found, found, np.full_like(found, np.nan)], axis=1).ravel()
     heights = np.stack([0 * share, share, np.full_like(share, np.nan)], axis=1).ravel()
