@@ -79,7 +79,9 @@ class FiniteElementRod:
         compression = self.precompression + retainer_displacement
         if compression == 0.0:
             return self.statics.solve(RodState(self.mesh.position, self.mesh.frame), 0.0)
-        result = compress(self.statics, [compression])[-1]
+        # Every other state is reached from the installed one, so that the answer does not depend on what was asked before.
+        start = None if retainer_displacement == 0.0 else self.installed.state
+        result = compress(self.statics, [compression], start)[-1]
         if not result.converged:
             raise InputError(
                 f"spring '{self.definition.name}' finds no equilibrium at {compression * 1e3:.3g} mm compression "
