@@ -10,10 +10,28 @@ Index = NDArray[np.int64]
 
 
 def prominent_peaks(values: ArrayLike, prominence: float) -> Index:
-    """Indices of inner local maxima that rise by ``prominence`` above the saddle to any higher one."""
-    from scipy.signal import find_peaks
+    """Indices of inner local maxima that rise by ``prominence`` above the saddle to any higher one; the middle of a flat top."""
+    curve = np.asarray(values, dtype=float)
+    if len(curve) < 3:
+        return np.zeros(0, dtype=np.int64)
+    # Runs of equal values count as one, so that a flat top is one maximum.
+    starts = np.flatnonzero(np.r_[True, np.diff(curve) != 0.0])
+    ends = np.r_[starts[1:], len(curve)] - 1
+    level = curve[starts]
+    inner = np.flatnonzero((level[1:-1] > level[:-2]) & (level[1:-1] > level[2:])) + 1
+    peaks = (starts[inner] + ends[inner]) // 2
+    return peaks[prominences(curve, peaks) >= prominence]
 
-    return find_peaks(np.asarray(values, dtype=float), prominence=prominence)[0]
+
+def prominences(values: Array, peaks: Index) -> Array:
+    """How far each peak rises above the higher of the lowest points on its two sides, up to a higher value or the end."""
+    rises = np.zeros(len(peaks))
+    for number, peak in enumerate(peaks):
+        higher = np.flatnonzero(values > values[peak])
+        left = int(higher[higher < peak].max(initial=-1)) + 1
+        right = int(higher[higher > peak].min(initial=len(values)))
+        rises[number] = values[peak] - max(values[left : peak + 1].min(), values[peak:right].min())
+    return rises
 
 
 def separate_spikes(position: Array, size: Array, separation: float, threshold: float) -> Index:

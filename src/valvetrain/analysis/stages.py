@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from valvetrain.analysis.cycle import Array, Cycle
-from valvetrain.analysis.peaks import prominent_peaks
+from valvetrain.analysis.peaks import prominences, prominent_peaks
 
 #: A peak of Stage I stands out by this share of the stage's force range.
 STAGE_1_SHARE = 0.25
@@ -79,12 +79,10 @@ def stage_2(cycle: Cycle, force: Array, stages: Stages = Stages()) -> dict[str, 
 
 def _two_peaks(part: Array) -> tuple[int, int] | None:
     """The two most prominent maxima in order of angle, or None where only one stands out."""
-    from scipy.signal import peak_prominences
-
     peaks = prominent_peaks(part, max(STAGE_2_SHARE * float(np.ptp(part)), 1e-12))
     if len(peaks) < 2:
         return None
-    strongest = peaks[np.argsort(-peak_prominences(part, peaks)[0])[:2]]
+    strongest = peaks[np.argsort(-prominences(part, peaks))[:2]]
     first, second = sorted(int(index) for index in strongest)
     return first, second
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Annotated
 
 import typer
@@ -40,4 +41,6 @@ register_all(app)
 
 def main() -> None:
     """The console script."""
+    # Runs are parallel over cases; linear algebra on matrices of this size only loses to threads of its own (2.2 s instead of 1.5).
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     app(prog_name="valvetrain")

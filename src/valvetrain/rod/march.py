@@ -158,8 +158,8 @@ def place_retainer(b, integers, travel, velocity):
 def march(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense):
     """March over ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
 
-    ``clock`` = (steps per dense record, dense records per sample); ``stretches`` (STRETCHES, 2) is room to work. Fills
-    ``snapshots`` (samples, 13, nv + 1) with positions, frames, velocities and spins, ``contacts`` (samples, 3, groups, nv)
+    ``clock`` = (steps per dense record, dense records per sample, first sample kept); ``stretches`` (STRETCHES, 2) is room
+    to work. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions, frames, velocities and spins, ``contacts`` (samples, 3, groups, nv)
     with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with retainer force, seat force,
     work done and dissipated energy. Returns (steps done, largest vertex speed); a run that diverged stops early.
     """
@@ -182,12 +182,14 @@ def march(b, integers, numbers, places, displacement, clock, stretches, snapshot
         if n % clock[0] == 0:
             record = n // clock[0]
             dense[record, 0], dense[record, 1], dense[record, 2], dense[record, 3] = retainer, seat, work, lost
+        kept = n // (clock[0] * clock[1]) - clock[2]
+        if sample and kept >= 0:
+            take_snapshot(b, integers, snapshots[kept], 0.5)
         if sample:
-            take_snapshot(b, integers, snapshots[n // (clock[0] * clock[1])], 0.5)
             take_contacts(b, integers, contacts[n // (clock[0] * clock[1])], dt * clock[0] * clock[1])
         lost += kick_and_drift(b, integers, numbers)
-        if sample:
-            finish_snapshot(b, integers, snapshots[n // (clock[0] * clock[1])], 0.5)
+        if sample and kept >= 0:
+            finish_snapshot(b, integers, snapshots[kept], 0.5)
         if n < steps:
             travel = displacement[n + 1] - displacement[n]
             place_retainer(b, integers, travel, travel / dt)

@@ -75,20 +75,23 @@ def simulate(
     buffer = fill_buffer(mesh, start, dynamics, step)
     steps = samples * dense * sub
     displacement = np.ascontiguousarray(motion(step * np.arange(steps + 1)), dtype=float)
-    snapshots = np.empty((samples + 1, 13, mesh.vertices + 1))
+    discard = min(discard, samples)
+    snapshots = np.empty((samples + 1 - discard, 13, mesh.vertices + 1))
     contacts = np.zeros((samples + 1, 3, mesh.contact.groups, mesh.vertices))
     records = np.empty((samples * dense + 1, 4))
-    clock, stretches = np.array([sub, dense]), np.zeros((STRETCHES, 2))
+    clock, stretches = np.array([sub, dense, discard]), np.zeros((STRETCHES, 2))
     done, fastest = march(buffer, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, records)
     reached = min(samples, (done - 1) // (dense * sub)) if done <= steps else samples
-    keep = slice(min(discard, reached), reached + 1)
+    if reached < discard:  # diverged among the samples not kept: run again and keep the last one before
+        return simulate(mesh, start, motion, sample_interval, samples, dynamics, time_step, reached)
+    keep, stored = slice(discard, reached + 1), slice(0, reached + 1 - discard)
     dense_keep = slice(keep.start * dense, reached * dense + 1)
     time = sample_interval * np.arange(samples + 1)
-    vertices = snapshots[keep, :, : mesh.vertices]
+    vertices = snapshots[stored, :, : mesh.vertices]
     return RodTransient(
         time=time[keep], displacement=displacement[:: dense * sub][keep],
         position=np.moveaxis(vertices[:, 0:3], 1, 2), velocity=np.moveaxis(vertices[:, 7:10], 1, 2),
-        frame=np.moveaxis(snapshots[keep, 3:7], 1, 2), spin=np.moveaxis(snapshots[keep, 10:13], 1, 2),
+        frame=np.moveaxis(snapshots[stored, 3:7], 1, 2), spin=np.moveaxis(snapshots[stored, 10:13], 1, 2),
         contact_force=contacts[keep, 0], contact_peak=contacts[keep, 1], contact_loss=np.cumsum(contacts[:, 2].sum(axis=(1, 2)))[keep],
         retainer_force=records[::dense, 0][keep], seat_force=records[::dense, 1][keep],
         work_done=records[::dense, 2][keep], energy_dissipated=records[::dense, 3][keep],

@@ -40,7 +40,7 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     count = dataset.sizes["sample"]
     with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
         stream.write(f"{_MARK}\n# {text}\n{','.join(header)}\n")
-        stream.writelines(",".join([value for block in blocks for value in map(repr, block[row])]) + "\n" for row in range(count))
+        stream.writelines(",".join([value for block in blocks for value in map(repr, block[row].tolist())]) + "\n" for row in range(count))
         stream.write(f"# end of {count} rows\n")
     return Path(path)
 
@@ -88,8 +88,8 @@ def _variable(values: xarray.DataArray, with_values: bool = True) -> dict[str, A
     return {**kept, "values": values.values.tolist()} if with_values else kept
 
 
-def _rows_of(values: np.ndarray) -> list[list[float]]:
-    return values.reshape(values.shape[0], int(np.prod(values.shape[1:]))).tolist()
+def _rows_of(values: np.ndarray) -> np.ndarray:
+    return values.reshape(values.shape[0], int(np.prod(values.shape[1:])))
 
 
 def _dataset(content: dict[str, Any], lines: list[str]) -> xarray.Dataset:
