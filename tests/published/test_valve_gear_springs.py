@@ -39,3 +39,14 @@ def test_a_finite_element_spring_runs_in_the_train_beside_the_cheap_ones():
         lifts[model] = record.q[:, built.mechanism.index("valve")]
     # the train's stiffness hides the spring: lifts agree to its elasticity, forces need not
     assert lifts["finite-element"] == pytest.approx(lifts["rod"], abs=8e-5)
+
+
+@pytest.mark.parametrize("name", ["stock", "performance"])
+def test_a_wire_made_from_a_card_has_its_loads_and_mass(name):
+    train = load_case("tdi-pushrod").train
+    (card,) = train.springs[name]
+    (spring,) = build_springs(train, "finite-element", name, elements_per_coil=12)
+    forces = [spring.force(spring.initial_state(lift), lift).retainer for lift in (0.0, card.open_lift)]
+    assert forces == pytest.approx([card.preload, card.open_load], rel=0.01)
+    assert spring.definition.mass == pytest.approx(card.mass, rel=0.01)
+    assert 4 < float(spring.definition.index(2.0)) < 12  # a spring that could be wound

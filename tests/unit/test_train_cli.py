@@ -87,7 +87,7 @@ def test_run_prints_a_table_for_people(folder):
     ("words", "sentence"),
     [
         (("compare", "tdi-pushrod", "--springs", "masles"), "massless"),
-        (("compare", "tdi-pushrod", "--springs", "finite-element"), "needs its wire"),
+        (("compare", "tdi-pushrod", "--springs", "rod-with-clash"), "coil gaps of its wire"),
         (("sweep", "gu2021-beehive"), "holds no valvetrain"),
         (("sweep", "tdi-pushrod", "--engine-speed", "0:100:10"), "leads nowhere"),
         (("sweep", "tdi-pushrod", "--spring-sets", "racing", "--engine-speed", "1000, 2000 rpm"), "stock, performance"),

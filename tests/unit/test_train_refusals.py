@@ -94,8 +94,8 @@ def test_unknown_spring_words_name_the_nearest():
         build_train(case, spring_model="masless")
     with pytest.raises(InputError, match="stock, performance"):
         build_train(case, spring_set="racing")
-    with pytest.raises(InputError, match="needs its wire"):
-        build_train(case, spring_model="finite-element")
+    with pytest.raises(InputError, match="needs the coil gaps of its wire"):
+        build_train(case, spring_model="rod-with-clash")
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from valvetrain.citations import cite
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import SteadyTrain, steady_train
-from valvetrain.parameters.case import Case
+from valvetrain.parameters.case import Case, SpringCard
 from valvetrain.parameters.train import TrainParameters, TrainVariant
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.studies.batch import map_cases
@@ -30,6 +30,10 @@ from valvetrain.system.train_system import TrainSystem
 
 #: The finite-element spring costs seconds per cycle and its state (frames among it) does not mix; few plain cycles serve.
 FEW_CYCLES = {"finite-element": 3}
+CARD_WIRE_NOTE = (
+    "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils are assumed, and its coils "
+    "never touch. Its clashes and stresses are not those of the real spring."
+)
 #: How often the step is cut to a third when a contact hardens beyond what it resolves.
 FINER_STEPS = 2
 
@@ -133,8 +137,15 @@ def run_train_study(
     provenance = collect_provenance(
         case.name, train_of(case).spring_model, engine_speed=speeds[0], created_at=created_at, citations=cite(case.cite()).splitlines()
     )
-    notes, found = findings(case, runs)
-    return TrainStudy(case, runs, quantities, compare(case.published, derived), found, notes, provenance)
+    # a comparison of spring models is not the source's study, so its findings and contradictions are not told again
+    notes, found = ((), ()) if spring_models else findings(case, runs)
+    if any(run.spring_model == "finite-element" and _by_card(case, run) for run in runs):
+        notes = (*notes, CARD_WIRE_NOTE)
+    return TrainStudy(case, runs, quantities, compare(case.published, derived) if derived else (), found, notes, provenance)
+
+
+def _by_card(case: Case, run: TrainRun) -> bool:
+    return any(isinstance(part, SpringCard) for part in train_of(case).spring_parts(run.spring_set))
 
 
 def static_quantities(case: Case) -> dict[Quantity, float]:

@@ -9,8 +9,12 @@ from typing import Any
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import SpringCard
 from valvetrain.parameters.train import InstalledSpring, TrainParameters
+from valvetrain.system.wire_from_card import wire_from_card
 
 SPRING_MODELS = ("massless", "multi-mass", "modal", "rod", "rod-with-clash", "finite-element")
+CARD_LIFT = 0.012
+"""Lift (m) up to which the coils of a wire made from a card stay apart."""
+
 CARD_MASS_MISSING = "spring '{name}' has no mass on its card, which a {model} spring needs; add its mass or use massless"
 
 
@@ -116,10 +120,9 @@ def _finite_element(part: Any, options: Mapping[str, Any]) -> Any:
     from valvetrain.rod.buffer import RodDynamics
     from valvetrain.springs.finite_element import FiniteElementRod
 
-    if not isinstance(part, InstalledSpring):
-        raise InputError(
-            f"spring '{part.name}' is known by its card only; a finite-element spring needs its wire (wire_diameter, mean_diameter, "
-            "pitch, total_coils, installed_height)"
-        )
     dynamics = RodDynamics(**_take(options, "mass_damping", "stiffness_damping"))
-    return FiniteElementRod(part.definition, part.precompression, dynamics=dynamics, **_take(options, "elements_per_coil"))
+    mesh = _take(options, "elements_per_coil")
+    if isinstance(part, InstalledSpring):
+        return FiniteElementRod(part.definition, part.precompression, dynamics=dynamics, **mesh)
+    wire = wire_from_card(part, options.get("card_lift", CARD_LIFT))
+    return FiniteElementRod(wire.definition, wire.precompression, dynamics=dynamics, seats="clamps", **mesh)
