@@ -43,3 +43,10 @@ def from_rotation_vector(rotation: Array) -> Array:
     """Quaternions (n, 4) of rotation vectors (n, 3)."""
     angle = np.linalg.norm(rotation, axis=-1, keepdims=True)
     return np.concatenate([np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * rotation], axis=-1)
+
+
+def turn_back(quaternion: Array, vector: Array) -> Array:
+    """Vectors (..., 3) seen from the frames of unit quaternions (..., 4): R^T v without forming the matrices."""
+    axis = quaternion[..., 1:]
+    twice = 2.0 * np.cross(vector, axis)
+    return vector + quaternion[..., :1] * twice + np.cross(twice, axis)

@@ -126,8 +126,7 @@ def _strains(mesh: RodMesh, run: RodTransient) -> dict[str, Array]:
     bend = 2 * vector - mesh.rest_bend
     moment = mesh.bend_stiffness * bend
     chord = np.diff(run.position, axis=1) / mesh.edge_length[1:-1, None]
-    turned = np.einsum("tnji,tnj->tni", quat.to_matrix(run.frame[:, 1:-1].reshape(-1, 4)).reshape(*chord.shape, 3), chord)
-    stretch = turned - mesh.rest_stretch[1:-1]
+    stretch = quat.turn_back(run.frame[:, 1:-1], chord) - mesh.rest_stretch[1:-1]
     force = mesh.stretch_stiffness[1:-1] * stretch
     on_vertices = np.zeros(moment.shape)
     on_vertices[:, 1:-1] = 0.5 * (force[:, 1:] + force[:, :-1])
