@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
@@ -143,7 +144,8 @@ def render(page: Page) -> str:
 def plotly_script() -> str:
     """The text of plotly.js, safe inside a script element (none for a page without charts is the caller's choice)."""
     source = resources.files("plotly").joinpath("package_data", "plotly.min.js").read_text(encoding="utf-8")
-    return source.replace("</script", "<\\/script")
+    # Escaped to ASCII, Python keeps the text and its copies in one byte per character instead of two.
+    return re.sub(r"[^\x00-\x7f]", lambda found: f"\\u{ord(found[0]):04x}", source.replace("</script", "<\\/script"))
 
 
 def _template(name: str) -> str:
