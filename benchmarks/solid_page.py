@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from solid_reference import BEEHIVE_LEVELS, LARGE, LEVELS, SMALL, SPRINGS, STORE, STRESS_LEVELS, beehive, richardson, summary
 
-from valvetrain.cam import build_lift_law
 from valvetrain.parameters.loading import load_case
 from valvetrain.rod.buffer import RodDynamics
 from valvetrain.rod.mesh import mesh_spring
@@ -19,6 +19,7 @@ from valvetrain.rod.static import RodStatics, compress
 from valvetrain.rod.transient import simulate
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import load_netcdf
+from valvetrain.solution.result import Solution
 
 HEAD = """# The rod against solid finite elements
 
@@ -155,6 +156,14 @@ def beehive_section() -> str:
     head = ["mesh", "per coil x core, rings", "unknowns", "force at 7 mm (N)", "axial 1 (Hz)", "axial 2", "axial 3", "wall time"]
     text += table(head, rows) + "\n"
     contact = np.sum(best["coil_contact_force"], axis=1)
+    finer = STORE / "partial-beehive-3.json"
+    if finer.exists():
+        item = json.loads(finer.read_text())
+        at, force = item["compression"][-1], item["force"][-1]
+        text += (
+            f"A finer mesh ({item['unknowns']} unknowns), stopped for its time at {at * 1e3:.2f} mm, has {force:.2f} N there; mesh "
+            f"{best['level']} {np.interp(at, best['compression'], best['force']):.2f} N.\n\n"
+        )
     gap = [100 * (result.retainer_force / force - 1) for result, force in zip(results, best["force"][1:], strict=True)]
     rows = [
         [f"{best['compression'][i] * 1e3:.2f}", f"{best['force'][i]:.2f}", f"{gap[i - 1]:+.2f} %", f"{best['stiffness'][i] / 1e3:.2f}",
@@ -191,7 +200,7 @@ def ride_section() -> str:
         f"{data['elements']} elements\n({data['unknowns']} unknowns), increments of 40 us, mass damping only, contact 1e4 MPa/mm: "
         f"{1e3 * solid.time[-1]:.2f} ms in {data['wall_time']:.0f} s on one core.\nEnd of the run: {solid.status.sentence()}.\n\n"
     )
-    rod_retainer, rod_seat = rod_ride(solid.time)
+    rod_retainer, rod_seat = rod_ride(solid)
     retainer, seat, degrees = solid.channel("retainer_force"), solid.channel("seat_force"), np.degrees(solid.cam_angle)
     rows = [
         [f"{degrees[i]:.1f}", f"{retainer[i]:.0f}", f"{rod_retainer[i]:.0f}", f"{seat[i]:.0f}", f"{rod_seat[i]:.0f}"]
@@ -202,15 +211,16 @@ def ride_section() -> str:
     return text + f"\nRoot mean square of the difference: {rms[0]:.1f} N at the retainer, {rms[1]:.1f} N at the seat.\n"
 
 
-def rod_ride(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Retainer and seat force of the rod on the same ride, means over the solid's increments."""
-    case = load_case("gu2021-beehive")
-    law, speed, first = build_lift_law(case.lift_law), 8000 * np.pi / 60, np.radians(85)
+def rod_ride(solid: Solution) -> tuple[np.ndarray, np.ndarray]:
+    """Retainer and seat force of the rod on the lift that ``solid`` rode, means over its increments."""
+    time = solid.time
+    lift = CubicSpline(time, solid.channel("valve_lift"))
+    damping = load_case("gu2021-beehive").damping.mass_damping
     mesh = mesh_spring(beehive(), 24)
     start = compress(RodStatics(mesh), [LARGE])[-1].state
     run = simulate(
-        mesh, start, lambda t: LARGE + np.asarray(law.lift(first + speed * t)), 4e-5, round(time[-1] / 4e-5) + 2,
-        RodDynamics(mass_damping=case.damping.mass_damping, stiffness_damping=0.0),
+        mesh, start, lambda t: LARGE + lift(np.minimum(t, time[-1])), 4e-5, round(time[-1] / 4e-5) + 2,
+        RodDynamics(mass_damping=damping, stiffness_damping=0.0),
     )  # fmt: skip
     width = max(1, round(4e-5 / (run.dense_time[1] - run.dense_time[0])))
     window, count = np.ones(width), np.convolve(np.ones(len(run.dense_time)), np.ones(width), mode="same")

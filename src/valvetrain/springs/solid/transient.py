@@ -180,6 +180,6 @@ def _provenance(model: SolidSpring, job: TransientJob, case_name: str) -> Proven
     options: dict[str, float | int | str | bool | None] = {
         "solver": "CalculiX", "element_type": model.options.element_type, "elements_per_coil": model.options.elements_per_coil,
         "core": model.options.core, "rings": model.options.rings, "ends": model.options.ends,
-        "time_step": float(job.time_step), "alpha": float(job.alpha),
+        "time_step": float(job.time_step), "alpha": float(job.alpha), "mass_damping": float(job.mass_damping),
     }  # fmt: skip
     return collect_provenance(case_name, model.name, engine_speed=job.engine_speed, options=options)
