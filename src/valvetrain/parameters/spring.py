@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Array, Curve
 from valvetrain.parameters.material import Material
+from valvetrain.parameters.spring_checks import check_spring
 
 EndKind = Literal["closed-ground", "closed", "open"]
 
@@ -58,8 +59,6 @@ class SpringDefinition:
     name: str = "spring"
 
     def __post_init__(self) -> None:
-        from valvetrain.parameters.spring_checks import check_spring
-
         check_spring(self)
 
     def replace(self, **changes: Any) -> SpringDefinition:

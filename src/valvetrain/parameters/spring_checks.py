@@ -2,20 +2,44 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
-
-if TYPE_CHECKING:
-    from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.curves import Array, Curve
 
 #: Depth, as a share of the wire diameter, up to which free coils may overlap (drawing and rounding slack).
 OVERLAP_SLACK = 0.02
 
 
-def check_spring(spring: SpringDefinition) -> None:
+class WireShape(Protocol):
+    """What the checks ask of a spring; lengths in m over the coil number."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def hand(self) -> str: ...
+    @property
+    def total_coils(self) -> float: ...
+    @property
+    def free_coils(self) -> tuple[float, float]: ...
+    @property
+    def wire_diameter(self) -> Curve: ...
+    @property
+    def mean_diameter(self) -> Curve: ...
+    @property
+    def pitch(self) -> Curve: ...
+
+    def index(self, coil: ArrayLike) -> Array:
+        """Mean coil diameter over wire diameter."""
+
+    def coil_gap(self, coil: ArrayLike) -> Array:
+        """Free-state gap (m) to the wire one turn below."""
+
+
+def check_spring(spring: WireShape) -> None:
     """Raise :class:`InputError` when ``spring`` is impossible."""
     if not np.isfinite(spring.total_coils) or spring.total_coils <= 0:
         raise InputError(f"spring '{spring.name}' has {spring.total_coils} turns; give a positive number of total_coils")
@@ -33,7 +57,8 @@ def check_spring(spring: SpringDefinition) -> None:
         _refuse(~(values > 0), coil, spring, f"{label} is not positive; give a positive length")
     _refuse(~np.isfinite(spring.pitch.value(coil)), coil, spring, "pitch is not a finite number")
     _refuse(spring.pitch.value(coil) < 0, coil, spring, "pitch is negative, so the wire runs back through itself; make it positive")
-    _refuse(spring.index(coil) <= 1.0, coil, spring, "mean coil diameter does not exceed the wire diameter (index at most 1); widen the coil")
+    thick = spring.index(coil) <= 1.0
+    _refuse(thick, coil, spring, "mean coil diameter does not exceed the wire diameter (index at most 1); widen the coil")
     _refuse_jumps(spring, coil)
     gap = spring.coil_gap(coil)
     _refuse(
@@ -44,12 +69,12 @@ def check_spring(spring: SpringDefinition) -> None:
     )
 
 
-def _refuse(bad: np.ndarray, coil: np.ndarray, spring: SpringDefinition, reason: str) -> None:
+def _refuse(bad: np.ndarray, coil: np.ndarray, spring: WireShape, reason: str) -> None:
     if np.any(bad):
         raise InputError(f"at coil {coil[np.argmax(bad)]:.2f} of spring '{spring.name}' the {reason}")
 
 
-def _refuse_jumps(spring: SpringDefinition, coil: np.ndarray) -> None:
+def _refuse_jumps(spring: WireShape, coil: np.ndarray) -> None:
     """A jump of the pitch would be a kink of the wire, smeared over one element by every mesh."""
     fine = np.linspace(0.0, spring.total_coils, 4000 * int(np.ceil(spring.total_coils)) + 1)
     pitch = spring.pitch.value(fine)
