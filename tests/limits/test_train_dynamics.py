@@ -11,6 +11,7 @@ from train_parts import KINDS, LAW, PLACES, contacts, direct, finger, system
 from valvetrain.analysis.kinematics import rigid_table
 from valvetrain.contact.linear import LinearContact
 from valvetrain.contact.restitution import rebound
+from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainOptions, TrainState, runner
 from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, ElasticLink, Interaction
@@ -147,6 +148,38 @@ def test_run_up_turns_the_cam_by_the_law_of_constant_acceleration():
     assert record.cam_angle == pytest.approx(200.0 * time + 250.0 * time**2, rel=1e-9, abs=1e-9)
     lift = record.q[:, built.mechanism.index("valve")]
     assert lift == pytest.approx(LAW.lift(record.cam_angle), abs=5e-5)
+
+
+def test_run_up_goes_from_speed_to_speed_and_passes_through_the_steady_states():
+    from valvetrain.integrate.run_up import run_up
+
+    built = system(direct())
+    records = run_up(built, 100.0, 300.0, 1000.0, TrainOptions(samples=720))
+    angle = np.concatenate([record.cam_angle for record in records])
+    time = np.arange(len(angle)) * (records[0].time_step * (runner(built, 100.0, TrainOptions(samples=720)).steps // 720))
+    assert angle == pytest.approx(100.0 * time + 500.0 * time**2, rel=1e-9, abs=1e-9)
+    assert records[-1].cam_speed < 300.0 <= records[-1].cam_speed + 1000.0 * 2 * np.pi / 100.0
+    lift = np.concatenate([record.q[:, 1] for record in records])
+    assert lift == pytest.approx(LAW.lift(angle), abs=5e-5)
+    with pytest.raises(InputError, match="must lead from its first to its last speed"):
+        run_up(built, 100.0, 300.0, -1000.0)
+
+
+def test_nested_springs_that_rub_take_more_energy():
+    from dataclasses import replace
+
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.parameters.train import TrainVariant
+    from valvetrain.studies.train_study import RunJob, run_job
+
+    case = load_case("vaz-ohc")
+    variant = TrainVariant("cards", "nested-cards", "multi-mass")
+    job = RunJob(case, case.operation.engine_speeds[0], variant, TrainOptions(samples=720))
+    free = run_job(job)
+    rubbing = run_job(replace(job, spring_options={"rubbing_coefficient": 0.15, "rubbing_force": 60.0}))
+    taken = [run.quantities["spring_dissipated_energy"] for run in (free, rubbing)]
+    # twice the lift's mean slip times the friction force bounds what rubbing can take per cycle
+    assert 0.0 < taken[1] - taken[0] < 0.15 * 60.0 * 2 * 9.7e-3 * 4
 
 
 def test_gas_force_pushes_the_valve_open():

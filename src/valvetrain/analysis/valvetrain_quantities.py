@@ -78,11 +78,11 @@ def cycle_quantities(steady: SteadyTrain, data: CycleData, table: RigidTable, ev
         "lift_loss_displacement": float(data.rigid_lift.max() - data.valve_lift.max()),
         "peak_valve_acceleration": float(np.max(np.abs(record.a[:, system.mechanism.index(system.mechanism.valve)]))),
         "peak_retainer_force": float(data.spring_force.max()), "minimum_retainer_force": float(data.spring_force.min()),
-        "peak_cam_power_ratio": float(np.max(record.cam_power)) / max(float(np.mean(record.cam_power)), 1e-12),
         "cycle_work_energy": float(record.work[0]), "cycle_dissipated_energy": float(record.work[2]),
         "spring_dissipated_energy": float(record.work[3]),
         "steady_cycles_count": float(steady.search.cycles), "steady_residual_ratio": float(steady.search.residuals[-1]),
         "motion_period_count": float(steady.search.period),
+        "time_step_duration": record.time_step, "steps_per_cycle_count": float(steady.runner.steps),
     }  # fmt: skip
     values |= _event_numbers(events)
     values |= {f"surge_order_{order}_force": float(size) for order, size in enumerate(surge_orders(data)) if order > 0}

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from typing import Any
 
 import numpy as np
 from numba import njit, types
@@ -269,7 +270,7 @@ def _march(
     return counters[0]
 
 
-@njit(_SIGNATURE, cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def advance_train(
     spring_a, spring_b, kinds, index, table_of, laws, geometry, law_parameters, tables, body,
     gas, gas_coordinate, retainer, parameters_a, integers_a, state_a, parameters_b, integers_b, state_b, q, v,
@@ -291,3 +292,11 @@ def advance_train(
         np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, n)), np.zeros((n, count)),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64),
     )  # fmt: skip
+
+
+def ready_train_kernel() -> Any:
+    """:func:`advance_train` compiled (or read from its cache) for spring kernels as first-class functions, and for nothing else."""
+    if not advance_train.signatures:
+        advance_train.compile(_SIGNATURE)
+        advance_train.disable_compile()
+    return advance_train

@@ -100,11 +100,12 @@ class TrainRunner:
     options: TrainOptions
     cam_acceleration: float = 0.0
     springs: tuple[Any, ...] = field(default_factory=tuple)
+    fixed_step: float | None = None
 
     @property
     def time_step(self) -> float:
-        """Step (s): one cycle at the nominal cam speed over a whole number of steps."""
-        return TURN / self.cam_speed / self.steps
+        """Step (s): one cycle at the nominal cam speed over a whole number of steps, or the ``fixed_step`` of a run-up."""
+        return self.fixed_step or TURN / self.cam_speed / self.steps
 
     def initial_state(self) -> TrainState:
         """Static equilibrium at cam angle zero."""
@@ -116,7 +117,7 @@ class TrainRunner:
     def cycle(self, state: TrainState) -> tuple[TrainState, CycleRecord]:
         """Advance one cam cycle; the given state stays as it was."""
         from valvetrain.integrate.null_spring import no_spring
-        from valvetrain.integrate.train_kernel import advance_train
+        from valvetrain.integrate.train_kernel import ready_train_kernel
 
         arrays, new = self.system.arrays, state.copy()
         count, interactions = len(new.q), len(arrays.kinds)
@@ -135,7 +136,7 @@ class TrainRunner:
         clock = np.array([state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step, *new.held])
         counters = np.array([self.steps, self.steps // rows, 0, self.options.exchange], dtype=np.int64)
         totals = np.zeros(4 + 2 * interactions)
-        done = advance_train(
+        done = ready_train_kernel()(
             slots[0][0], slots[1][0], arrays.kinds, arrays.index, arrays.table_of, arrays.laws, arrays.geometry, new.law_parameters,
             arrays.tables, arrays.body, arrays.gas, arrays.gas_coordinate, arrays.retainer, *slots[0][1:], *slots[1][1:], new.q, new.v,
             clock, counters, totals, motion, force, gap, ends, states[0], states[1],

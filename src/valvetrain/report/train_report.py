@@ -33,6 +33,7 @@ SUMMARY: dict[str, tuple[str, float]] = {
     "bounce_height": ("mm", 1e3), "loft_gap": ("mm", 1e3), "peak_lever_speed": ("deg/s", 180 / np.pi),
     "outer_mean_peak_section_displacement": ("mm", 1e3), "minimum_piston_clearance_gap": ("mm", 1e3), "clash_count": ("", 1.0),
     "steady_cycles_count": ("", 1.0), "steady_residual_ratio": ("", 1.0), "motion_period_count": ("", 1.0),
+    "time_step_duration": ("us", 1e6), "steps_per_cycle_count": ("", 1.0),
 }  # fmt: skip
 
 

@@ -31,7 +31,8 @@ from valvetrain.system.train_system import TrainSystem
 #: The finite-element spring costs seconds per cycle and its state (frames among it) does not mix; few plain cycles serve.
 FEW_CYCLES = {"finite-element": 3}
 CARD_WIRE_NOTE = (
-    "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils are assumed, and its coils "
+    "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils are "
+    "assumed, and its coils "
     "never touch. Its clashes and stresses are not those of the real spring."
 )
 #: How often the step is cut to a third when a contact hardens beyond what it resolves.

@@ -20,7 +20,8 @@ def wire_from_card(card: SpringCard, valve_lift: float) -> InstalledSpring:
     """Cylindrical wire, clamped at both tips, with the card's rate, preload and mass; its coils never touch up to ``valve_lift`` (m).
 
     A card leaves one freedom, taken up by :data:`ACTIVE_COILS` = n: with k = G d^4 / (8 D^3 n) and m = rho pi^2 d^2 D n / 4 follows
-    d^10 = (8 k n / G) (4 m / (rho pi^2 n))^3. The finite-element rod comes within 1 % of rate and preload. Raises :class:`InputError` for a card without mass.
+    d^10 = (8 k n / G) (4 m / (rho pi^2 n))^3. The finite-element rod comes within 1 % of rate and preload. Raises :class:`InputError` for
+    a card without mass.
     """
     if card.mass is None:
         raise InputError(f"spring '{card.name}' has no mass on its card, which a finite-element spring needs; add its mass")

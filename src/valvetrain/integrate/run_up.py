@@ -1,0 +1,42 @@
+"""Speed run-ups: the cam accelerates through the cycles instead of turning at one speed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from valvetrain.errors import InputError
+from valvetrain.integrate.train_run import CycleRecord, TrainOptions, TrainState, runner
+from valvetrain.system.train_system import TrainSystem
+
+TURN = 2 * math.pi
+MOST_TURNS = 10_000
+
+
+def run_up(
+    system: TrainSystem, first_cam_speed: float, last_cam_speed: float, cam_acceleration: float, options: TrainOptions | None = None,
+    start: TrainState | None = None,
+) -> tuple[CycleRecord, ...]:  # fmt: skip
+    """Records of consecutive stretches, each one nominal cam period long at its own first speed, until ``last_cam_speed`` (rad/s) is
+    reached.
+
+    The cam angle of a record is the true one (rad, unwrapped). ``cam_acceleration`` in rad/s2, of the sign of the change. The step is
+    that of the first speed throughout, so that wave rods keep their grid. Raises :class:`InputError` for an acceleration that does not
+    lead there.
+    """
+    if cam_acceleration == 0 or (last_cam_speed - first_cam_speed) * cam_acceleration <= 0:
+        raise InputError("the cam acceleration of a run-up must lead from its first to its last speed; change its sign or the speeds")
+    ready = runner(system, first_cam_speed, options, cam_acceleration)
+    if (last_cam_speed - first_cam_speed) / cam_acceleration > MOST_TURNS * TURN / first_cam_speed:
+        raise InputError(f"a run-up of more than {MOST_TURNS} cam turns is a slip of the pen; raise the acceleration")
+    step, state, records = ready.time_step, start or ready.initial_state(), []
+    cam_speed = first_cam_speed
+    while (last_cam_speed - cam_speed) * cam_acceleration > 0:
+        # one stretch always takes the same time: only the speed at its start is new
+        stretch = replace(ready, cam_speed=cam_speed, fixed_step=step)
+        state, record = stretch.cycle(state)
+        records.append(record)
+        cam_speed += cam_acceleration * step * ready.steps
+        if not record.status.completed:
+            break
+    return tuple(records)
