@@ -89,7 +89,7 @@ def watch_lanes(b, integers, reach, stretches):
             if not inside:
                 start, inside = max(j - ONE, offset + ONE), True
             end = min(j + ONE + ONE, vertices - ONE)
-        elif inside and j >= end and count < STRETCHES - 1:
+        elif inside and j > end + ONE and count < STRETCHES - 1:
             stretches[count, 0], stretches[count, 1] = start * WIDTH, end * WIDTH
             count, inside = count + 1, False
     if inside:

@@ -55,6 +55,7 @@ def watch_contacts(b, integers, reach, stretches):
     """List the stretches of contact points whose gap may close within ``reach`` (m); returns their number.
 
     The gap is measured at the vertices; contact points between two of them are covered by one vertex more at either end.
+    Stretches keep two vertices between them: spreading reads one point beyond either end.
     """
     vertices, offset = np.uint64(integers[VERTICES]), np.uint64(integers[OFFSET])
     clear_contact(b, vertices)
@@ -72,7 +73,7 @@ def watch_contacts(b, integers, reach, stretches):
             if not inside:
                 start, inside = max(j - ONE, offset + ONE), True
             end = min(j + ONE + ONE, vertices - ONE)
-        elif inside and j >= end and count < STRETCHES - 1:
+        elif inside and j > end + ONE and count < STRETCHES - 1:
             stretches[count, 0], stretches[count, 1] = start, end
             count, inside = count + 1, False
     if inside:
