@@ -35,6 +35,7 @@ class CoilContacts:
 
     @property
     def count(self) -> int:
+        """Number of contacts."""
         return len(self.gap)
 
     def regular(self, inner: int) -> int:

@@ -121,9 +121,7 @@ class SpringModel(Protocol):
         """Largest stable leapfrog step (s) of the model between held ends, contacts closed; infinite where there is none."""
         ...
 
-    def energy(
-        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
-    ) -> SpringEnergy:
+    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         """Energies (J); ``time_step`` > 0 brings the half-step velocities to the time of the positions (second order)."""
         ...
 

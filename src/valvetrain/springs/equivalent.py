@@ -87,15 +87,21 @@ class EquivalentSpring:
 
 
 def massless_table(
-    spring: SpringDefinition, precompression: float, lift: float, points: int = 41, effective_mass_fraction: float = RAYLEIGH_FRACTION
+    spring: SpringDefinition,
+    precompression: float,
+    maximum_lift: float,
+    points: int = 41,
+    effective_mass_fraction: float = RAYLEIGH_FRACTION,
 ) -> MasslessTable:
-    """Massless spring with the static curve of the wire, coils closing, from ``-precompression`` to ``lift`` (m from installed).
+    """Massless spring with the static curve of the wire, coils closing, from ``-precompression`` to ``maximum_lift`` (m from installed).
 
     ``effective_mass_fraction`` of the vibrating mass rides on the retainer, with the held coils.
     """
-    if not (lift > 0 and points >= 3):
-        raise InputError(f"static curve of spring '{spring.name}' needs a positive lift and 3 points or more; it got {lift} m, {points}")
-    compressions = np.unique(np.append(np.linspace(0.0, precompression + lift, points), precompression))
+    if not (maximum_lift > 0 and points >= 3):
+        raise InputError(
+            f"static curve of spring '{spring.name}' needs a positive lift and 3 points or more; it got {maximum_lift} m, {points}"
+        )
+    compressions = np.unique(np.append(np.linspace(0.0, precompression + maximum_lift, points), precompression))
     forces, _ = static_curve(reduction_chain(spring), compressions)
     whole = EquivalentSpring.from_definition(spring, precompression)
     displacements = tuple((compressions - precompression).tolist())

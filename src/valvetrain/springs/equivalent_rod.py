@@ -52,10 +52,12 @@ class EquivalentRod:
 
     @property
     def cell_stiffness(self) -> float:
+        """Stiffness of one cell (N/m)."""
         return self.spring.rate * self.cells
 
     @property
     def cell_mass(self) -> float:
+        """Mass of one cell (kg)."""
         return self.spring.active_mass / self.cells
 
     @property
@@ -84,9 +86,7 @@ class EquivalentRod:
     def _nodes(self, state: Array, displacement: float) -> Array:
         return np.concatenate(([0.0], state[: self.unknowns], [displacement]))
 
-    def energy(
-        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
-    ) -> SpringEnergy:
+    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         """Elastic energy counted from the installed position."""
         n, nodes = self.unknowns, self._nodes(state, retainer_displacement)
         velocity = state[n : 2 * n]

@@ -60,9 +60,7 @@ class MasslessSpring:
     def stable_time_step(self) -> float:
         return float("inf")
 
-    def energy(
-        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
-    ) -> SpringEnergy:
+    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         """Elastic energy counted from the installed position."""
         return SpringEnergy(0.0, self.preload * retainer_displacement + self.rate * retainer_displacement**2 / 2, 0.0)
 
@@ -140,9 +138,7 @@ class MasslessTable:
         step = displacement - x[index]
         return float(areas[index] + f[index] * step + slope * step**2 / 2)
 
-    def energy(
-        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
-    ) -> SpringEnergy:
+    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         """Elastic energy counted from the installed position: the area under the curve."""
         return SpringEnergy(0.0, self._work(retainer_displacement) - self._work(0.0), 0.0)
 

@@ -26,7 +26,7 @@ SECTIONS = 25
 
 @dataclass(frozen=True)
 class ModalSpring:
-    """``modes`` surge modes of ``spring``; ``frequencies`` (Hz) replace those of the uniform bar, n f1, where given.
+    """``modes`` surge modes of ``spring``; ``natural_frequencies`` (Hz) replace those of the uniform bar, n f1, where given.
 
     ``damping_ratio`` acts on every mode's departure from the static shape (the source's zeta), ``stiffness_damping`` (s) adds
     w * s / 2 to it; ``mass_damping`` (1/s) acts on the absolute modal velocity. Residual inertia and held coils ride on the retainer.
@@ -34,7 +34,7 @@ class ModalSpring:
 
     spring: EquivalentSpring
     modes: int = 5
-    frequencies: tuple[float, ...] = ()
+    natural_frequencies: tuple[float, ...] = ()
     damping_ratio: float = 0.0
     mass_damping: float = 0.0
     stiffness_damping: float = 0.0
@@ -44,9 +44,9 @@ class ModalSpring:
         label = f"modal spring '{self.spring.name}'"
         if self.modes < 1:
             raise InputError(f"{label} has {self.modes} modes; give at least 1")
-        if self.frequencies and len(self.frequencies) != self.modes:
-            raise InputError(f"{label} has {self.modes} modes but {len(self.frequencies)} frequencies; give one per mode")
-        if self.frequencies and (min(self.frequencies) <= 0 or np.any(np.diff(self.frequencies) <= 0)):
+        if self.natural_frequencies and len(self.natural_frequencies) != self.modes:
+            raise InputError(f"{label} has {self.modes} modes but {len(self.natural_frequencies)} frequencies; give one per mode")
+        if self.natural_frequencies and (min(self.natural_frequencies) <= 0 or np.any(np.diff(self.natural_frequencies) <= 0)):
             raise InputError(f"frequencies of {label} must be positive and rising")
         for key in ("damping_ratio", "mass_damping", "stiffness_damping"):
             if not (np.isfinite(getattr(self, key)) and getattr(self, key) >= 0):
@@ -56,13 +56,14 @@ class ModalSpring:
 
     @property
     def numbers(self) -> Array:
+        """Mode numbers 1 .. modes."""
         return np.arange(1.0, self.modes + 1)
 
     @cached_property
     def circular_frequencies(self) -> Array:
         """Circular frequency of every mode (rad/s), shape (modes,)."""
-        if self.frequencies:
-            return 2 * np.pi * np.asarray(self.frequencies)
+        if self.natural_frequencies:
+            return 2 * np.pi * np.asarray(self.natural_frequencies)
         return np.pi * self.numbers * self.spring.wave_speed
 
     @property
@@ -112,9 +113,7 @@ class ModalSpring:
     def _departures(self, state: Array, displacement: float) -> Array:
         return state[: self.modes] - self.shares * displacement
 
-    def energy(
-        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
-    ) -> SpringEnergy:
+    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         """Elastic energy counted from the installed position; the residual mass belongs to the valve."""
         departure, velocity = self._departures(state, retainer_displacement), state[self.modes : 2 * self.modes]
         omega = self.circular_frequencies

@@ -39,12 +39,12 @@ class ModalSolution:
 
 @dataclass(frozen=True)
 class ModalVariedStiffness:
-    """``frequencies`` (Hz, one per mode), ``damping_ratio``, static curve ``compressions`` (m from free) -> ``forces`` (N).
+    """``natural_frequencies`` (Hz, one per mode), ``damping_ratio``, static curve ``compressions`` (m from free) -> ``forces`` (N).
 
     ``precompression`` (m) is the installed compression x0. Raises :class:`InputError` for a curve or frequencies that cannot be.
     """
 
-    frequencies: tuple[float, ...]
+    natural_frequencies: tuple[float, ...]
     damping_ratio: float
     compressions: tuple[float, ...]
     forces: tuple[float, ...]
@@ -52,7 +52,7 @@ class ModalVariedStiffness:
     name: str = "modal-varied"
 
     def __post_init__(self) -> None:
-        if not self.frequencies or min(self.frequencies) <= 0 or np.any(np.diff(self.frequencies) <= 0):
+        if not self.natural_frequencies or min(self.natural_frequencies) <= 0 or np.any(np.diff(self.natural_frequencies) <= 0):
             raise InputError(f"spring '{self.name}' needs positive, rising natural frequencies, one per mode")
         if not 0 <= self.damping_ratio < 1:
             raise InputError(f"damping_ratio of spring '{self.name}' is {self.damping_ratio}; it must lie between 0 and 1")
@@ -74,38 +74,38 @@ class ModalVariedStiffness:
             )
         return np.interp(x, self.compressions, self.forces) / x
 
-    def solve(self, lift: Callable[[Array], ArrayLike] | ArrayLike, cam_speed: float, samples: int = SAMPLES) -> ModalSolution:
+    def solve(self, valve_lift: Callable[[Array], ArrayLike] | ArrayLike, cam_speed: float, samples: int = SAMPLES) -> ModalSolution:
         """Steady periodic response over one cam turn.
 
-        ``lift`` (m): function of the cam angle (rad), sampled at ``samples`` angles, or samples over one turn (end point left out);
+        ``valve_lift`` (m): function of the cam angle (rad), sampled at ``samples`` angles, or samples over one turn (end point left out);
         ``cam_speed`` in rad/s.
         """
         if not cam_speed > 0:
             raise InputError(f"cam_speed is {cam_speed} rad/s; give a positive speed")
-        valve_lift, cam_angle = _sampled(lift, samples)
-        modal = self.modal_coordinates(valve_lift, cam_speed)
-        number = np.arange(1, len(self.frequencies) + 1)
-        stiffness = self.secant_stiffness(self.precompression + valve_lift)
-        static = stiffness * (self.precompression + valve_lift)
+        moved, cam_angle = _sampled(valve_lift, samples)
+        modal = self.modal_coordinates(moved, cam_speed)
+        number = np.arange(1, len(self.natural_frequencies) + 1)
+        stiffness = self.secant_stiffness(self.precompression + moved)
+        static = stiffness * (self.precompression + moved)
         alternating = np.pi * stiffness * (((-1.0) ** (number + 1) * number) @ modal)
         printed = np.pi * stiffness * (number @ modal)
-        return ModalSolution(cam_angle, valve_lift, modal, static + alternating, static + printed, static - printed)
+        return ModalSolution(cam_angle, moved, modal, static + alternating, static + printed, static - printed)
 
     def modal_coordinates(self, valve_lift: Array, cam_speed: float) -> Array:
         """G_n (m) at the samples of one cam turn, shape (modes, samples), harmonic by harmonic."""
         harmonic = np.arange(len(valve_lift) // 2 + 1)
         spectrum = np.fft.rfft(valve_lift)
-        number = np.arange(1, len(self.frequencies) + 1)[:, None]
-        ratio = 2 * np.pi * np.asarray(self.frequencies)[:, None] / cam_speed
+        number = np.arange(1, len(self.natural_frequencies) + 1)[:, None]
+        ratio = 2 * np.pi * np.asarray(self.natural_frequencies)[:, None] / cam_speed
         transfer = 2 / (np.pi * number) * harmonic**2 / (ratio**2 - harmonic**2 + 2j * self.damping_ratio * ratio * harmonic)
         return np.fft.irfft(transfer * spectrum, n=len(valve_lift), axis=1)
 
 
-def _sampled(lift: Callable[[Array], ArrayLike] | ArrayLike, samples: int) -> tuple[Array, Array]:
-    if callable(lift):
+def _sampled(valve_lift: Callable[[Array], ArrayLike] | ArrayLike, samples: int) -> tuple[Array, Array]:
+    if callable(valve_lift):
         cam_angle = 2 * np.pi * np.arange(samples) / samples
-        return np.asarray(lift(cam_angle), dtype=float), cam_angle
-    valve_lift = np.asarray(lift, dtype=float)
-    if valve_lift.ndim != 1 or len(valve_lift) < 16 or not np.all(np.isfinite(valve_lift)):
+        return np.asarray(valve_lift(cam_angle), dtype=float), cam_angle
+    given = np.asarray(valve_lift, dtype=float)
+    if given.ndim != 1 or len(given) < 16 or not np.all(np.isfinite(given)):
         raise InputError("lift samples must be a row of at least 16 finite numbers over one cam turn")
-    return valve_lift, 2 * np.pi * np.arange(len(valve_lift)) / len(valve_lift)
+    return given, 2 * np.pi * np.arange(len(given)) / len(given)

@@ -128,9 +128,7 @@ class MultiMassSpring:
         contact = np.where(depth > 0, np.maximum(push_back, 0.0), 0.0)
         return np.append(push, 0.0) - np.concatenate(([0.0], push)) - contact @ rows, contact
 
-    def energy(
-        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
-    ) -> SpringEnergy:
+    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         """Elastic energy counted from the free state; the riding end masses belong to the valve."""
         nodes, velocities = self._nodes(state, retainer_displacement), self._velocities(state, retainer_velocity)
         speed = velocities[1:-1]

@@ -65,6 +65,7 @@ class NestedSprings:
 
     @property
     def members(self) -> tuple[SpringModel, SpringModel]:
+        """Outer and inner spring."""
         return self.outer, self.inner
 
     @property
@@ -124,9 +125,7 @@ class NestedSprings:
     def stable_time_step(self) -> float:
         return min(member.stable_time_step() for member in self.members)
 
-    def energy(
-        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
-    ) -> SpringEnergy:
+    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         parts = [
             member.energy(own, retainer_displacement, retainer_velocity, time_step)
             for member, own in zip(self.members, self._split(state), strict=True)

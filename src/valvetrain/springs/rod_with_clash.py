@@ -99,9 +99,7 @@ class EquivalentRodWithClash:
     def stable_time_step(self) -> float:
         return COURANT / (self.spring.wave_speed * self.cells)
 
-    def energy(
-        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
-    ) -> SpringEnergy:
+    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         return self.chain.energy(state, retainer_displacement, retainer_velocity, time_step)
 
     def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:

@@ -53,5 +53,5 @@ def run_modal(case: Case, curve: StaticCurve, modes: ModalResult, engine_speed: 
         "retainer_force": at(solved.retainer_force), "modal_coordinate": np.stack([at(g) for g in solved.modal_coordinates], axis=1),
     }  # fmt: skip
     channels = spring_channels(cam_angle / cam_speed, cam_angle, values, extra=EXTRA)
-    statistics = {"modes": len(model.frequencies), "damping_ratio": model.damping_ratio}
+    statistics = {"modes": len(model.natural_frequencies), "damping_ratio": model.damping_ratio}
     return Solution(channels, (), COMPLETED, statistics, provenance)
