@@ -1,0 +1,35 @@
+"""The train case printed in the guide runs, and the guide names every key of the schema."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from pydantic import BaseModel
+
+from valvetrain.parameters import train_schema
+from valvetrain.parameters.loading import parse_case
+from valvetrain.studies.train_study import run_train_study
+
+GUIDE = (Path(__file__).parents[2] / "docs" / "case-files-trains.md").read_text(encoding="utf-8")
+(EXAMPLE,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+
+
+def test_the_printed_case_runs():
+    study = run_train_study(parse_case(EXAMPLE))
+    assert [run.label for run in study.runs] == ["as built", "rod, no lash"]
+    assert all(run.status.completed for run in study.runs)
+    lifts = [run.quantities["peak_rigid_valve_lift"] for run in study.runs]
+    assert lifts == pytest.approx([7.9e-3, 8e-3], rel=1e-6)
+    for run in study.runs:
+        assert run.quantities["lift_loss_displacement"] == pytest.approx(0, abs=5e-5)
+
+
+def test_every_key_is_named():
+    models = [item for item in vars(train_schema).values() if isinstance(item, type) and issubclass(item, BaseModel)]
+    own = [model for model in models if model.__module__ == train_schema.__name__]
+    assert len(own) >= 9
+    for model in own:
+        for key in model.model_fields:
+            assert f"`{key}`" in GUIDE or f"[train.{key}" in GUIDE or f"[[train.{key}" in GUIDE, f"{model.__name__}.{key}"
