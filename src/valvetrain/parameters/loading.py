@@ -47,9 +47,7 @@ def read_case(path: Path, changes: Mapping[str, Any] | None = None) -> Case:
     return parse_case(_read_text(path), name=path.stem, folder=path.parent, where=path.name, changes=changes)
 
 
-def parse_case(
-    text: str, name: str = "case", folder: Path = Path(), where: str = "case", changes: Mapping[str, Any] | None = None
-) -> Case:
+def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str = "case", changes: Mapping[str, Any] | None = None) -> Case:
     """The case written in ``text``; ``folder`` is where the files it names are looked for, ``where`` names it in messages."""
     tree = _parse_toml(text, where)
     if not tree:

@@ -25,8 +25,7 @@ class Material:
                 raise InputError(f"{key} of material '{self.name}' must be positive; it is {getattr(self, key)}")
         if not -1.0 < self.poisson_ratio < 0.5:
             raise InputError(
-                f"material '{self.name}' has E / (2 G) - 1 = {self.poisson_ratio:.3f}, "
-                "outside -1 to 0.5; check Young's and shear modulus"
+                f"material '{self.name}' has E / (2 G) - 1 = {self.poisson_ratio:.3f}, outside -1 to 0.5; check Young's and shear modulus"
             )
 
     @property
