@@ -98,7 +98,11 @@ def _add_axes(layout: dict[str, Any], chart: Chart, panel: Panel, index: int, su
     if index and shares_axis(chart):
         layout[f"xaxis{suffix}"]["matches"] = "x"
     layout[f"yaxis{suffix}"] = common | {
-        "domain": y_domain, "anchor": f"x{suffix}", "range": list(y_range), "showline": False, "title": title | {"text": panel.y_label}
+        "domain": y_domain,
+        "anchor": f"x{suffix}",
+        "range": list(y_range),
+        "showline": False,
+        "title": title | {"text": panel.y_label},
     }
     _add_furniture(layout, panel, suffix, x_domain, y_domain)
 

@@ -197,9 +197,7 @@ def _comparison(study: SpringStudy) -> tuple[Block, ...]:
 
 
 def _case(study: SpringStudy) -> tuple[Block, ...]:
-    rows = tuple(
-        (_value_cells(path, value, status, why), status) for path, value, status, why in case_rows(study.case)
-    )
+    rows = tuple((_value_cells(path, value, status, why), status) for path, value, status, why in case_rows(study.case))
     blocks: list[Block] = []
     if rows:
         statuses = tuple(dict.fromkeys(status for _, status in rows if status))
@@ -248,4 +246,3 @@ def _case_references(study: SpringStudy) -> list[str]:
 
     known = references()
     return [known[key].text() if key in known else key for key in study.case.cite()]
-

@@ -70,9 +70,7 @@ def at_wire_points(solution: Solution, spacing: float) -> Solution:
     coils = np.asarray(solution.channels["coil_number"].values)
     wanted: Iterable[float] = np.arange(np.ceil(coils.min() / spacing), np.floor(coils.max() / spacing) + 1) * spacing
     nearest = sorted({int(np.argmin(np.abs(coils - coil))) for coil in wanted}) or [0]
-    return Solution(
-        solution.channels.isel(wire_point=nearest), solution.events, solution.status, solution.statistics, solution.provenance
-    )
+    return Solution(solution.channels.isel(wire_point=nearest), solution.events, solution.status, solution.statistics, solution.provenance)
 
 
 def write_statics(study: SpringStudy, folder: Path) -> list[Path]:
