@@ -106,4 +106,3 @@ def _dataset(content: dict[str, Any], lines: list[str]) -> xarray.Dataset:
     for name, entry in content["constants"].items():
         coords[name] = (entry["dims"], np.array(entry["values"], dtype=entry["type"]), entry["attributes"])
     return xarray.Dataset(variables, coords=coords, attrs=content["attributes"])
-
