@@ -99,8 +99,9 @@ def law_of(p: dict[str, float]) -> Shaped:
     shape = (p["flank_start"], 1.0, p["flank_end"], -p["nose_start"], -p["nose_middle"], -1.0)
     angles = np.radians((90.0, 127.0, 180.0))
     return Shaped(
-        maximum_lift=p["maximum_lift"], ramp_lift=p["ramp_lift"], ramp_start=angles[0], event_start=angles[1], nose=angles[2], flank_shape=shape
-    )
+        maximum_lift=p["maximum_lift"], ramp_lift=p["ramp_lift"],
+        ramp_start=angles[0], event_start=angles[1], nose=angles[2], flank_shape=shape,
+    )  # fmt: skip
 
 
 def evaluate(elements_per_coil: int, vector: np.ndarray) -> dict[str, float] | None:
@@ -111,7 +112,8 @@ def evaluate(elements_per_coil: int, vector: np.ndarray) -> dict[str, float] | N
     try:
         law = law_of(p)
         model = FiniteElementRod(spring_of(p), PRECOMPRESSION, elements_per_coil, dynamics)
-        whole = compress(model.statics, [*np.linspace(0.5e-3, PRECOMPRESSION, 14), *np.linspace(9e-3, PRECOMPRESSION + p["maximum_lift"], 6)])
+        to_seat, to_top = np.linspace(0.5e-3, PRECOMPRESSION, 14), np.linspace(9e-3, PRECOMPRESSION + p["maximum_lift"], 6)
+        whole = compress(model.statics, [*to_seat, *to_top])
         if not whole[-1].converged:
             return None
         path = whole[:14]
@@ -207,9 +209,10 @@ def case_values(p: dict[str, float]) -> dict[str, object]:
     pitch = spring.pitch
     assert isinstance(pitch, PiecewiseLinear)
     clearances = ", ".join(f"{1e3 * (value - p['wire_diameter']):.4f}" for value in pitch.values)
+    diameters = [1e3 * p[name] for name in ("mean_diameter", "mean_diameter", "top_mean_diameter")]
     return {
         "spring.wire_diameter": f"{1e3 * p['wire_diameter']:.4f} mm",
-        "spring.mean_diameter.values": f"{1e3 * p['mean_diameter']:.4f}, {1e3 * p['mean_diameter']:.4f}, {1e3 * p['top_mean_diameter']:.4f} mm",
+        "spring.mean_diameter.values": ", ".join(f"{diameter:.4f}" for diameter in diameters) + " mm",
         "spring.pitch.coils": [float(coil) for coil in pitch.coils],
         "spring.pitch.clearances": f"{clearances} mm",
         "spring.lower_end.held_coils": round(p["lower_held_coils"], 4),
@@ -239,13 +242,13 @@ def predict(elements_per_coil: int, vector: np.ndarray) -> dict[str, float]:
     try:
         law = law_of(p)
         values = {name: getattr(law, name) for name in ("maximum_lift", "ramp_lift", "ramp_start", "event_start", "nose", "flank_shape")}
-        case = case.replace(
-            {"rod.elements_per_coil": elements_per_coil}, spring=spring_of(p), damping=damping, lift_law=LiftLawParameters("shaped", values), published=()
-        )
+        lift_law, rod = LiftLawParameters("shaped", values), {"rod.elements_per_coil": elements_per_coil}
+        case = case.replace(rod, spring=spring_of(p), damping=damping, lift_law=lift_law, published=())
         study = run_spring_study(case, models=("finite-element",), workers=1)
     except (InputError, ValueError, np.linalg.LinAlgError, RuntimeError):
         return {}
-    return {f"{round(q.engine_speed * 30 / np.pi)} {q.name}": v for q, v in study.quantities.items() if q.engine_speed and q.name in SPREADS}
+    told = {q: value for q, value in study.quantities.items() if q.engine_speed and q.name in SPREADS}
+    return {f"{round(q.engine_speed * 30 / np.pi)} {q.name}": value for q, value in told.items()}
 
 
 def tell_spread(found: Identified, elements: int, workers: int, count: int) -> str:

@@ -84,8 +84,8 @@ def identify(
 ) -> Identified:  # fmt: skip
     """Most probable parameters given the ``targets`` (normal misses of their ``scale``) and the priors; search from ``begin``.
 
-    What the data do not decide stays at its prior. ``evaluate`` maps a parameter vector to named values (None for an impossible spring) and must be picklable.
-    Raises :class:`InputError` when the start itself is impossible.
+    What the data do not decide stays at its prior. ``evaluate`` maps a parameter vector to named values (None for an impossible
+    spring) and must be picklable. Raises :class:`InputError` when the start itself is impossible.
     """
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
     start, spread = np.array([u.start for u in unknowns]), np.array([u.spread for u in unknowns])

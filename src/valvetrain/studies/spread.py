@@ -14,9 +14,12 @@ from valvetrain.parameters.case import Case, PublishedValue
 
 #: The quantities that are told in words on the page, with how people call them.
 TOLD = {
-    "stage_2_peak_force": "Stage II peak force", "stage_2_first_peak_force": "first Stage II peak", "stage_2_second_peak_force": "second Stage II peak",
-    "stage_3_peak_force": "Stage III spike", "node_2_maximum_displacement": "largest displacement of node 2",
-}  # fmt: skip
+    "stage_2_peak_force": "Stage II peak force",
+    "stage_2_first_peak_force": "first Stage II peak",
+    "stage_2_second_peak_force": "second Stage II peak",
+    "stage_3_peak_force": "Stage III spike",
+    "node_2_maximum_displacement": "largest displacement of node 2",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +42,9 @@ def load_spread(case: Case) -> tuple[Spread, ...]:
     if not _same_spring(case, content.pop("identified", {})):
         return ()
     return tuple(
-        Spread(quantity, int(speed.split()[0]), *map(float, values)) for speed, table in content.items() for quantity, values in table.items()
+        Spread(quantity, int(speed.split()[0]), *map(float, values))
+        for speed, table in content.items()
+        for quantity, values in table.items()
     )
 
 

@@ -103,7 +103,8 @@ def run_finite_element(case: Case, model: FiniteElementRod, engine_speed: float,
         run = march_case(model, law, engine_speed, case.operation.cycles, case.rod.output_step)
     channels = rod_channels(model, run, engine_speed / 2)
     statistics: dict[str, float | int | str | bool] = {
-        "time_step": run.time_step, "steps": run.steps, "elements": model.mesh.elements, "largest_velocity": run.fastest, "step_was_halved": retried,
+        "time_step": run.time_step, "steps": run.steps, "elements": model.mesh.elements, "largest_velocity": run.fastest,
+        "step_was_halved": retried,
     }  # fmt: skip
     status = COMPLETED if run.completed else _diverged(run, engine_speed)
     solution = Solution(channels, (), status, statistics, provenance)
@@ -112,8 +113,8 @@ def run_finite_element(case: Case, model: FiniteElementRod, engine_speed: float,
 
 def _diverged(run: RodTransient, engine_speed: float) -> Status:
     time = run.steps_done * run.time_step
-    angle = np.degrees(engine_speed / 2 * time) % 360
+    turns, part = divmod(engine_speed / 2 * time / (2 * np.pi), 1.0)
     return Status(
-        "diverged", f"the wire's velocity grew without bound at {angle:.1f} cam degrees of turn {int(engine_speed / 2 * time / (2 * np.pi)) + 1}",
-        time, "finite-element rod", "give a smaller time_step or contact_stiffness, or check the lift law for jumps",
+        "diverged", f"the wire's velocity grew without bound at {360 * part:.1f} cam degrees of turn {int(turns) + 1}", time,
+        "finite-element rod", "give a smaller time_step or contact_stiffness, or check the lift law for jumps",
     )  # fmt: skip

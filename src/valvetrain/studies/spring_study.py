@@ -52,8 +52,7 @@ def run_spring_study(
         marches = {}
         if "finite-element" in models:
             marches = {
-                s: pool.submit(run_finite_element, case, model, s, _provenance(case, "finite-element", s, created_at))
-                for s in rod_speeds
+                s: pool.submit(run_finite_element, case, model, s, _provenance(case, "finite-element", s, created_at)) for s in rod_speeds
             }
         curve_job = pool.submit(static_curve, model, static_reach(case, model))
         curve = _wait(curve_job, tell, "static curve")
