@@ -148,7 +148,7 @@ REFUSED = [
     ),
     (SPRING + '[installation]\nprecompression = "25 mm"', "solid before"),
     (SPRING + '[installation]\nprecompression = "5 mm"\ninstalled_height = "40 mm"', "both given"),
-    (SPRING + '[rod]\nelements_per_coil = 24.5', "line 10, rod.elements_per_coil"),
+    (SPRING + "[rod]\nelements_per_coil = 24.5", "line 10, rod.elements_per_coil"),
     (SPRING + '[rod]\nelements_per_coil = "24"', "does not fit"),
     (SPRING + '[operation]\nengine_speeds = "4200 Hz"', "a rotational speed is needed"),
     (SPRING + '[operation]\nengine_speeds = "4200 rpm"\ncam_speeds = "2100 rpm"', "twice the cam speed"),

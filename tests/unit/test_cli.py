@@ -85,7 +85,12 @@ def test_the_estimated_rate_of_a_conical_spring_is_the_closed_form():
 
 def test_check_shows_the_units_of_the_field():
     text = call("check", "uniform-spring").stdout
-    lines = (r"Free length +38\.8 +mm", r"Estimated rate +38\.969 +N/mm", r"Estimated surge frequency +561\.\d+ +Hz", r"Wire mass +30\.9\d* +g")
+    lines = (
+        r"Free length +38\.8 +mm",
+        r"Estimated rate +38\.969 +N/mm",
+        r"Estimated surge frequency +561\.\d+ +Hz",
+        r"Wire mass +30\.9\d* +g",
+    )
     for line in lines:
         assert re.search(line, text), line
 
@@ -172,7 +177,7 @@ def test_a_run_without_speeds_gives_statics_and_modes(small):
         (("run", "uniform-spring", "--engine-speed", "1 rpm"), "has no lift law"),
         (("run", "job-c", "--workers", "0"), "--workers: 0 lies outside"),
         (("run", "job-c", "--set", "spring"), "sets nothing; write a key path"),
-        (("run", "job-c", "--set", "spring.wire_diametre=4 mm"), "--set spring.wire_diametre: key 'wire_diametre' is unknown; did you mean"),
+        (("run", "job-c", "--set", "spring.wire_diametre=4 mm"), "spring.wire_diametre: key 'wire_diametre' is unknown; did you mean"),
         (("run", "job-c", "--set", "spring.wire_diameter=4 N"), "--set spring.wire_diameter: '4 N' is a force, but a length is needed"),
         (("run", "job-c", "--set", "spring.wire_diameter=4"), "4 has no unit"),
         (("run", "job-c", "--set", "spring.wire_diameter=40 mm"), "widen the coil"),
