@@ -136,3 +136,10 @@ def test_a_case_changes_spring_and_contact_by_one_word():
     assert table["contact_force"].max() == pytest.approx(588, rel=0.03)
     one = run_train(changed, spring_model="rod")
     assert one.status.completed
+
+
+def test_findings_are_whole_sentences_about_all_runs(pushrod, valve_gear):
+    (damping,) = [item for item in pushrod.findings if item.place == "section 6"]
+    assert damping.computed.endswith("N at zeta 0, 0.5, 1") and damping.verdict.endswith("%")
+    assert all(item.computed.count("(lash") <= 1 for item in valve_gear.findings)
+    assert sum("(lash 0.1 mm)" in item.computed for item in valve_gear.findings) == 2

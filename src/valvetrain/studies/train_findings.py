@@ -102,10 +102,14 @@ def _pushrod_findings(runs: dict[str, TrainRun]) -> list[Finding]:
     if len(zetas) == 3:
         nose = [_number(runs[label], "nose_cam_contact_force") for label in zetas]
         peaks = [_number(runs[label], "peak_open_cam_contact_force") for label in zetas]
-        words = f"at the nose {nose[0]:.0f}, {nose[1]:.0f}, {nose[2]:.0f} N, on the opening flank up to {peaks[0]:.0f}, {peaks[1]:.0f}, "
-        f"{peaks[2]:.0f} N at zeta 0, 0.5, 1"
-        verdict = f"at the nose up {nose[2] / nose[0] - 1:.1%} (source 3 %), but the true peak moves to the opening flank and rises "
-        f"{peaks[2] / peaks[0] - 1:.0%}"
+        words = (
+            f"at the nose {nose[0]:.0f}, {nose[1]:.0f}, {nose[2]:.0f} N, on the opening flank up to {peaks[0]:.0f}, {peaks[1]:.0f}, "
+            f"{peaks[2]:.0f} N at zeta 0, 0.5, 1"
+        )
+        verdict = (
+            f"at the nose up {nose[2] / nose[0] - 1:.1%} (source 3 %), but the true peak moves to the opening flank and rises "
+            f"{peaks[2] / peaks[0] - 1:.0%}"
+        )
         found.append(Finding("section 6", "damping raises the peak contact force slightly (400 to 412 N)", words, verdict))
     return found
 
@@ -117,8 +121,10 @@ def _valve_gear_findings(runs: dict[str, TrainRun]) -> list[Finding]:
         if masses is None or rod is None or masses.traces is None or rod.traces is None:
             continue
         first, second = _halves(masses, rod)
-        words = f"root mean square difference of the lever's force on the valve {first:.1f} N while opening, {second:.1f} N while "
-        f"closing (lash {lash})"
+        words = (
+            f"root mean square difference of the lever's force on the valve {first:.1f} N while opening, {second:.1f} N while "
+            f"closing (lash {lash})"
+        )
         verdict = "agrees" if second > first else "not seen with these assumed parts: the two models differ more while opening"
         found.append(Finding("section 4", "six masses and rods differ most in the second half, towards the seat", words, verdict))
         single = runs.get(f"single mass, lash {lash}")

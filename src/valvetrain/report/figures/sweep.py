@@ -65,6 +65,8 @@ def order_chart(series: SweepSeries, key: str) -> Chart:
     orders = np.arange(1, series.orders.shape[1])
     z = np.array([data[f"order {order}"] for order in orders])
     layer = HeatMap(data["engine speed"], orders.astype(float), np.nan_to_num(z), "surge amplitude", "N")
-    caption = "Amplitude (0 to peak) of the spring force less its static value at the same lift, per cam order. Ridges rise where an "
-    "order meets a surge mode."
+    caption = (
+        "Amplitude (0 to peak) of the spring force less its static value at the same lift, per cam order. Ridges rise where an "
+        "order meets a surge mode."
+    )
     return Chart(key, f"Order map, {series.label}", caption, (Panel("engine speed (rpm)", "cam order", (layer,)),), height=420)

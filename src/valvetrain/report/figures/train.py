@@ -128,6 +128,8 @@ def kinematics_chart(rigid: RigidTable) -> Chart:
             column = data.column(name)
             line = Line(*thin(data["cam angle"], column.values), name, theme.INK, 1.4, in_legend=False)
             panels.append(Panel(ANGLE_LABEL, column.header.replace("[", "(").replace("]", ")"), (line,), x_range=(0, 360), x_step=30))
-    caption = "Rigid parts, closed contacts: what the geometry asks for before any dynamics. The margin is spring force and weight plus "
-    "inertia at the valve."
+    caption = (
+        "Rigid parts, closed contacts: what the geometry asks for before any dynamics. The margin is spring force and weight plus "
+        "inertia at the valve."
+    )
     return Chart("kinematics", "Kinematics and quasi-statics", caption, tuple(panels), height=170 * len(panels) + 60, legend=False)
