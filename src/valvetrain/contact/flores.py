@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from numpy.typing import ArrayLike
-
 from valvetrain.contact import kernels
 from valvetrain.contact.law import SLOWEST_IMPACT, Array, require_exponent, require_positive, require_restitution, row
-from valvetrain.contact.power import damped_power_force, damped_power_loss, damped_power_tangent
+from valvetrain.contact.power import DampedPower
 
 
 @dataclass(frozen=True, slots=True)
-class Flores:
+class Flores(DampedPower):
     """F = K d**n (1 + 8 (1 - e) d' / (5 e v)) with v the approach velocity (m/s) of this impact.
 
     ``contact_stiffness`` K in N/m**n, ``restitution`` e in (0, 1].
@@ -38,18 +36,3 @@ class Flores:
     def damping_factor(self, impact_rate: float) -> float:
         """Factor (s/m) of the rate in F = K d**n (1 + factor d')."""
         return 1.6 * (1 - self.restitution) / (self.restitution * max(impact_rate, SLOWEST_IMPACT))
-
-    def force(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
-        factor = self.damping_factor(impact_rate)
-        return damped_power_force(self.contact_stiffness, self.exponent, factor, penetration, penetration_rate)
-
-    def tangent(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
-        factor = self.damping_factor(impact_rate)
-        return damped_power_tangent(self.contact_stiffness, self.exponent, factor, penetration, penetration_rate)
-
-    def dissipated_power(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
-        factor = self.damping_factor(impact_rate)
-        return damped_power_loss(self.contact_stiffness, self.exponent, factor, penetration, penetration_rate)
-
-    def stiffness(self, penetration: float) -> float:
-        return float(damped_power_tangent(self.contact_stiffness, self.exponent, 0.0, penetration, 0.0))

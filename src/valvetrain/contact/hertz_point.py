@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from numpy.typing import ArrayLike
+from dataclasses import dataclass, field
 
 from valvetrain.contact import kernels
-from valvetrain.contact.law import SLOWEST_IMPACT, Array, require_positive, row
-from valvetrain.contact.power import damped_power_force, damped_power_loss, damped_power_tangent
+from valvetrain.contact.law import Array, require_positive, row
+from valvetrain.contact.power import DampedPower
 
 
 @dataclass(frozen=True, slots=True)
-class HertzPoint:
+class HertzPoint(DampedPower):
     """F = K d**1.5; ``contact_stiffness`` K in N/m**1.5 (``contact.hertz.point_stiffness``). No loss: a drop rebounds fully."""
 
     contact_stiffness: float
+    exponent: float = field(default=1.5, init=False)
     name: str = "hertz-point"
 
     def __post_init__(self) -> None:
@@ -26,23 +25,4 @@ class HertzPoint:
         return kernels.POWER
 
     def parameters(self) -> Array:
-        return row(self.contact_stiffness, 1.5)
-
-    def damping_factor(self, impact_rate: float) -> float:
-        """Factor (s/m) of the rate in F = K d**n (1 + factor d')."""
-        return 0.0
-
-    def force(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
-        factor = self.damping_factor(impact_rate)
-        return damped_power_force(self.contact_stiffness, 1.5, factor, penetration, penetration_rate)
-
-    def tangent(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
-        factor = self.damping_factor(impact_rate)
-        return damped_power_tangent(self.contact_stiffness, 1.5, factor, penetration, penetration_rate)
-
-    def dissipated_power(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
-        factor = self.damping_factor(impact_rate)
-        return damped_power_loss(self.contact_stiffness, 1.5, factor, penetration, penetration_rate)
-
-    def stiffness(self, penetration: float) -> float:
-        return float(damped_power_tangent(self.contact_stiffness, 1.5, 0.0, penetration, 0.0))
+        return row(self.contact_stiffness, self.exponent)

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from numpy.typing import ArrayLike
-
 from valvetrain.contact import kernels
-from valvetrain.contact.law import SLOWEST_IMPACT, Array, require_exponent, require_not_negative, require_positive, row
-from valvetrain.contact.power import damped_power_force, damped_power_loss, damped_power_tangent
+from valvetrain.contact.law import Array, require_exponent, require_not_negative, require_positive, row
+from valvetrain.contact.power import DampedPower
 
 
 @dataclass(frozen=True, slots=True)
-class HuntCrossley:
+class HuntCrossley(DampedPower):
     """F = K d**n (1 + q d'), never adhesive; ``contact_stiffness`` K in N/m**n, ``damping`` q in s/m.
 
     A free drop at speed v rebounds with e from q v (1 + e) = ln((1 + q v) / (1 - e q v)), whatever K, n and the mass
@@ -39,18 +37,3 @@ class HuntCrossley:
     def damping_factor(self, impact_rate: float) -> float:
         """Factor (s/m) of the rate in F = K d**n (1 + factor d')."""
         return self.damping
-
-    def force(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
-        factor = self.damping_factor(impact_rate)
-        return damped_power_force(self.contact_stiffness, self.exponent, factor, penetration, penetration_rate)
-
-    def tangent(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
-        factor = self.damping_factor(impact_rate)
-        return damped_power_tangent(self.contact_stiffness, self.exponent, factor, penetration, penetration_rate)
-
-    def dissipated_power(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
-        factor = self.damping_factor(impact_rate)
-        return damped_power_loss(self.contact_stiffness, self.exponent, factor, penetration, penetration_rate)
-
-    def stiffness(self, penetration: float) -> float:
-        return float(damped_power_tangent(self.contact_stiffness, self.exponent, 0.0, penetration, 0.0))

@@ -34,7 +34,7 @@ def build_contact_law(name: str, **values: float) -> ContactLaw:
         near = difflib.get_close_matches(name, LAWS, n=1)
         hint = f"did you mean '{near[0]}'?" if near else f"use one of {', '.join(LAWS)}"
         raise InputError(f"contact law '{name}' is unknown; {hint}")
-    known = [item.name for item in fields(LAWS[name]) if item.name != "name"]
+    known = [item.name for item in fields(LAWS[name]) if item.init and item.name != "name"]
     unknown = [key for key in values if key not in known]
     if unknown:
         raise InputError(f"contact law '{name}' has no value '{unknown[0]}'; it takes {', '.join(known)}")

@@ -5,24 +5,43 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.contact.law import Array, overlap
+from valvetrain.contact.law import SLOWEST_IMPACT, Array, overlap
 
 
-def damped_power_force(stiffness: float, exponent: float, factor: float, penetration: ArrayLike, penetration_rate: ArrayLike) -> Array:
-    """Force (N); ``factor`` in s/m."""
-    growth = np.maximum(1.0 + factor * np.asarray(penetration_rate, dtype=float), 0.0)
-    return stiffness * overlap(penetration) ** exponent * growth
+class DampedPower:
+    """What these laws answer alike; each adds its ``damping_factor`` (s/m), which need not be constant.
 
+    ``contact_stiffness`` K in N/m**n, ``exponent`` n.
+    """
 
-def damped_power_tangent(stiffness: float, exponent: float, factor: float, penetration: ArrayLike, penetration_rate: ArrayLike) -> Array:
-    """Derivative (N/m) of :func:`damped_power_force` by the penetration."""
-    growth = np.maximum(1.0 + factor * np.asarray(penetration_rate, dtype=float), 0.0)
-    depth = overlap(penetration)
-    return np.where(depth > 0, stiffness * exponent * depth ** (exponent - 1.0) * growth, 0.0)
+    __slots__ = ()
 
+    contact_stiffness: float
+    exponent: float
 
-def damped_power_loss(stiffness: float, exponent: float, factor: float, penetration: ArrayLike, penetration_rate: ArrayLike) -> Array:
-    """Dissipated power (W) of :func:`damped_power_force`."""
-    elastic = stiffness * overlap(penetration) ** exponent
-    force = damped_power_force(stiffness, exponent, factor, penetration, penetration_rate)
-    return (force - elastic) * np.asarray(penetration_rate, dtype=float)
+    def damping_factor(self, impact_rate: float) -> float:
+        """Factor (s/m) of the rate in F = K d**n (1 + factor d'); zero for an elastic law."""
+        return 0.0
+
+    def force(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
+        return self._elastic(penetration) * self._growth(penetration_rate, impact_rate)
+
+    def tangent(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
+        return self._elastic_slope(penetration) * self._growth(penetration_rate, impact_rate)
+
+    def dissipated_power(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
+        growth = self._growth(penetration_rate, impact_rate)
+        return self._elastic(penetration) * (growth - 1.0) * np.asarray(penetration_rate, dtype=float)
+
+    def stiffness(self, penetration: float) -> float:
+        return float(self._elastic_slope(penetration))
+
+    def _elastic(self, penetration: ArrayLike) -> Array:
+        return self.contact_stiffness * overlap(penetration) ** self.exponent
+
+    def _elastic_slope(self, penetration: ArrayLike) -> Array:
+        depth = overlap(penetration)
+        return np.where(depth > 0, self.contact_stiffness * self.exponent * depth ** (self.exponent - 1.0), 0.0)
+
+    def _growth(self, penetration_rate: ArrayLike, impact_rate: float) -> Array:
+        return np.maximum(1.0 + self.damping_factor(impact_rate) * np.asarray(penetration_rate, dtype=float), 0.0)

@@ -35,9 +35,7 @@ def cylindrical(
     closed_coils: float = 1.0, lower_end: EndCoil = CLOSED_GROUND, upper_end: EndCoil = CLOSED_GROUND, name: str = "cylindrical",
 ) -> SpringDefinition:  # fmt: skip
     """Cylindrical spring of constant pitch with ``closed_coils`` closed turns at either end (0 for open ends); lengths in m."""
-    law: Curve = Constant(pitch)
-    if closed_coils > 0:
-        law = pitch_with_closed_ends(total_coils, wire_diameter, pitch, closed_coils, closed_coils)
+    law = _even_pitch(total_coils, wire_diameter, pitch, closed_coils)
     return _spring(wire_diameter, Constant(mean_diameter), law, total_coils, material, lower_end, upper_end, name)
 
 
@@ -48,9 +46,7 @@ def conical(
 ) -> SpringDefinition:  # fmt: skip
     """Conical spring: mean diameter linear from lower to upper end; lengths in m."""
     diameter = PiecewiseLinear((0.0, total_coils), (lower_mean_diameter, upper_mean_diameter))
-    law: Curve = Constant(pitch)
-    if closed_coils > 0:
-        law = pitch_with_closed_ends(total_coils, wire_diameter, pitch, closed_coils, closed_coils)
+    law = _even_pitch(total_coils, wire_diameter, pitch, closed_coils)
     return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name)
 
 
@@ -60,9 +56,7 @@ def barrel(
     upper_end: EndCoil = CLOSED_GROUND, name: str = "barrel",
 ) -> SpringDefinition:  # fmt: skip
     """Barrel (or, with a slimmer middle, hourglass) spring: mean diameter parabolic over the turns; lengths in m."""
-    law: Curve = Constant(pitch)
-    if closed_coils > 0:
-        law = pitch_with_closed_ends(total_coils, wire_diameter, pitch, closed_coils, closed_coils)
+    law = _even_pitch(total_coils, wire_diameter, pitch, closed_coils)
     diameter = Parabola(end_mean_diameter, middle_mean_diameter, total_coils)
     return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name)
 
@@ -96,6 +90,12 @@ def variable_pitch(
 ) -> SpringDefinition:  # fmt: skip
     """Cylindrical spring whose pitch follows any curve over the coil number; lengths in m."""
     return _spring(wire_diameter, Constant(mean_diameter), pitch, total_coils, material, lower_end, upper_end, name)
+
+
+def _even_pitch(total_coils: float, wire_diameter: float, pitch: float, closed_coils: float) -> Curve:
+    if closed_coils <= 0:
+        return Constant(pitch)
+    return pitch_with_closed_ends(total_coils, wire_diameter, pitch, closed_coils, closed_coils)
 
 
 def _spring(
