@@ -182,6 +182,16 @@ def test_nested_springs_that_rub_take_more_energy():
     assert 0.0 < taken[1] - taken[0] < 0.15 * 60.0 * 2 * 9.7e-3 * 4
 
 
+def test_planar_and_lumped_trains_are_one_where_geometry_is_straight_and_near_where_it_turns():
+    for kind, bound in (("direct", 1e-9), ("finger", 0.02), ("pushrod", 0.02)):
+        lifts = []
+        for model in ("planar", "lumped"):
+            ready = runner(system(KINDS[kind](model=model)), 150.0, TrainOptions(samples=720))
+            _, record = ready.cycle(ready.initial_state())
+            lifts.append(record.q[:, ready.system.mechanism.index("valve")])
+        assert np.max(np.abs(lifts[0] - lifts[1])) < bound * np.max(lifts[0]), kind
+
+
 def test_gas_force_pushes_the_valve_open():
     from valvetrain.mechanism.contour import NODES, table_from_samples
 

@@ -43,3 +43,23 @@ def test_a_sweep_is_the_same_to_the_bit_for_any_number_of_workers():
 def test_a_sweep_needs_a_speed():
     with pytest.raises(InputError, match="at least one engine speed"):
         run_sweep(load_case("tdi-pushrod"), [])
+
+
+def test_a_sweep_survives_one_bad_speed_and_names_it(monkeypatch):
+    from valvetrain.errors import InputError as Refused
+    from valvetrain.studies import sweep
+
+    real = sweep.run_job
+
+    def picky(job):
+        if job.engine_speed > 400:
+            raise Refused("the spring finds no equilibrium")
+        return real(job)
+
+    monkeypatch.setattr(sweep, "run_job", picky)
+    case = load_case("tdi-pushrod")
+    found = run_sweep(case, [300.0, 500.0], spring_sets=("stock",), spring_models=("massless",), workers=1)
+    (sentence,) = found.failures
+    assert "stock, massless at 4775 rpm" in sentence and "no equilibrium" in sentence
+    series = found.series[0]
+    assert np.isfinite(series.columns["seating_velocity"][0]) and np.isnan(series.columns["seating_velocity"][1])

@@ -141,7 +141,7 @@ def clash_events(
         pair = int(np.flatnonzero(moving)[int(np.argmax(block.max(axis=0)))])
         details: dict[str, Detail] = {
             "impulse": float(total.sum() * spacing), "upper_coil": float(upper_coil[pair]), "lower_coil": float(upper_coil[pair] - 1),
-            "cause": "coils meet under surge or near full lift",
+            "cause": "end coils come to rest as the spring closes" if length > len(cam_angle) // 12 else "coils meet under surge",
         }  # fmt: skip
         angle = float(cam_angle[start])
         found.append(Event("clash", angle, angle / cam_speed, length * spacing, float(total.max()), "N", where, details))

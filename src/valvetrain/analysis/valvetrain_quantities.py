@@ -63,10 +63,22 @@ def coil_contacts(steady: SteadyTrain, place: int) -> tuple[Array, Array]:
 
 def spring_outputs(steady: SteadyTrain, place: int) -> list:
     """:class:`SpringOutputs` of one spring at every sample. Needs ``record_springs``."""
+    from valvetrain.springs.finite_element_kernel import TRAVEL
+
     record, spring = steady.record, steady.runner.springs[place]
     retainer = steady.runner.system.arrays.retainer
-    states = record.spring_states[place]
-    return [spring.outputs(states[row], float(record.q[row, retainer]), float(record.v[row, retainer])) for row in range(len(states))]
+    states, found = record.spring_states[place], []
+    whole = np.array(steady.start.springs[place], dtype=float)
+    whole[: 2 * spring.unknowns] = 0.0  # velocities that a large model did not record count as zero
+    for row in range(len(states)):
+        whole[: states.shape[1]] = states[row]
+        if spring.name == "finite-element":
+            # the rod's state also holds the retainer's place of the step before, to which its held vertices belong
+            step, a = record.time_step, float(record.a[row, retainer])
+            before = float(record.q[row, retainer]) - step * (float(record.v[row, retainer]) - 0.5 * step * a)
+            whole[TRAVEL] = spring.precompression + before
+        found.append(spring.outputs(whole, float(record.q[row, retainer]), float(record.v[row, retainer])))
+    return found
 
 
 def cycle_quantities(steady: SteadyTrain, data: CycleData, table: RigidTable, events: Sequence[Event]) -> dict[str, float]:

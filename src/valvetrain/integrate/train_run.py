@@ -22,6 +22,8 @@ from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
+LARGE_SPRING = 2000
+"""Unknowns beyond which a record keeps positions only."""
 SPRING_FRACTION = 0.8
 """Share of a spring's own stable step that is used where the springs decide."""
 
@@ -69,7 +71,7 @@ class TrainState:
 class CycleRecord:
     """One cam cycle, S samples: positions, velocities, accelerations (S, N); forces (N) and gaps (m) per interaction (S, n).
 
-    ``spring_forces`` (S, springs, 2): retainer and seat force; ``spring_states``: per spring (S, len) or empty. ``cam_power`` (W).
+    ``spring_forces`` (S, springs, 2): retainer and seat force; ``spring_states``: per spring the head of its state (S, entries) or empty. ``cam_power`` (W).
     ``peak_forces``, ``peak_penetrations`` (n,): over every step. ``work``: of cam, of constant and gas forces, dissipated, on springs (J).
     """
 
@@ -129,7 +131,7 @@ class TrainRunner:
             if place < len(self.springs):
                 spring = self.springs[place]
                 slots.append((spring.kernel, spring.parameters(), spring.integers(), new.springs[place]))
-                states.append(np.zeros((rows, len(new.springs[place]) if self.options.record_springs else 0)))
+                states.append(np.zeros((rows, recorded_entries(spring) if self.options.record_springs else 0)))
             else:
                 slots.append((no_spring, np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1)))
                 states.append(np.zeros((rows, 0)))
@@ -166,6 +168,11 @@ class TrainRunner:
                     self.steps * self.time_step, "contact", f"use a time step below {limit / 2:.1e} s",
                 )  # fmt: skip
         return COMPLETED
+
+
+def recorded_entries(spring: Any) -> int:
+    """How much of a spring's state a record keeps: positions and velocities; of very large models the positions alone."""
+    return int(spring.unknowns if spring.unknowns > LARGE_SPRING else 2 * spring.unknowns)
 
 
 def runner(system: TrainSystem, cam_speed: float, options: TrainOptions | None = None, cam_acceleration: float = 0.0) -> TrainRunner:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import time
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,7 @@ class SteadyTrain:
     search: SteadyState
     start: TrainState
     record: CycleRecord
-    records: tuple[CycleRecord, ...] = ()
+    wall_time_per_cycle: float = field(default=0.0, compare=False)
 
     @property
     def status(self) -> Status:
@@ -36,9 +37,9 @@ class SteadyTrain:
             return self.record.status
         period = self.search.period
         words = f"repeats every {period} cycles (sub-harmonic)" if period > 1 else "repeats after no number of cycles up to 8"
-        time = self.search.cycles * self.runner.steps * self.runner.time_step
+        reached = self.search.cycles * self.runner.steps * self.runner.time_step
         return Status(
-            "not-converged", f"the motion {words}; last change {self.search.residuals[-1]:.1e}", time, "train",
+            "not-converged", f"the motion {words}; last change {self.search.residuals[-1]:.1e}", reached, "train",
             "bounce or float at this speed is real if a smaller step shows it too; raise the number of cycles otherwise",
         )  # fmt: skip
 
@@ -51,10 +52,14 @@ def steady_train(
     ``method``: ``repeat`` (the classical one) or ``anderson``. The record of the last cycle of a train that does not settle is given
     with its status saying so.
     """
-    template = [start or runner.initial_state()]
+    template, times = [start or runner.initial_state()], []
+    # the springs' inner states are large; only the last cycle keeps them
+    searching = replace(runner, options=replace(runner.options, record_springs=False))
 
     def cycle(vector: Array) -> Array:
-        end, record = runner.cycle(_unpack(vector, template[0], runner))
+        begun = time.perf_counter()
+        end, record = searching.cycle(_unpack(vector, template[0], runner))
+        times.append(time.perf_counter() - begun)
         template[0] = replace(end, cam_angle=0.0)
         return _pack(end, runner) if record.status.code != "diverged" or np.all(np.isfinite(record.q)) else np.full_like(vector, np.nan)
 
@@ -64,7 +69,7 @@ def steady_train(
     finite = bool(np.all(np.isfinite(search.state)))
     first = _unpack(search.state, template[0], runner) if finite else (start or runner.initial_state())
     _, record = runner.cycle(first)
-    return SteadyTrain(runner, search, first, record)
+    return SteadyTrain(runner, search, first, record, float(np.median(times)))
 
 
 def _split(state: TrainState, runner: TrainRunner) -> list[tuple[Array, int]]:

@@ -115,12 +115,21 @@ def run_sweep(
         if progress is not None:
             progress(done / total, f"{jobs[done - 1].variant.label} {jobs[done - 1].engine_speed * 30 / np.pi:.0f} rpm")
 
-    runs = map_cases(run_job, jobs, workers, report)
+    runs = map_cases(guarded_job, jobs, workers, report)
     series = [
         _series(case, chosen, model, speeds, runs[place * len(speeds) : (place + 1) * len(speeds)])
         for place, (chosen, model) in enumerate(pairs)
     ]
     return TrainSweep(case, tuple(series), time.perf_counter() - begun)
+
+
+def guarded_job(job: RunJob) -> TrainRun:
+    """:func:`run_job`, a failure of which becomes the status of its point, so that a sweep survives one bad speed and names it."""
+    try:
+        return run_job(job)
+    except (InputError, ArithmeticError, np.linalg.LinAlgError, ValueError) as error:
+        status = Status("diverged", " ".join(str(error).split()), 0.0, "start", "look at this speed alone with 'valvetrain run'")
+        return TrainRun(job.variant.label, job.variant.spring_model, job.variant.spring_set, job.engine_speed, {}, (), status)
 
 
 def _series(case: Case, spring_set: str, model: str, speeds: Array, runs: Sequence[TrainRun]) -> SweepSeries:

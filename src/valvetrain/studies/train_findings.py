@@ -39,7 +39,7 @@ VALVE_GEAR_NOTES = (
 
 def derived_quantities(case: Case, runs: Sequence[TrainRun]) -> dict[Quantity, float]:
     """Numbers that the case's published values ask for, by their published names (SI)."""
-    by_label = {run.label: run for run in runs}
+    by_label = {run.label: run for run in reversed(runs)}  # the first engine speed is the published one
     stock, performance = by_label.get("stock, as printed"), by_label.get("performance, as printed")
     if stock is None or performance is None:
         return {}
@@ -77,7 +77,7 @@ def _closed_forms(train: TrainParameters) -> dict[str, float]:
 
 def findings(case: Case, runs: Sequence[TrainRun]) -> tuple[tuple[str, ...], tuple[Finding, ...]]:
     """Notes that the report prints, and the findings in words that this set of runs can answer."""
-    by_label = {run.label: run for run in runs if run.quantities}
+    by_label = {run.label: run for run in reversed(runs) if run.quantities}
     if "vasilyev2016" in case.sources:
         return VALVE_GEAR_NOTES, tuple(_valve_gear_findings(by_label))
     if "multibody4b17" in case.sources:

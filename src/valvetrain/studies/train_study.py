@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -35,6 +34,8 @@ CARD_WIRE_NOTE = (
     "assumed, and its coils "
     "never touch. Its clashes and stresses are not those of the real spring."
 )
+#: Samples per cycle of springs whose inner state is large.
+LARGE_SAMPLES = 720
 #: How often the step is cut to a third when a contact hardens beyond what it resolves.
 FINER_STEPS = 2
 
@@ -66,11 +67,9 @@ def run_job(job: RunJob) -> TrainRun:
     train = job.variant.apply(train_of(job.case))
     chosen_set = train.spring_set or next(iter(train.springs), "")
     system = build_train(job.case, train=train, spring_set=chosen_set, **job.spring_options)
-    start = time.perf_counter()
     steady = settle(system, job.engine_speed, train.spring_model, job.options, job.method, job.cycles)
-    per_cycle = (time.perf_counter() - start) / max(steady.search.cycles + 1, 1)
     table = rigid_table(system, train, job.engine_speed / 2, samples=720 if job.keep_traces else 360)
-    return _named(job, steady, table, train, chosen_set, per_cycle)
+    return _named(job, steady, table, train, chosen_set)
 
 
 def run_train(
@@ -96,6 +95,7 @@ def settle(
     for _ in range(FINER_STEPS + 1):
         ready = runner(system, engine_speed / 2, chosen)
         if few is not None:
+            ready = runner(system, engine_speed / 2, replace(chosen, samples=min(chosen.samples, LARGE_SAMPLES)))
             found = steady_train(ready, "repeat", cycles=min(few, cycles), tolerance=1e-3)
         else:
             found = steady_train(ready, method, cycles=cycles)
@@ -169,7 +169,7 @@ def _progress(progress: Callable[[float, str], None] | None, jobs: Sequence[RunJ
         progress(done / total, jobs[done - 1].variant.label)
 
 
-def _named(job: RunJob, steady: SteadyTrain, table: RigidTable, train: TrainParameters, spring_set: str, per_cycle: float) -> TrainRun:
+def _named(job: RunJob, steady: SteadyTrain, table: RigidTable, train: TrainParameters, spring_set: str) -> TrainRun:
     data = cycle_data(steady, table)
     finite = bool(np.all(np.isfinite(data.valve_lift))) and steady.record.status.completed
     events = cycle_events(steady, data) if finite else ()
@@ -179,7 +179,7 @@ def _named(job: RunJob, steady: SteadyTrain, table: RigidTable, train: TrainPara
         numbers |= _trace_numbers(traces)
     return TrainRun(
         job.variant.label, train.spring_model, spring_set, job.engine_speed, numbers, events, steady.status, traces,
-        table if job.keep_traces else None, per_cycle,
+        table if job.keep_traces else None, steady.wall_time_per_cycle,
     )  # fmt: skip
 
 

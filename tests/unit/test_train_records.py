@@ -1,0 +1,30 @@
+"""What a record keeps of a finite-element spring shows the same outputs as its whole state."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from valvetrain.analysis.valvetrain_quantities import spring_outputs
+from valvetrain.integrate import train_run
+from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_steady import steady_train
+from valvetrain.parameters.loading import load_case
+from valvetrain.system.build_train import build_train
+
+
+def test_the_recorded_head_of_a_large_state_is_enough(monkeypatch):
+    case = load_case("vaz-ohc")
+    built = build_train(case, spring_model="finite-element", spring_set="nested", elements_per_coil=8)
+    found = []
+    for entries in (None, len(built.springs[1].initial_state(0.0))):
+        if entries is not None:
+            monkeypatch.setattr(train_run, "recorded_entries", lambda spring, size=entries: size)
+        ready = runner(built, case.operation.cam_speeds[0], TrainOptions(samples=36, record_springs=True))
+        steady = steady_train(ready, "repeat", cycles=1)
+        assert (steady.record.spring_states[1].shape[1] == entries) is (entries is not None)
+        found.append(spring_outputs(steady, 1))
+    for head, whole in zip(*found, strict=True):
+        assert head.axial_displacement == pytest.approx(whole.axial_displacement, abs=1e-12)
+        assert head.coil_contact_force == pytest.approx(whole.coil_contact_force, abs=1e-6)
+    assert max(np.max(output.coil_contact_force) for output in found[0]) < 1e4  # N, a clash and no artefact
