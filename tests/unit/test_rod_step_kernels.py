@@ -128,7 +128,7 @@ def test_seat_contact():
 def test_every_point_force_reaches_the_wire_once(width):
     """Two pressed stretches of wire with ``width`` vertices out of contact between them."""
     b, mesh = buffer(2, per_coil=24)
-    integers, numbers, places = march_numbers(mesh, DYNAMICS, STEP)
+    integers, _, places = march_numbers(mesh, DYNAMICS, STEP)
     offset, vertices = mesh.contact.offset, mesh.vertices
     for name in ("KC", "KCb"):
         row(b, name, vertices)[offset + 9 : offset + 9 + width] = 0.0

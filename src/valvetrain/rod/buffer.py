@@ -52,7 +52,7 @@ def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
     start = np.linspace(1.0, 2.0, scaled.shape[0])
     top = float(eigsh(scaled, k=1, which="LA", tol=1e-3, v0=start, return_eigenvectors=False)[0])
     moving = slice(mesh.first + 1, mesh.last)
-    contact = 4 * dynamics.contact_stiffness * float(np.max((mesh.contact.length.max(axis=0) / mesh.node_mass)[moving], initial=0.0))
+    contact = 4 * dynamics.contact_stiffness * float(np.max((mesh.contact.length.sum(axis=0) / mesh.node_mass)[moving], initial=0.0))
     return dynamics.step_safety * 2.0 / np.sqrt(1.001 * top + contact)
 
 

@@ -62,7 +62,7 @@ class RodMesh:
 
 
 def mesh_spring(definition: SpringDefinition, elements_per_coil: int = 24, *, curvature_correction: bool = True, contact: bool = True) -> RodMesh:
-    """Mesh the free wire of a spring uniformly over the coil number, held ends continued on the same grid.
+    """Mesh the free wire of a spring uniformly over the coil number, held ends continued on the same grid to just past the tips.
 
     Raises :class:`InputError` for fewer than 6 elements per coil or more vertices than the kernels hold.
     """
@@ -71,13 +71,17 @@ def mesh_spring(definition: SpringDefinition, elements_per_coil: int = 24, *, cu
     lower, upper = definition.free_coils
     elements = max(4, round(elements_per_coil * (upper - lower)))
     step = (upper - lower) / elements
-    below, above = int(lower / step + 1e-9), int((definition.total_coils - upper) / step + 1e-9)
+    # The grid runs past both wire tips, so that the contact line reaches them on every mesh.
+    below, above = (int(np.ceil(held / step - 1e-9)) + 1 for held in (lower, definition.total_coils - upper))
     coil = lower + step * np.arange(-below, elements + above + 1)
     if len(coil) + 2 > MAXIMUM_VERTICES:
         raise InputError(f"{len(coil)} vertices exceed the {MAXIMUM_VERTICES} that the rod holds; use fewer elements per coil")
     mesh = mesh_curve(_WireCurve(definition), coil, below, below + elements, curvature_correction=curvature_correction)
     lower_limit, upper_limit = _seat_limits(definition, mesh)
-    line = pair_coils(mesh.coil_number, mesh.position, mesh.wire_diameter, definition.line_speed(coil)) if contact else no_contact(mesh.vertices)
+    line = no_contact(mesh.vertices)
+    if contact:
+        length = definition.line_speed(coil)
+        line = pair_coils(coil, mesh.position, mesh.wire_diameter, length, definition.total_coils, definition.centreline)
     return replace(mesh, contact=line, lower_seat_limit=lower_limit, upper_seat_limit=upper_limit)
 
 
