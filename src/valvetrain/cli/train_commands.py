@@ -65,7 +65,8 @@ def compare(
     from valvetrain.cli.registry import run_case
 
     chosen = choose_case(case, settings)
-    models = _names(springs) or ("massless", "multi-mass", "modal", "rod")
+    # a case with a spring alone knows its own models
+    models = _names(springs) or (("massless", "multi-mass", "modal", "rod") if chosen.train is not None else ())
     request = RunRequest(
         case=chosen, engine_speeds=read_engine_speeds(engine_speed), spring_models=models, workers=read_workers(workers),
         output=read_output(output, f"{chosen.name}-compare"), report=report,

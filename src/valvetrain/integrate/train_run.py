@@ -71,8 +71,9 @@ class TrainState:
 class CycleRecord:
     """One cam cycle, S samples: positions, velocities, accelerations (S, N); forces (N) and gaps (m) per interaction (S, n).
 
-    ``spring_forces`` (S, springs, 2): retainer and seat force; ``spring_states``: per spring the head of its state (S, entries) or empty. ``cam_power`` (W).
-    ``peak_forces``, ``peak_penetrations`` (n,): over every step. ``work``: of cam, of constant and gas forces, dissipated, on springs (J).
+    ``spring_forces`` (S, springs, 2): retainer and seat force; ``spring_states``: per spring the head of its state (S, entries) or empty.
+    ``cam_power`` (W). ``peak_forces``, ``peak_penetrations`` (n,): over every step. ``work``: of cam, of constant and gas forces,
+    dissipated, on springs (J).
     """
 
     cam_angle: Array
