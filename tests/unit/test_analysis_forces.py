@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
+from synthetic_spring import ENGINE_SPEED, bump, run
 from valvetrain.analysis.cycle import reported_cycle
 from valvetrain.analysis.energy import energy_balance
 from valvetrain.analysis.filters import filtered_force, low_pass
 from valvetrain.analysis.spectrum import order_spectrum, surge_order
 from valvetrain.analysis.stages import stage_quantities
 from valvetrain.errors import InputError
-
-sys.path.insert(0, str(Path(__file__).parent))
-from synthetic_spring import ENGINE_SPEED, bump, run
 
 DEG = np.pi / 180
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from synthetic_spring import ENGINE_SPEED, bump, run
 from valvetrain.analysis.clash import ClashRule, clash_events, runs
 from valvetrain.analysis.collisions import bounce_quantities, collision_angles, mean_interval, separation_angle
 from valvetrain.analysis.compare import compare
@@ -19,9 +18,6 @@ from valvetrain.analysis.quantity import Quantity, unit_of
 from valvetrain.analysis.statics import slope_change, static_quantities
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.static import StaticCurve
-
-sys.path.insert(0, str(Path(__file__).parent))
-from synthetic_spring import ENGINE_SPEED, bump, run
 
 DEG = np.pi / 180
 SPIKES = (20.0, 46.5, 73.0, 100.0, 245.5, 300.0, 327.0, 354.5)

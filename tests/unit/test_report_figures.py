@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-import sys
-from pathlib import Path
 from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
+from synthetic_study import SPEED, study
 from valvetrain.errors import InputError
 from valvetrain.report.chart import Chart, HeatMap, Line, Marks, Panel, Rule, rule_levels, thin, visible_range
 from valvetrain.report.figures import coils, energy, force, lift, modes, nodes, statics
@@ -19,9 +18,6 @@ from valvetrain.report.plotly_chart import figure, packed, to_json, unpacked
 from valvetrain.report.spring_page import spring_page
 from valvetrain.report.svg_chart import png, svg, ticks
 from valvetrain.report.table import quoted, table
-
-sys.path.insert(0, str(Path(__file__).parent))
-from synthetic_study import SPEED, study
 
 SVG = "{http://www.w3.org/2000/svg}"
 

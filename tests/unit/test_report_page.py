@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-import sys
 from dataclasses import replace
 from html.parser import HTMLParser
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from synthetic_study import COILS, modal_run, rod_run, study
 from valvetrain.errors import InputError
 from valvetrain.report import write
 from valvetrain.report.comparison_grid import comparison_grid, comparison_table
@@ -22,9 +21,6 @@ from valvetrain.report.write import write_report
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
 from valvetrain.solution.status import Status
 from valvetrain.solution.textfile import load_csv
-
-sys.path.insert(0, str(Path(__file__).parent))
-from synthetic_study import COILS, modal_run, rod_run, study
 
 
 class _Reader(HTMLParser):

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from synthetic_spring import ENGINE_SPEED, bump
 
+from synthetic_spring import ENGINE_SPEED, bump
 from valvetrain.analysis.clash import clash_events
 from valvetrain.analysis.compare import compare
 from valvetrain.analysis.quantities import study_quantities
