@@ -30,7 +30,8 @@ def lift(time: Array | float) -> Array:
     """Lift (m) of the retainer: 10 mm sin^4 over 127 to 233 cam degrees."""
     degrees = np.degrees(CAM_SPEED * np.asarray(time)) % 360.0
     inside = (degrees >= 127.0) & (degrees <= 233.0)
-    return np.where(inside, LIFT * np.sin(np.pi * (degrees - 127.0) / 106.0) ** 4, 0.0)
+    square = np.sin(np.pi * (degrees - 127.0) / 106.0) ** 2
+    return np.where(inside, LIFT * square * square, 0.0)
 
 
 def motion(time: Array | float) -> Array:

@@ -1,0 +1,156 @@
+"""One job of this package in its own process: ``python -m benchmarks.own '{"job": "T", ...}'`` prints a RESULT line like the peers."""
+
+from __future__ import annotations
+
+import json
+import resource
+import statistics
+import sys
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from benchmarks.standard import (
+    CAM_SPEED,
+    DAMPING,
+    INTERVAL,
+    PER_TURN,
+    PRECOMPRESSION,
+    REVOLUTIONS,
+    lift,
+    motion,
+    rod,
+    spring_c,
+    spring_t,
+    transient,
+)
+
+
+def timed(work: Callable[[], object], repeats: int) -> tuple[float, float, object]:
+    """Median wall and CPU time (s) after one call that may compile, and the last result."""
+    result = work()
+    walls, cpus = [], []
+    for _ in range(repeats):
+        started = time.perf_counter(), time.process_time()
+        result = work()
+        walls.append(time.perf_counter() - started[0])
+        cpus.append(time.process_time() - started[1])
+    return statistics.median(walls), statistics.median(cpus), result
+
+
+def job_transient(job: str, per_coil: int, damping: str, repeats: int) -> dict:
+    """T or C: mesh, installed state and march."""
+
+    def whole():
+        return transient(*rod(spring_t() if job == "T" else spring_c(), per_coil, damping, job == "C"))
+
+    wall, cpu, run = timed(whole, repeats)
+    return {"wall": wall, "cpu": cpu, "trace": run.seat_force.tolist(), "steps": run.steps, "elements": int(round(6 * per_coil))}
+
+
+def job_static(per_coil: int, repeats: int) -> dict:
+    """S: 24 steps to 12 mm."""
+    from valvetrain.rod.static import RodStatics, compress
+
+    mesh, _, _ = rod(spring_t(), per_coil, "mass", False)
+    wall, cpu, path = timed(lambda: compress(RodStatics(mesh), np.linspace(0.5e-3, 12e-3, 24).tolist()), repeats)
+    return {"wall": wall, "cpu": cpu, "trace": [point.retainer_force for point in path]}
+
+
+def job_modes(per_coil: int, repeats: int) -> dict:
+    """M: first six frequencies at 0 and at 7 mm."""
+    from valvetrain.rod.modes import natural_modes
+    from valvetrain.rod.state import free_state
+    from valvetrain.rod.static import RodStatics
+
+    mesh, _, installed = rod(spring_t(), per_coil, "mass", False)
+
+    def both():
+        return [natural_modes(RodStatics(mesh), state, 6).natural_frequency for state in (free_state(mesh), installed)]
+
+    wall, cpu, found = timed(both, repeats)
+    return {"wall": wall, "cpu": cpu, "trace": np.concatenate(found).tolist()}
+
+
+def job_batch(per_coil: int, variants: int, workers: int) -> dict:
+    """B: CPU seconds per variant, side by side and one by one, and the wall time over ``workers`` threads."""
+    from valvetrain.rod.batch import simulate_batch
+    from valvetrain.rod.buffer import stable_time_step
+
+    built = [rod(spring_c(factor), per_coil, "stiffness", True) for factor in 1 + 0.02 * np.linspace(-1, 1, variants)]
+    meshes, starts, dynamics = [item[0] for item in built], [item[2] for item in built], built[0][1]
+    step = min(stable_time_step(mesh, dynamics) for mesh in meshes)
+    samples = REVOLUTIONS * PER_TURN
+
+    def batch(count: int, threads: int):
+        return simulate_batch(meshes[:count], starts[:count], motion, INTERVAL, samples, dynamics, step, threads)
+
+    batch(1, 1)
+    few = min(variants, 32)
+
+    def one_by_one():
+        return [transient(mesh, dynamics, start, step).seat_force for mesh, start in zip(meshes[:few], starts[:few], strict=True)]
+
+    _, alone_cpu, runs = timed(one_by_one, 3)
+    _, side_cpu, _ = timed(lambda: batch(few, 1), 3)
+    started = time.perf_counter()
+    result = batch(variants, 1)
+    one = time.perf_counter() - started
+    started = time.perf_counter()
+    batch(variants, workers)
+    spread = time.perf_counter() - started
+    difference = max(float(np.abs(result.seat_force[k] - runs[k]).max()) for k in range(few))
+    return {
+        "wall": spread, "cpu": side_cpu / few, "trace": [], "per_variant_alone": alone_cpu / few, "gain": alone_cpu / side_cpu, "one_worker": one,
+        "efficiency": one / (workers * spread), "difference": difference, "completed": bool(result.completed.all()),
+    }  # fmt: skip
+
+
+def job_chain(repeats: int) -> dict:
+    """The 30 ms of C by the chain of masses with clash."""
+    from numba import njit
+
+    from valvetrain.springs.multi_mass import MultiMassSpring
+
+    model = MultiMassSpring.from_definition(
+        spring_c(), PRECOMPRESSION, masses_per_coil=8, contact_stiffness=2e10, stiffness_damping=DAMPING["stiffness"][1]
+    )
+    duration = REVOLUTIONS * 2 * np.pi / CAM_SPEED
+    steps = int(np.ceil(duration / (0.9 * model.stable_time_step())))
+    model = model.with_time_step(duration / steps)
+    at = np.linspace(0.0, duration, steps + 1)
+    place = lift(at)
+    velocity = np.gradient(place, at)
+    kernel = model.kernel
+
+    @njit
+    def march(parameters, integers, state, place, velocity, dt, forces):
+        for n in range(len(place)):
+            forces[n] = kernel(parameters, integers, state, place[n], velocity[n], dt)[1]
+
+    parameters, integers, forces = model.parameters(), model.integers(), np.zeros(steps + 1)
+
+    def whole():
+        march(parameters, integers, model.initial_state(0.0), place, velocity, duration / steps, forces)
+        return forces
+
+    wall, cpu, trace = timed(whole, repeats)
+    return {"wall": wall, "cpu": cpu, "trace": np.interp(INTERVAL * np.arange(REVOLUTIONS * PER_TURN + 1), at, trace).tolist(), "steps": steps}
+
+
+def main(options: dict) -> None:
+    """Run one job and print its result."""
+    job, repeats = options["job"], options.get("repeats", 3)
+    if job in ("T", "C"):
+        result = job_transient(job, options["per_coil"], options["damping"], repeats)
+    elif job == "B":
+        result = job_batch(options["per_coil"], options["variants"], options["workers"])
+    else:
+        result = {"S": lambda: job_static(24, repeats), "M": lambda: job_modes(24, repeats), "chain": lambda: job_chain(repeats)}[job]()
+    result["memory_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print("RESULT " + json.dumps(result))
+
+
+if __name__ == "__main__":
+    main(json.loads(sys.argv[1]))

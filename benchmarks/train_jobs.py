@@ -1,0 +1,156 @@
+"""Rows for whole trains: R, one run of 20 cycles against ``solve_ivp``, and W, a sweep of 200 speeds to steady state.
+
+The right-hand side for ``solve_ivp`` is compiled from the same contact and gap kernels, so that integrators are compared, not
+languages; the same right-hand side as plain Python is timed beside it.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from numba import njit
+from scipy.integrate import solve_ivp
+
+from benchmarks.own import timed
+from benchmarks.rows import Row
+from valvetrain.integrate.train_kernel import _gaps_and_laws
+from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.parameters.loading import load_case
+from valvetrain.system.build_train import build_train
+
+CASE, CYCLES = "tdi-pushrod", 20
+
+
+@njit(error_model="numpy", _nrt=False)
+def _slope(time_now, y, cam_speed, kinds, index, table_of, laws, geometry, law_parameters, tables, body, chain, retainer, room, gradients, totals, out):
+    """Accelerations of train and spring chain; ``y`` = positions, then velocities, the chain's inner masses last."""
+    count, inner = body.shape[0], (chain.shape[0] - 1)
+    total = count + inner
+    q, v = y[:total], y[total:]
+    _gaps_and_laws(kinds, index, table_of, laws, geometry, law_parameters, tables, q, v, cam_speed * time_now, cam_speed, room, gradients, totals)
+    for i in range(count):
+        out[total + i] = body[i, 1]
+    for k in range(kinds.shape[0]):
+        rate = room[k, 1]
+        for slot in range(4):
+            if index[k, slot] >= 0:
+                rate += gradients[k, slot] * v[index[k, slot]]
+        force = room[k, 2] + room[k, 3] * rate
+        for slot in range(4):
+            if index[k, slot] >= 0:
+                out[total + index[k, slot]] -= force * gradients[k, slot]
+    # Chain rows: stiffness, inner mass, precompression, mass damping, stiffness damping.
+    below, below_v = 0.0, 0.0
+    for n in range(inner + 1):
+        last = n == inner
+        place, speed = (chain[0, 2] + q[retainer], v[retainer]) if last else (q[count + n], v[count + n])
+        force = chain[n, 0] * (place - below + chain[0, 4] * (speed - below_v))
+        if n > 0:
+            out[total + count + n - 1] += force / chain[n - 1, 1]
+        if last:
+            out[total + retainer] -= force
+        else:
+            out[total + count + n] = -force / chain[n, 1] - chain[0, 3] * speed
+        below, below_v = place, speed
+    for i in range(count):
+        out[total + i] /= body[i, 0]
+    for i in range(total):
+        out[i] = v[i]
+
+
+def right_hand_side(system, cam_speed: float, slope=_slope):
+    """f(t, y) of a train with one chain spring, and its state at rest."""
+    arrays, spring = system.arrays, system.springs[0]
+    layout, count = spring.layout, len(system.masses)
+    chain = np.zeros((len(layout.stiffness), 5))
+    chain[:, 0], chain[:-1, 1] = layout.stiffness, layout.masses
+    chain[0, 2:] = spring.precompression, spring.mass_damping, spring.stiffness_damping
+    interactions, inner = len(arrays.kinds), len(layout.masses)
+    room, gradients, totals = np.zeros((interactions, 4)), np.zeros((interactions, 4)), np.zeros(4 + 2 * interactions)
+
+    def function(time_now, y):
+        out = np.empty(2 * (count + inner))
+        slope(
+            time_now, y, cam_speed, arrays.kinds, arrays.index, arrays.table_of, arrays.laws, arrays.geometry, arrays.law_parameters, arrays.tables,
+            arrays.body, chain, arrays.retainer, room, gradients, totals, out,
+        )  # fmt: skip
+        return out
+
+    run = runner(system, cam_speed, TrainOptions())
+    rest = run.initial_state()
+    place = spring.precompression + rest.q[arrays.retainer]
+    share = np.cumsum(1 / layout.stiffness)[:-1] / np.sum(1 / layout.stiffness)
+    return function, np.concatenate([rest.q, place * share, np.zeros(count + inner)])
+
+
+def measure() -> list[Row]:
+    """R and W."""
+    return [*one_run(), sweep()]
+
+
+def one_run() -> list[Row]:
+    """R: cam contact force of the last of 20 cycles, errors against a run with a step 30 times smaller."""
+    case = load_case(CASE)
+    system, cam_speed = build_train(case), case.operation.cam_speeds[0]
+
+    def run(options: TrainOptions):
+        machine = runner(system, cam_speed, options)
+        state = machine.initial_state()
+        for _ in range(CYCLES):
+            state, record = machine.cycle(state)
+        return machine, record
+
+    reference = run(TrainOptions(step_fraction=0.01))[1]
+    retainer = system.arrays.retainer
+
+    def error(acceleration) -> float:
+        exact = reference.q[:, retainer]
+        return float(np.sqrt(np.mean((acceleration - exact) ** 2) / np.mean(exact**2)))
+
+    title, masses = "R, whole train, 20 cycles", len(system.masses) + sum(len(spring.layout.masses) for spring in system.springs)
+    rows, mine = [], []
+    for fraction in (0.35, 0.05):
+        wall, cpu, (machine, record) = timed(lambda fraction=fraction: run(TrainOptions(step_fraction=fraction)), 3)
+        mine.append((error(record.q[:, retainer]), cpu))
+        rows.append(Row(title, "valvetrain", f"{masses} moving masses, {machine.steps} steps per cycle", wall, cpu, error=mine[-1][0]))
+    function, rest = right_hand_side(system, cam_speed)
+    period = 2 * np.pi / cam_speed
+    at = period * (CYCLES - 1) + reference.cam_angle / cam_speed % period
+    for method, tolerance in (("RK45", 1e-5), ("DOP853", 1e-7), ("LSODA", 1e-6)):
+        function(0.0, rest)
+        begun = time.perf_counter(), time.process_time()
+        found = solve_ivp(function, (0.0, CYCLES * period), rest, method=method, rtol=tolerance, atol=1e-10, t_eval=np.sort(at))
+        wall, cpu = time.perf_counter() - begun[0], time.process_time() - begun[1]
+        miss = error(found.y[retainer]) if found.success else float("nan")
+        equal = [own for worse, own in mine if worse <= miss] or [mine[-1][1]]
+        rows.append(Row(title, f"solve_ivp {method}", f"rtol {tolerance:g}, compiled right-hand side, {found.nfev} calls", wall, cpu,
+                        error=miss, ratio=cpu / min(equal)))  # fmt: skip
+    rows.append(_plain_python(system, cam_speed, title, mine))
+    return rows
+
+
+def _plain_python(system, cam_speed: float, title: str, mine: list[tuple[float, float]]) -> Row:
+    """The same with a right-hand side in plain Python, over a hundredth of a cycle and scaled up."""
+    function, rest = right_hand_side(system, cam_speed, _slope.py_func)
+    period, share = 2 * np.pi / cam_speed, 0.01
+    begun = time.perf_counter(), time.process_time()
+    found = solve_ivp(function, (0.0, share * period), rest, method="RK45", rtol=1e-5, atol=1e-10)
+    wall, cpu = time.perf_counter() - begun[0], time.process_time() - begun[1]
+    scale = CYCLES / share
+    return Row(title, "solve_ivp RK45", f"plain Python right-hand side, {found.nfev} calls, scaled up", wall * scale, cpu * scale,
+               ratio=cpu * scale / mine[0][1])  # fmt: skip
+
+
+def sweep(speeds: int = 200, workers: int = 2) -> Row:
+    """W: steady state at 200 engine speeds, second call (compiled kernels on disk)."""
+    from valvetrain.studies.sweep import run_sweep
+
+    case = load_case(CASE)
+    engine_speeds = np.linspace(0.3, 1.0, speeds) * case.operation.engine_speeds[0]
+    run_sweep(case, engine_speeds[:4], spring_sets=("stock",), workers=1)
+    begun = time.perf_counter()
+    found = run_sweep(case, engine_speeds, spring_sets=("stock",), workers=workers)
+    wall = time.perf_counter() - begun
+    settled = sum(status.completed for status in found.series[0].statuses)
+    return Row("W, sweep to steady state", "valvetrain", f"{speeds} speeds, {workers} processes", wall, note=f"target 2 s; {settled} settled")
