@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,6 +22,10 @@ INSTALL_HINT = (
     "(Debian, Ubuntu) or 'conda install -c conda-forge calculix', or name its file in the environment variable CCX"
 )
 REMEDY = "take smaller increments or softer contact"
+#: Told the solver time that a run has reached.
+Watch = Callable[[float], None]
+#: Time (s) between two looks at a running solver.
+POLL_INTERVAL = 0.2
 
 
 @dataclass(frozen=True)
@@ -51,9 +56,12 @@ def solver_available() -> bool:
     return True
 
 
-def run_deck(deck: str, *, time_limit: float = 300.0, threads: int = 1, read_fields: bool = False) -> SolverOutput:
+def run_deck(
+    deck: str, *, time_limit: float = 300.0, threads: int = 1, read_fields: bool = False, watch: Watch | None = None
+) -> SolverOutput:
     """Run ``deck`` and return what was written; a failed run is a status, with the solver's own reason.
 
+    ``watch`` is told the solver time reached, again and again; what it raises stops the solver and is raised here.
     Raises :class:`MissingExtraError` without ``ccx`` and :class:`InputError` for a time limit or threads below zero.
     """
     if not time_limit > 0 or threads < 1:
@@ -63,7 +71,7 @@ def run_deck(deck: str, *, time_limit: float = 300.0, threads: int = 1, read_fie
     with tempfile.TemporaryDirectory(prefix="valvetrain-solid-", ignore_cleanup_errors=True) as folder:
         Path(folder, "job.inp").write_text(deck, encoding="ascii")
         started = time.perf_counter()
-        status, log = _execute(solver, folder, environment, time_limit)
+        status, log = _execute(solver, folder, environment, time_limit, watch)
         elapsed = time.perf_counter() - started
         if status is None:
             status = _judge(log)
@@ -71,22 +79,48 @@ def run_deck(deck: str, *, time_limit: float = 300.0, threads: int = 1, read_fie
         return SolverOutput(printed, _text(folder, "job.frd") if read_fields else "", status, elapsed)
 
 
-def _execute(solver: str, folder: str, environment: dict[str, str], time_limit: float) -> tuple[Status | None, str]:
+def _execute(
+    solver: str, folder: str, environment: dict[str, str], time_limit: float, watch: Watch | None
+) -> tuple[Status | None, str]:
     """Run to the end or the limit; a status already known (time ran out, signal) or None, and the log."""
+    with Path(folder, "job.log").open("wb") as log:
+        process = subprocess.Popen(
+            [solver, "job"], cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT
+        )
+        try:
+            code = _wait(process, folder, time_limit, watch)
+        finally:
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+    words = _text(folder, "job.log")
+    if code is None:
+        return Status("interrupted", f"CalculiX was stopped after {time_limit:g} s", remedy="raise the time limit or coarsen the mesh"), words
+    if code == 0:
+        return None, words
+    reason = _reason(words) or f"it gave no reason and ended with code {code}"
+    return Status("not-converged", f"CalculiX gave up: {reason}", remedy=REMEDY), words
+
+
+def _wait(process: subprocess.Popen[bytes], folder: str, time_limit: float, watch: Watch | None) -> int | None:
+    """The exit code, or None where the limit (s) is over first."""
+    end = time.perf_counter() + time_limit
+    while (left := end - time.perf_counter()) > 0:
+        try:
+            return process.wait(min(left, POLL_INTERVAL))
+        except subprocess.TimeoutExpired:
+            if watch is not None:
+                watch(_time_reached(folder))
+    return None
+
+
+def _time_reached(folder: str) -> float:
+    """Total solver time of the last increment that the run has noted as done, 0 before the first."""
+    columns = (_text(folder, "job.sta").splitlines() or [""])[-1].split()
     try:
-        done = subprocess.run(
-            [solver, "job"], cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT, timeout=time_limit, check=False, text=True, errors="replace",
-        )  # fmt: skip
-    except subprocess.TimeoutExpired as expired:
-        log = expired.stdout or b""
-        text = log.decode(errors="replace") if isinstance(log, bytes) else log
-        why = f"CalculiX was stopped after {time_limit:g} s"
-        return Status("interrupted", why, remedy="raise the time limit or coarsen the mesh"), text
-    if done.returncode == 0:
-        return None, done.stdout
-    reason = _reason(done.stdout) or f"it gave no reason and ended with code {done.returncode}"
-    return Status("not-converged", f"CalculiX gave up: {reason}", remedy=REMEDY), done.stdout
+        return float(columns[4])
+    except (IndexError, ValueError):
+        return 0.0
 
 
 def _judge(log: str) -> Status:

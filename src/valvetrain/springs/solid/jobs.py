@@ -15,7 +15,7 @@ from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import Status
 from valvetrain.springs.solid import axis_motion, steps
-from valvetrain.springs.solid.calculix import SolverOutput, run_deck
+from valvetrain.springs.solid.calculix import SolverOutput, Watch, run_deck
 from valvetrain.springs.solid.deck import MILLIMETRE, SolidContact, contact_pairs, model_text, seats_text
 from valvetrain.springs.solid.layout import MeshOptions
 from valvetrain.springs.solid.mesh import SolidMesh
@@ -35,7 +35,7 @@ LEAST_TRANSMISSION = 0.12
 class SolidSpring:
     """Solid finite-element model of ``spring``. ``contact`` None leaves coils free to pass through each other.
 
-    ``time_limit`` (s) and ``threads`` bound each run of the solver.
+    ``time_limit`` (s) and ``threads`` bound each run of the solver; ``watch`` is told the solver time that a run has reached.
     """
 
     spring: SpringDefinition
@@ -44,6 +44,7 @@ class SolidSpring:
     time_limit: float = 300.0
     threads: int = 1
     name: str = "solid"
+    watch: Watch | None = field(default=None, compare=False, repr=False)
 
     @classmethod
     def from_case(cls, case: Case, **changes: Any) -> SolidSpring:
@@ -75,7 +76,7 @@ class SolidSpring:
 
     def run(self, deck: str, read_fields: bool = False) -> SolverOutput:
         """Run a deck of :meth:`deck` within this model's limits."""
-        return run_deck(deck, time_limit=self.time_limit, threads=self.threads, read_fields=read_fields)
+        return run_deck(deck, time_limit=self.time_limit, threads=self.threads, read_fields=read_fields, watch=self.watch)
 
     def static_curve(self, compression: float, points: int = 20) -> StaticCurve:
         """Force over compression from the free state to ``compression`` (m), at least ``points`` increments.
@@ -87,10 +88,11 @@ class SolidSpring:
         output = self.run(self.deck(step))
         return self.curve_from(read_printed(output.printed), compression, output.status)
 
-    def curve_from(self, printed: Printed, compression: float, status: Status) -> StaticCurve:
-        """The static curve in the printed results of a static step to ``compression`` (m)."""
+    def curve_from(self, printed: Printed, compression: float, status: Status, reach: float | None = None) -> StaticCurve:
+        """The static curve in the printed results of a static step to ``compression`` (m), and of a second one on to ``reach``."""
         time, rows = printed.history("total force", "RETAINER")
-        travel = np.concatenate(([0.0], time[time <= 1.0 + 1e-9])) * compression
+        ends = [0.0, compression] if reach is None else [0.0, compression, reach]
+        travel = np.interp(np.concatenate(([0.0], time[time <= len(ends) - 1 + 1e-9])), np.arange(len(ends)), ends)
         force = np.concatenate(([0.0], [-row[0, 2] for row in rows[: len(travel) - 1]]))
         positions = self._positions(printed, len(travel))
         gap = axis_motion.coil_gaps(self.spring, self.axis_coil, positions, self.pairs, self.contact)
@@ -155,9 +157,11 @@ class SolidSpring:
     def _tangent(self, printed: Printed, compression: float) -> float:
         """Stiffness (N/m) at the end of the printed static step, of elementary theory where there is none."""
         time, rows = printed.history("total force", "RETAINER")
+        time = time[time <= 1.0 + 1e-9]  # a step beyond the state of the modes may follow
         if compression <= 0 or len(time) < 2:
             return axis_motion.estimated_rate(self.spring)
-        return float(-(rows[-1][0, 2] - rows[-2][0, 2]) / ((time[-1] - time[-2]) * compression))
+        last = len(time) - 1
+        return float(-(rows[last][0, 2] - rows[last - 1][0, 2]) / ((time[-1] - time[-2]) * compression))
 
 
 def _transmission(frequency: Array, retainer: Array, participation: Array, stiffness: float) -> Array:
