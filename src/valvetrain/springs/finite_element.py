@@ -139,9 +139,7 @@ class FiniteElementRod:
         frame = np.stack([row(state, f"Q{n}", count + 1) for n in range(4)], axis=1)
         return RodState(position, frame / np.linalg.norm(frame, axis=1)[:, None], compression)
 
-    def energy(
-        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0
-    ) -> SpringEnergy:
+    def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         """Energies (J); contact energy is counted with the elastic one."""
         later = state
         if time_step > 0:
@@ -179,7 +177,8 @@ class FiniteElementRod:
         gaps = self.statics.gaps(rod.position)
         points, line = self.mesh.contact.points, self.mesh.contact.length
         pairs = np.any(points, axis=0)
-        pressed = self.dynamics.contact_stiffness * np.sum(np.where(points, line * np.maximum(-np.where(points, gaps, 0.0), 0.0), 0.0), axis=0)
+        overlap = np.maximum(-np.where(points, gaps, 0.0), 0.0)
+        pressed = self.dynamics.contact_stiffness * np.sum(line * overlap, axis=0)
         return SpringOutputs(
             *forces, coil_number=self.mesh.coil_number, axial_displacement=rod.position[:, 2] - self.installed.state.position[:, 2],
             axial_velocity=row(state, "VZ", count).copy(), upper_coil=self.mesh.coil_number[pairs],

@@ -30,6 +30,9 @@ FINE = {
 }
 
 
+SECTION_LOADS = ("torsional_moment", "bending_moment", "binormal_moment", "normal_force", "shear_force")
+
+
 def wire_points(total_coils: float) -> Array:
     """Coil numbers at which wire channels are reported."""
     return np.arange(int(total_coils * POINTS_PER_COIL + 1e-9) + 1) / POINTS_PER_COIL
@@ -81,7 +84,7 @@ def rod_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -
         "energy_dissipated": run.energy_dissipated + run.contact_loss,
     }
     values["contact_status"] = _status(values, run, mesh, pairs, pair_of, len(upper_coil))
-    values |= {name: strains[name] @ at.T for name in ("torsional_moment", "bending_moment", "binormal_moment", "normal_force", "shear_force")}
+    values |= {name: strains[name] @ at.T for name in SECTION_LOADS}
     dense = (len(run.dense_time) - 1) // max(1, len(run.time) - 1) if len(run.time) > 1 else 1
     for name, series in (("seat_force_fine", run.dense_seat_force), ("retainer_force_fine", run.dense_retainer_force)):
         padded = np.concatenate([series, np.repeat(series[-1:], dense - 1)])
@@ -153,7 +156,9 @@ def _kinetic(mesh: RodMesh, run: RodTransient) -> Array:
     return 0.5 * np.sum(run.velocity[:, moving] ** 2, axis=2) @ mesh.node_mass[moving] + turning
 
 
-def _status(values: dict[str, Array], run: RodTransient, mesh: RodMesh, pairs: Array, pair_of: Array, count: int) -> Array:
+def _status(
+    values: dict[str, Array], run: RodTransient, mesh: RodMesh, pairs: NDArray[np.int64], pair_of: NDArray[np.int64], count: int
+) -> Array:
     offset = mesh.contact.offset
     relative = run.velocity[:, pairs] - run.velocity[:, pairs - offset]
     normal = run.position[:, pairs] - run.position[:, pairs - offset]
