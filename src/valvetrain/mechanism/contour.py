@@ -36,14 +36,6 @@ def table_from_samples(chi: Array, value: Array, nodes: int = NODES) -> Array:
     return np.column_stack([spline(inside, derivative) for derivative in range(3)])
 
 
-def table_derivative(table: Array, derivative: int) -> Array:
-    """A derivative of a table at its nodes; the third by periodic spectral-free central differences of the second."""
-    if derivative <= 2:
-        return table[:, derivative]
-    spacing = 2 * np.pi / len(table)
-    return (np.roll(table[:, 2], -1) - np.roll(table[:, 2], 1)) / (2 * spacing)
-
-
 def curvature_radius_flat(table: Array) -> Array:
     """Radius of curvature (m) of the cam under a flat face: h + h''."""
     return table[:, 0] + table[:, 2]

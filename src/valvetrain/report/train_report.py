@@ -130,12 +130,9 @@ def _curves(runs: Sequence[TrainRun]) -> tuple[Block, ...]:
     if not shown:
         return ()
     lift = train_figures.curve_chart(
-        shown,
-        ("valve lift", "valve velocity", "valve acceleration"),
-        "train-lift",
-        "Valve motion",
+        shown, ("valve lift", "valve velocity", "valve acceleration"), "train-lift", "Valve motion",
         "Steady cycle; velocity and acceleration at the valve.",
-    )
+    )  # fmt: skip
     forces = train_figures.curve_chart(
         shown, ("cam contact force", "force on the valve", "seat force", "cam torque"), "train-forces", "Contact forces",
         "Cam contact, force of lever or tappet on the valve, seat, and the torque that drives the cam.",

@@ -80,11 +80,6 @@ class EquivalentSpring:
         """First natural frequency (Hz), both ends held: a / 2."""
         return self.wave_speed / 2
 
-    @property
-    def impedance(self) -> float:
-        """Force per end velocity of a travelling wave, sqrt(rate * mass) (N s/m)."""
-        return float(np.sqrt(self.rate * self.active_mass))
-
 
 def massless_table(
     spring: SpringDefinition,

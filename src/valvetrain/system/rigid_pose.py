@@ -35,7 +35,7 @@ class RigidPoses:
         from scipy.interpolate import make_interp_spline
 
         values = (self.q, self.modes, self.reduced_masses, self.constant_force)
-        return tuple(make_interp_spline(self.valve_lifts, value, k=5, axis=0) for value in values)  # type: ignore[return-value]
+        return tuple(make_interp_spline(self.valve_lifts, value, k=5, axis=0) for value in values)
 
     def positions(self, valve_lift: ArrayLike) -> Array:
         """Positions (..., N) at a valve lift (m)."""

@@ -11,7 +11,7 @@ from valvetrain.analysis.kinematics import RigidTable
 from valvetrain.analysis.valvetrain_study import TrainRun
 from valvetrain.analysis.valvetrain_traces import CycleTraces
 from valvetrain.report import theme
-from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, thin
+from valvetrain.report.chart import Chart, Layer, Line, Panel, thin
 from valvetrain.report.table import Table, table
 
 Array = NDArray[np.float64]
@@ -53,16 +53,9 @@ def curve_chart(runs: Sequence[TrainRun], names: Sequence[str], key: str, title:
         layers: list[Layer] = []
         for place, (run, data) in enumerate(tables):
             if name in data:
-                colour = theme.SERIES[place % len(theme.SERIES)]
-                layers.append(
-                    Line(
-                        *thin(data["cam angle"], data[name]),
-                        run.label,
-                        colour,
-                        1.4,
-                        ("solid", "dash", "dot")[place // len(theme.SERIES) % 3],
-                    )
-                )
+                rounds, hue = divmod(place, len(theme.SERIES))
+                dash = ("solid", "dash", "dot")[rounds % 3]
+                layers.append(Line(*thin(data["cam angle"], data[name]), run.label, theme.SERIES[hue], 1.4, dash))
         if layers:
             panels.append(Panel(ANGLE_LABEL, f"{name} ({CURVES[name][0]})", tuple(layers), x_range=(0, 360), x_step=30))
     return Chart(key, title, caption, tuple(panels), height=230 * len(panels) + 60)
@@ -89,15 +82,6 @@ def section_chart(runs: Sequence[TrainRun]) -> Chart | None:
     caption = "Largest displacement of each section over the cycle, from the seat (0) to the retainer (1)."
     panel = Panel("share of the spring's turns", "peak displacement (mm)", tuple(layers), x_range=(0, 1))
     return Chart("sections", "Motion of the coil sections of the outer spring", caption, (panel,))
-
-
-def event_marks(run: TrainRun) -> Marks | None:
-    """Events of a run on its lift curve."""
-    if run.traces is None or not run.events:
-        return None
-    angle = np.array([np.degrees(event.cam_angle) % 360 for event in run.events])
-    lift = np.interp(angle, np.degrees(run.traces.cam_angle), run.traces.valve_lift * 1e3)
-    return Marks(angle, lift, "events", theme.ALERT, "triangle", tuple(event.kind for event in run.events))
 
 
 def kinematics_table(rigid: RigidTable) -> Table:
