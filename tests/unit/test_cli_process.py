@@ -18,11 +18,12 @@ HEAVY = ("numba", "scipy", "xarray", "pint", "plotly", "matplotlib", "pydantic",
 
 def test_help_starts_quickly_and_loads_nothing_heavy(tmp_path):
     seconds = []
-    for _ in range(3):  # the best of three, for the machine may be busy
-        start = time.perf_counter()
+    for _ in range(3):  # processor time and the best of three, for the machine may be busy
+        start = os.times()
         assert process("--help", folder=tmp_path).returncode == 0
-        seconds.append(time.perf_counter() - start)
-    assert min(seconds) < 0.5
+        end = os.times()
+        seconds.append(end.children_user + end.children_system - start.children_user - start.children_system)
+    assert 0 < min(seconds) < 0.5
     code = "import sys, valvetrain.cli.main; print(' '.join({name.split('.')[0] for name in sys.modules}))"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=process_environment())
     loaded = result.stdout.split()
