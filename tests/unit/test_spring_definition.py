@@ -1,0 +1,121 @@
+"""The spring definition against closed forms of helices, and what it refuses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.constructors import conical, cylindrical, hourglass, pitch_with_closed_ends
+from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear
+from valvetrain.parameters.material import OTEVA_90_SC
+from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+
+WIRE, DIAMETER, PITCH, TURNS = 4e-3, 24e-3, 7e-3, 6.0
+OPEN = {"closed_coils": 0.0, "lower_end": OPEN_END, "upper_end": OPEN_END}
+
+
+@pytest.fixture(scope="module")
+def helix():
+    return cylindrical(WIRE, DIAMETER, PITCH, TURNS, **OPEN)
+
+
+def test_a_plain_helix_has_the_length_and_mass_of_its_unrolled_wire(helix):
+    length = TURNS * np.hypot(np.pi * DIAMETER, PITCH)
+    assert helix.wire_length == pytest.approx(length, rel=1e-12)
+    assert helix.mass == pytest.approx(np.pi / 4 * WIRE**2 * length * OTEVA_90_SC.density, rel=1e-12)
+    assert helix.active_mass == pytest.approx(helix.mass, rel=1e-12)
+    assert helix.active_coils == pytest.approx(TURNS)
+
+
+def test_a_plain_helix_has_its_angles_and_diameters_everywhere(helix):
+    coil = np.linspace(0, TURNS, 7)
+    np.testing.assert_allclose(helix.helix_angle(coil), np.arctan(PITCH / (np.pi * DIAMETER)), rtol=1e-14)
+    np.testing.assert_allclose(helix.index(coil), DIAMETER / WIRE)
+    np.testing.assert_allclose(helix.outer_diameter(coil), DIAMETER + WIRE)
+    np.testing.assert_allclose(helix.coil_gap([1.0, 3.3, TURNS]), PITCH - WIRE, rtol=1e-12)
+    assert np.all(np.isinf(helix.coil_gap([0.0, 0.99])))
+
+
+def test_open_ends_stand_on_the_tips_of_the_wire(helix):
+    assert helix.free_length == pytest.approx(TURNS * PITCH + WIRE)
+    assert helix.solid_height == pytest.approx((TURNS + 1) * WIRE, rel=1e-6)
+    assert helix.free_coils == (0.0, TURNS)
+
+
+def test_closed_and_ground_ends_take_a_turn_and_a_half_of_wire_off():
+    ends = EndCoil("closed-ground", 0.75, 0.75)
+    spring = cylindrical(WIRE, DIAMETER, PITCH, 8.0, closed_coils=1.0, lower_end=ends, upper_end=ends)
+    # pitch: one turn closed, half a turn of ramp, five turns of full pitch, and the same again
+    rise = 2 * WIRE + 2 * 0.5 * (WIRE + PITCH) / 2 + 5 * PITCH
+    assert spring.free_length == pytest.approx(rise - 2 * 0.75 * WIRE + WIRE, rel=1e-9)
+    assert spring.solid_height == pytest.approx((8 - 1.5 + 1) * WIRE, rel=1e-6)
+    assert spring.free_coils == (0.75, 7.25)
+
+
+@pytest.mark.parametrize(("hand", "sign"), [("right", 1), ("left", -1)])
+def test_the_hand_is_that_of_a_screw(helix, hand, sign):
+    spring = helix.replace(hand=hand)
+    axis = spring.centreline(np.linspace(0, 0.3, 4))
+    first, second, third = np.diff(axis, axis=0)
+    assert np.sign(np.cross(first, second) @ third) == sign
+    np.testing.assert_allclose(np.hypot(axis[:, 0], axis[:, 1]), DIAMETER / 2)
+
+
+def test_a_cone_has_the_arc_length_of_its_spiral():
+    spring = conical(3e-3, 30e-3, 18e-3, 8e-3, TURNS, **OPEN)
+    growth = -6e-3 / TURNS
+
+    def rate(u):
+        return np.sqrt((2 * np.pi * (15e-3 + growth * u)) ** 2 + growth**2 + 8e-3**2)
+
+    assert spring.wire_length == pytest.approx(quad(rate, 0, TURNS, epsabs=1e-14)[0], rel=1e-10)
+    middle = spring.integrate_along_wire(between=(2.0, 3.5))
+    assert middle == pytest.approx(quad(rate, 2.0, 3.5, epsabs=1e-14)[0], rel=1e-10)
+
+
+def test_a_steep_cone_nests_flat():
+    spring = conical(3e-3, 60e-3, 20e-3, 4e-3, 3.0, **OPEN)
+    assert spring.solid_height == pytest.approx(3e-3)
+
+
+def build(**changes):
+    values = {
+        "wire_diameter": Constant(WIRE), "mean_diameter": Constant(DIAMETER), "pitch": Constant(PITCH),
+        "total_coils": TURNS, "material": OTEVA_90_SC, "lower_end": OPEN_END, "upper_end": OPEN_END,
+    }  # fmt: skip
+    return SpringDefinition(**(values | changes))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "reason"),
+    [
+        ({"total_coils": 0.0}, "has 0.0 turns"),
+        ({"total_coils": float("nan")}, "has nan turns"),
+        ({"hand": "both"}, "use right or left"),
+        ({"lower_end": EndCoil("closed", 3.0), "upper_end": EndCoil("closed", 2.8)}, "of which 5.8 are held"),
+        ({"wire_diameter": Constant(0.0)}, "wire diameter is not positive"),
+        ({"mean_diameter": PiecewiseLinear((0.0, TURNS), (24e-3, -1e-3))}, "mean coil diameter is not positive"),
+        ({"pitch": FunctionCurve(lambda u: PITCH / (u - 3.0))}, "pitch is not a finite number"),
+        ({"pitch": PiecewiseLinear((0.0, 3.0, 4.0, TURNS), (PITCH, PITCH, -1e-3, -1e-3))}, "runs back through itself"),
+        ({"mean_diameter": Constant(WIRE)}, "widen the coil"),
+        ({"pitch": PiecewiseLinear((0.0, 3.0, 3.0 + 1e-9, TURNS), (PITCH, PITCH, 12e-3, 12e-3))}, "pitch jumps"),
+        ({"pitch": Constant(0.9 * WIRE)}, "overlaps the one below"),
+    ],
+)
+def test_an_impossible_spring_is_refused_with_its_reason(wrong, reason):
+    with pytest.raises(InputError, match=reason), np.errstate(divide="ignore", invalid="ignore"):
+        build(**wrong)
+    assert build().name == "spring"
+
+
+def test_ends_and_constructors_refuse_what_cannot_be():
+    with pytest.raises(InputError, match="end coil kind 'ground'"):
+        EndCoil("ground")
+    with pytest.raises(InputError, match="between 0 and 3"):
+        EndCoil(held_coils=3.5)
+    with pytest.raises(InputError, match="no room between the closed ends"):
+        pitch_with_closed_ends(2.5, WIRE, PITCH)
+    with pytest.raises(InputError, match="slimmer in the middle"):
+        hourglass(WIRE, DIAMETER, 26e-3, PITCH, TURNS)
