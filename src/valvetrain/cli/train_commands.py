@@ -21,6 +21,16 @@ from valvetrain.cli.options import (
 )
 from valvetrain.cli.outcome import Outcome, measured
 from valvetrain.cli.run_request import RunRequest
+from valvetrain.cli.spring_compare import (
+    SOLID,
+    SolidCoreOption,
+    SolidElementsOption,
+    SolidOptions,
+    SolidRideOption,
+    SolidRingsOption,
+    SolidTimeOption,
+    compare_spring,
+)
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -56,25 +66,33 @@ def run_train(request: RunRequest) -> Outcome:
 
 def compare(
     case: CaseArgument, springs: SpringsOption = None, output: OutputOption = None, engine_speed: SpeedOption = None,
-    settings: SetOption = None,
+    settings: SetOption = None, solid_elements_per_coil: SolidElementsOption = None, solid_core: SolidCoreOption = None,
+    solid_rings: SolidRingsOption = None, solid_ride: SolidRideOption = None, solid_time_limit: SolidTimeOption = None,
     workers: WorkersOption = None, report: ReportOption = True, as_json: JsonOption = False,
 ) -> None:  # fmt: skip
-    """Run a case's train (or spring) by several spring models, side by side."""
+    """Run a case's train (or spring) by several spring models, side by side; a spring by solid finite elements too."""
     from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.registry import run_case
 
-    chosen = choose_case(case, settings)
-    # a case with a spring alone knows its own models
-    models = _names(springs) or (("massless", "multi-mass", "modal", "rod") if chosen.train is not None else ())
+    chosen, models = choose_case(case, settings), _names(springs)
+    solid = SolidOptions(solid_elements_per_coil, solid_core, solid_rings, solid_ride, solid_time_limit)
+    if solid.given and SOLID not in models:
+        raise InputError("options of the solid model need the solid model; add --springs finite-element,solid", "--solid-...")
+    if SOLID in models and chosen.train is not None:
+        raise InputError(f"solid finite elements run for a spring alone, and case '{chosen.name}' is a train; leave solid out", "--springs")
+    if chosen.train is not None:
+        models = models or ("massless", "multi-mass", "modal", "rod")
     request = RunRequest(
         case=chosen, engine_speeds=read_engine_speeds(engine_speed), spring_models=models, workers=read_workers(workers),
         output=read_output(output, f"{chosen.name}-compare"), report=report,
     )  # fmt: skip
-    if chosen.train is None:
+    if SOLID in models:
+        deliver(compare_spring(request, solid), as_json)
+    elif chosen.train is None:
         deliver(run_case(request), as_json)
-        return
-    deliver(_study_outcome("compare", request, models), as_json)
+    else:
+        deliver(_study_outcome("compare", request, models), as_json)
 
 
 def sweep(

@@ -95,7 +95,8 @@ def _execute(
                 process.wait()
     words = _text(folder, "job.log")
     if code is None:
-        return Status("interrupted", f"CalculiX was stopped after {time_limit:g} s", remedy="raise the time limit or coarsen the mesh"), words
+        why = f"CalculiX was stopped after {time_limit:g} s"
+        return Status("interrupted", why, remedy="raise the time limit or coarsen the mesh"), words
     if code == 0:
         return None, words
     reason = _reason(words) or f"it gave no reason and ended with code {code}"
