@@ -32,6 +32,10 @@ from valvetrain.parameters.spring import SpringDefinition
 
 _ROD = RodOptions()
 
+AngularSpeeds = Annotated[tuple[float, ...], quantities("angular speed")]
+LineStiffness = Annotated[float, quantity("line stiffness", low=0.0, open_low=True)]
+OutputStep = Annotated[float, quantity("angle", low=1e-4, high=0.5)]
+
 
 class InstallationModel(StrictModel):
     """The [installation] table."""
@@ -73,8 +77,8 @@ class DampingModel(StrictModel):
 class OperationModel(StrictModel):
     """The [operation] table: engine (crank) or cam speeds."""
 
-    engine_speeds: quantities("angular speed") | None = None  # type: ignore[valid-type]
-    cam_speeds: quantities("angular speed") | None = None  # type: ignore[valid-type]
+    engine_speeds: AngularSpeeds | None = None
+    cam_speeds: AngularSpeeds | None = None
     cycles: int = 2
 
     def build(self) -> Operation:
@@ -93,9 +97,9 @@ class RodModel(StrictModel):
     """The [rod] table; defaults stand in :class:`RodOptions`."""
 
     elements_per_coil: int = _ROD.elements_per_coil
-    contact_stiffness: quantity("line stiffness", low=0.0, open_low=True) = _ROD.contact_stiffness  # type: ignore[valid-type]
+    contact_stiffness: LineStiffness = _ROD.contact_stiffness
     contact_damping_time: Time = _ROD.contact_damping_time
-    output_step: quantity("angle", low=1e-4, high=0.5) = _ROD.output_step  # type: ignore[valid-type]
+    output_step: OutputStep = _ROD.output_step
     curvature_correction: bool = _ROD.curvature_correction
     time_step: PositiveTime | None = None
 

@@ -32,6 +32,13 @@ from valvetrain.parameters.schema_types import (
 
 TURN = 2 * math.pi
 
+NotNegativeSpeed = Annotated[float, quantity("angular speed", low=0.0)]
+RampBlend = Annotated[float, quantity("ratio", low=0.01, high=1.0)]
+NegativeAcceleration = Annotated[float, quantity("cam acceleration", high=0.0)]
+OpenRampBlend = Annotated[float, quantity("ratio", low=0.01, high=0.99)]
+CamVelocities = Annotated[tuple[float, ...], quantities("cam velocity")]
+CamAccelerations = Annotated[tuple[float, ...], quantities("cam acceleration")]
+
 
 def _read_exponents(raw: Any) -> tuple[int, ...]:
     """``"3-4-5"`` or ``[3, 4, 5]``."""
@@ -106,7 +113,7 @@ class PolydyneModel(LiftModel):
     exponents: Exponents = (2, 10, 18, 26, 34)
     effective_mass: Mass | None = None
     effective_stiffness: Stiffness | None = None
-    design_engine_speed: quantity("angular speed", low=0.0) | None = None  # type: ignore[valid-type]
+    design_engine_speed: NotNegativeSpeed | None = None
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses a deflection given in part."""
@@ -144,8 +151,8 @@ class RampedModel(LiftModel):
     event_start: Angle
     event_end: Angle
     ramp_end: Angle
-    ramp_blend: quantity("ratio", low=0.01, high=1.0) = 0.3  # type: ignore[valid-type]
-    nose_acceleration: quantity("cam acceleration", high=0.0) | None = None  # type: ignore[valid-type]
+    ramp_blend: RampBlend = 0.3
+    nose_acceleration: NegativeAcceleration | None = None
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses ramps above the lift and events out of order."""
@@ -164,7 +171,7 @@ class ShapedModel(LiftModel):
     event_start: Angle
     nose: Angle
     flank_shape: Numbers
-    ramp_blend: quantity("ratio", low=0.01, high=0.99) = 0.3  # type: ignore[valid-type]
+    ramp_blend: OpenRampBlend = 0.3
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses events out of order."""
@@ -177,8 +184,8 @@ class StationsModel(LiftModel):
 
     cam_angles: Angles
     lifts: Lengths
-    velocities: quantities("cam velocity")  # type: ignore[valid-type]
-    accelerations: quantities("cam acceleration")  # type: ignore[valid-type]
+    velocities: CamVelocities
+    accelerations: CamAccelerations
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses stations of unequal number or out of order."""

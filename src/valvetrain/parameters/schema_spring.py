@@ -30,13 +30,17 @@ from valvetrain.parameters.spring import EndCoil, EndKind, SpringDefinition
 #: A spring of more turns than this is a slip of the pen, and would cost minutes to check.
 MOST_COILS = 200.0
 
+EndTurns = Annotated[float, quantity("ratio", low=0.0, high=3.0)]
+PoissonRatio = Annotated[float, quantity("ratio", low=-1.0, high=0.5)]
+TotalCoils = Annotated[float, quantity("ratio", low=0.0, high=MOST_COILS, open_low=True)]
+
 
 class EndModel(StrictModel):
     """One end coil; an open end is held and ground over no turns unless it says so."""
 
     kind: EndKind = "closed-ground"
-    held_coils: quantity("ratio", low=0.0, high=3.0) | None = None  # type: ignore[valid-type]
-    ground_coils: quantity("ratio", low=0.0, high=3.0) | None = None  # type: ignore[valid-type]
+    held_coils: EndTurns | None = None
+    ground_coils: EndTurns | None = None
 
     def build(self) -> EndCoil:
         """The end coil, with the usual turns of its kind where none are given."""
@@ -56,7 +60,7 @@ class MaterialModel(StrictModel):
     name: str = ""
     youngs_modulus: Modulus | None = None
     shear_modulus: Modulus | None = None
-    poisson_ratio: quantity("ratio", low=-1.0, high=0.5) | None = None  # type: ignore[valid-type]
+    poisson_ratio: PoissonRatio | None = None
     density: Density | None = None
 
     def build(self) -> Material:
@@ -96,7 +100,7 @@ class SpringModel(StrictModel):
     outer_diameter: CurveField | None = None
     pitch: CurveField | None = None
     height: HeightForm | None = None
-    total_coils: quantity("ratio", low=0.0, high=MOST_COILS, open_low=True)  # type: ignore[valid-type]
+    total_coils: TotalCoils
     hand: Literal["right", "left"] = "right"
     material: Annotated[Material, PlainValidator(_read_material)]
     ends: EndField | None = None

@@ -73,8 +73,8 @@ def _show(value: Any) -> str:
     return text if len(text) <= 40 else text[:37] + "..."
 
 
-def quantity(dimension: str | None, *, low: float | None = None, high: float | None = None, open_low: bool = False) -> Any:
-    """Annotation of an SI float given as text with a unit; bounds are SI, ``open_low`` excludes ``low`` itself."""
+def quantity(dimension: str | None, *, low: float | None = None, high: float | None = None, open_low: bool = False) -> BeforeValidator:
+    """Reads an SI float given as text with a unit; bounds are SI, ``open_low`` excludes ``low`` itself."""
 
     def read(raw: Any) -> float:
         value = float(guarded(parse_quantity, raw, dimension))
@@ -84,33 +84,33 @@ def quantity(dimension: str | None, *, low: float | None = None, high: float | N
             raise problem(f"'{raw}' is too large; give a value of at most {high:g} (SI)")
         return value
 
-    return Annotated[float, BeforeValidator(read)]
+    return BeforeValidator(read)
 
 
-def quantities(dimension: str | None) -> Any:
-    """Annotation of a tuple of SI floats: a list of quantities or ``"0, 1, 2 mm"``."""
+def quantities(dimension: str | None) -> BeforeValidator:
+    """Reads a tuple of SI floats: a list of quantities or ``"0, 1, 2 mm"``."""
 
     def read(raw: Any) -> tuple[float, ...]:
         return tuple(guarded(parse_quantities, raw, dimension))
 
-    return Annotated[tuple[float, ...], BeforeValidator(read)]
+    return BeforeValidator(read)
 
 
-Length = quantity("length")
-PositiveLength = quantity("length", low=0.0, open_low=True)
-Force = quantity("force")
-Stiffness = quantity("stiffness", low=0.0, open_low=True)
-Mass = quantity("mass", low=0.0, open_low=True)
-Modulus = quantity("modulus", low=0.0, open_low=True)
-Density = quantity("density", low=0.0, open_low=True)
-Time = quantity("time", low=0.0)
-PositiveTime = quantity("time", low=0.0, open_low=True)
-Angle = quantity("angle")
-AngularSpeed = quantity("angular speed", low=0.0, open_low=True)
-Frequency = quantity("frequency", low=0.0, open_low=True)
-DampingRate = quantity("damping rate", low=0.0)
-Ratio = quantity("ratio", low=0.0)
-Number = quantity("ratio")
-Lengths = quantities("length")
-Angles = quantities("angle")
-Numbers = quantities("ratio")
+Length = Annotated[float, quantity("length")]
+PositiveLength = Annotated[float, quantity("length", low=0.0, open_low=True)]
+Force = Annotated[float, quantity("force")]
+Stiffness = Annotated[float, quantity("stiffness", low=0.0, open_low=True)]
+Mass = Annotated[float, quantity("mass", low=0.0, open_low=True)]
+Modulus = Annotated[float, quantity("modulus", low=0.0, open_low=True)]
+Density = Annotated[float, quantity("density", low=0.0, open_low=True)]
+Time = Annotated[float, quantity("time", low=0.0)]
+PositiveTime = Annotated[float, quantity("time", low=0.0, open_low=True)]
+Angle = Annotated[float, quantity("angle")]
+AngularSpeed = Annotated[float, quantity("angular speed", low=0.0, open_low=True)]
+Frequency = Annotated[float, quantity("frequency", low=0.0, open_low=True)]
+DampingRate = Annotated[float, quantity("damping rate", low=0.0)]
+Ratio = Annotated[float, quantity("ratio", low=0.0)]
+Number = Annotated[float, quantity("ratio")]
+Lengths = Annotated[tuple[float, ...], quantities("length")]
+Angles = Annotated[tuple[float, ...], quantities("angle")]
+Numbers = Annotated[tuple[float, ...], quantities("ratio")]

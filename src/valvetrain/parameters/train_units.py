@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from valvetrain.parameters.schema_types import quantities, quantity
 
-Damping = quantity("damping", low=0.0)
-Inertia = quantity("moment of inertia", low=0.0, open_low=True)
-NotNegativeMass = quantity("mass", low=0.0)
-Friction = quantity("force", low=0.0)
-Torque = quantity("moment", low=0.0)
-Pair = quantities("length")
-Gravity = quantities("acceleration")
-Forces = quantities("force")
+Damping = Annotated[float, quantity("damping", low=0.0)]
+Inertia = Annotated[float, quantity("moment of inertia", low=0.0, open_low=True)]
+NotNegativeMass = Annotated[float, quantity("mass", low=0.0)]
+Friction = Annotated[float, quantity("force", low=0.0)]
+Torque = Annotated[float, quantity("moment", low=0.0)]
+Pair = Annotated[tuple[float, ...], quantities("length")]
+Gravity = Annotated[tuple[float, ...], quantities("acceleration")]
+Forces = Annotated[tuple[float, ...], quantities("force")]
