@@ -87,7 +87,7 @@ def job_batch(per_coil: int, variants: int, workers: int) -> dict:
         return simulate_batch(meshes[:count], starts[:count], motion, INTERVAL, samples, dynamics, step, threads)
 
     batch(1, 1)
-    few = min(variants, 32)
+    few = min(variants, 16)
 
     def one_by_one():
         return [transient(mesh, dynamics, start, step).seat_force for mesh, start in zip(meshes[:few], starts[:few], strict=True)]

@@ -49,13 +49,16 @@ PX, PY, PZ, DH, KC = (ROW[n] for n in ("PX", "PY", "PZ", "DH", "KC"))
 LOWER, UPPER, SEAT = (ROW[n] for n in ("LOWER", "UPPER", "SEAT"))
 GROUP, ONE = _GROUP, np.uint64(1)
 
-#: Variants side by side: one or two vector registers of numbers.
+#: Variants side by side: two vector registers of 256 bits (four: 4 % slower on clash, 2 % faster without).
 LANES = 8
 WIDTH = np.uint64(LANES)
+#: Vertices per tile of the passes (9.1 -> 8.1 ns per element and step of a variant).
+TILE = np.uint64(12)
 
-section_forces, bending_torques = section_forces_of(WIDTH), bending_torques_of(WIDTH)
-turn_edges, move_vertices = turn_edges_of(WIDTH), move_vertices_of(WIDTH)
-contact_forces, contact_forces_second = contact_forces_of(np.uint64(0), WIDTH), contact_forces_of(_GROUP, WIDTH)
+section_forces, bending_torques = section_forces_of(WIDTH), bending_torques_of(WIDTH, 0)
+turn_edges, move_vertices = turn_edges_of(WIDTH), move_vertices_of(WIDTH, 0)
+# A batch keeps no impulse, peak and loss per contact point.
+contact_forces, contact_forces_second = contact_forces_of(np.uint64(0), WIDTH, 0), contact_forces_of(_GROUP, WIDTH, 0)
 spread_contact, spread_contact_second = spread_contact_of(np.uint64(0), WIDTH), spread_contact_of(_GROUP, WIDTH)
 
 
@@ -133,18 +136,14 @@ def seats_of_lanes(b, first, last, displacement, sign, forces):
 
 
 @njit(**OPTIONS)
-def forces_of_lanes(b, integers, numbers, places, stretches, count, displacement, retainer, seat):
-    """All forces at the present positions; fills ``retainer`` and ``seat`` (lanes,), N, compressive positive."""
+def outer_forces_of_lanes(b, integers, numbers, places, stretches, count, displacement, retainer, seat):
+    """Contact and seat forces at the present positions; fills their share of ``retainer`` and ``seat`` (lanes,), N."""
     first, last, vertices = np.uint64(integers[FIRST]), np.uint64(integers[LAST]), np.uint64(integers[VERTICES])
     for lane in range(WIDTH):
         retainer[lane], seat[lane] = 0.0, 0.0
     contact_of_lanes(b, integers, places, stretches, count, numbers[CONTACT_TIME], numbers[DT])
     seats_of_lanes(b, np.uint64(0), np.uint64(integers[LOWER_END]), displacement, 1.0, seat)
     seats_of_lanes(b, np.uint64(integers[UPPER_START]), vertices, displacement, -1.0, retainer)
-    section_forces(b, (first + ONE) * WIDTH, (last + ONE) * WIDTH)
-    for lane in range(WIDTH):
-        seat[lane] -= b[FZ + (first + ONE) * WIDTH + lane]
-        retainer[lane] -= b[FZ + last * WIDTH + lane]
     for i in range(np.uint64(0), first + ONE):
         for lane in range(WIDTH):
             seat[lane] -= b[CZ + i * WIDTH + lane]
@@ -154,16 +153,32 @@ def forces_of_lanes(b, integers, numbers, places, stretches, count, displacement
 
 
 @njit(**OPTIONS)
-def move_lanes(b, integers, numbers, travel):
-    """Advance all variants by one step from the forces at its start and lower their retainers by ``travel`` (m)."""
-    first, last, vertices = np.uint64(integers[FIRST]), np.uint64(integers[LAST]), np.uint64(integers[VERTICES])
+def advance_lanes(b, integers, numbers):
+    """Section forces at the present positions, then one step of all variants, tile by tile along the wire.
+
+    All passes over one tile follow each other, so that its rows stay in the first cache. Edges turn up to the tile's end, vertices
+    move up to one before: what the next tile reads is still of the old step.
+    """
+    first, last = np.uint64(integers[FIRST]), np.uint64(integers[LAST])
     dt, keep, kick = numbers[DT], numbers[KEEP], numbers[KICK]
-    bending_torques(b, first * WIDTH, (last + ONE) * WIDTH, numbers[DECAY], numbers[GAIN_OLD], numbers[GAIN_NEW], numbers[VISCOUS])
-    turn_edges(b, (first + ONE) * WIDTH, (last + ONE) * WIDTH, dt, keep, kick)
-    move_vertices(b, (first + ONE) * WIDTH, last * WIDTH, dt, keep, kick)
-    for j in range(last * WIDTH, vertices * WIDTH):
+    start = first
+    while start <= last:
+        end = min(start + TILE, last + ONE)
+        turned, moved = max(start, first + ONE), max(start - ONE, first + ONE) if start > first else first + ONE
+        until = end - ONE if end <= last else last
+        section_forces(b, turned * WIDTH, end * WIDTH)
+        bending_torques(b, start * WIDTH, end * WIDTH, numbers[DECAY], numbers[GAIN_OLD], numbers[GAIN_NEW], numbers[VISCOUS])
+        turn_edges(b, turned * WIDTH, end * WIDTH, dt, keep, kick)
+        move_vertices(b, moved * WIDTH, until * WIDTH, dt, keep, kick)
+        start = end
+
+
+@njit(**OPTIONS)
+def place_retainers(b, integers, travel, velocity):
+    """Lower the vertices held by the retainer by ``travel`` (m) and give them its closing velocity."""
+    for j in range(np.uint64(integers[LAST]) * WIDTH, np.uint64(integers[VERTICES]) * WIDTH):
         b[Z + j] -= travel
-        b[VZ + j] = -travel / dt
+        b[VZ + j] = -velocity
 
 
 @njit(**OPTIONS)
@@ -211,9 +226,12 @@ def march_lanes(b, integers, numbers, places, displacement, clock, row_starts, s
             if fastest == np.inf:
                 return
             count = watch_lanes(b, integers, 2.0 * (fastest + 2.0) * WATCH_STEPS * numbers[DT] + WATCH_MARGIN, stretches)
-        forces_of_lanes(b, integers, numbers, places, stretches, count, displacement[n], forces[0], forces[1])
+        outer_forces_of_lanes(b, integers, numbers, places, stretches, count, displacement[n], forces[0], forces[1])
+        advance_lanes(b, integers, numbers)
         if n % clock == 0:
-            for lane in range(LANES):
-                dense[n // clock, 0, lane], dense[n // clock, 1, lane] = forces[0, lane], forces[1, lane]
+            for lane in range(WIDTH):
+                dense[n // clock, 0, lane] = forces[0, lane] - b[FZ + np.uint64(integers[LAST]) * WIDTH + lane]
+                dense[n // clock, 1, lane] = forces[1, lane] - b[FZ + (np.uint64(integers[FIRST]) + ONE) * WIDTH + lane]
         if n < steps:
-            move_lanes(b, integers, numbers, displacement[n + 1] - displacement[n])
+            travel = displacement[n + 1] - displacement[n]
+            place_retainers(b, integers, travel, travel / numbers[DT])

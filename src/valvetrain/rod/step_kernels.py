@@ -68,7 +68,7 @@ def section_forces_of(one):
     return _compiled(section_forces, one)
 
 
-def bending_torques_of(one):
+def bending_torques_of(one, records=1):
     """Kernel: bending torques of a wire whose neighbouring entries stand ``one`` apart in the buffer."""
 
     def bending_torques(b, first, last, decay, gain_old, gain_new, viscous):
@@ -88,7 +88,8 @@ def bending_torques_of(one):
             z1, z2, z3 = b[L1 + i] + gain_new * k1, b[L2 + i] + gain_new * k2, b[L3 + i] + gain_new * k3
             b[L1 + i], b[L2 + i], b[L3 + i] = decay * z1 + gain_old * k1, decay * z2 + gain_old * k2, decay * z3 + gain_old * k3
             z1, z2, z3 = k1 - z1, k2 - z2, k3 - z3
-            branch += b[K1 + i] * z1 * z1 + b[K2 + i] * z2 * z2 + b[K3 + i] * z3 * z3
+            if records:
+                branch += b[K1 + i] * z1 * z1 + b[K2 + i] * z2 * z2 + b[K3 + i] * z3 * z3
             m1, m2, m3 = b[K1 + i] * (k1 + viscous * z1), b[K2 + i] * (k2 + viscous * z2), b[K3 + i] * (k3 + viscous * z3)
             x1, x2, x3 = m2 * p3 - m3 * p2, m3 * p1 - m1 * p3, m1 * p2 - m2 * p1
             m1, m2, m3 = s * m1, s * m2, s * m3
@@ -96,7 +97,7 @@ def bending_torques_of(one):
             b[B1 + i], b[B2 + i], b[B3 + i] = -m1 - x1, -m2 - x2, -m3 - x3
         return branch
 
-    return _compiled(bending_torques, one)
+    return _compiled(bending_torques, one, records)
 
 
 def turn_edges_of(one):
@@ -126,7 +127,7 @@ def turn_edges_of(one):
     return _compiled(turn_edges, one)
 
 
-def move_vertices_of(one):
+def move_vertices_of(one, records=1):
     """Kernel: motion of the vertices of a wire whose neighbouring entries stand ``one`` apart in the buffer."""
 
     def move_vertices(b, first, last, dt, keep, kick):
@@ -137,14 +138,15 @@ def move_vertices_of(one):
             vx = keep * ox + m * (b[FX + one + i] - b[FX + i] + b[CX + i])
             vy = keep * oy + m * (b[FY + one + i] - b[FY + i] + b[CY + i])
             vz = keep * oz + m * (b[FZ + one + i] - b[FZ + i] + b[CZ + i])
-            motion += b[MASS + i] * ((vx + ox) * (vx + ox) + (vy + oy) * (vy + oy) + (vz + oz) * (vz + oz))
+            if records:
+                motion += b[MASS + i] * ((vx + ox) * (vx + ox) + (vy + oy) * (vy + oy) + (vz + oz) * (vz + oz))
             b[VX + i], b[VY + i], b[VZ + i] = vx, vy, vz
             b[X + i] += dt * vx
             b[Y + i] += dt * vy
             b[Z + i] += dt * vz
         return motion
 
-    return _compiled(move_vertices, one)
+    return _compiled(move_vertices, one, records)
 
 
 @njit(**OPTIONS)
@@ -164,7 +166,7 @@ def copy_lower_wire(b, first, last, offset):
         b[VZL + j] = b[VZ + j - offset]
 
 
-def contact_forces_of(g, one):
+def contact_forces_of(g, one, records=1):
     """Kernel: force of one contact group at points first .. last - 1; span places t above and s below.
 
     The group is a compile-time shift of the buffer, so that the loop vectorises (18 -> 7 ns per point). The overlap
@@ -205,13 +207,14 @@ def contact_forces_of(g, one):
             force = force if force > 0.0 else 0.0
             loss = (force - b[KC + g + j] * overlap) * closing
             force = force if e > 0.0 else 0.0
-            b[LOSS + g + j] += dt * (loss if e > 0.0 else 0.0)
+            if records:
+                b[LOSS + g + j] += dt * (loss if e > 0.0 else 0.0)
+                b[IMPULSE + g + j] += dt * force
+                b[PEAK + g + j] = force if force > b[PEAK + g + j] else b[PEAK + g + j]
             b[PX + g + j], b[PY + g + j], b[PZ + g + j] = force * nx, force * ny, force * nz
             b[S0 + g + j], b[S1 + g + j], b[S2 + g + j] = w0, w1, w2
-            b[IMPULSE + g + j] += dt * force
-            b[PEAK + g + j] = force if force > b[PEAK + g + j] else b[PEAK + g + j]
 
-    return _compiled(contact_forces, g, one)
+    return _compiled(contact_forces, g, one, records)
 
 
 def spread_contact_of(g, one):
