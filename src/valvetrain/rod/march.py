@@ -160,9 +160,10 @@ def march(b, integers, numbers, places, displacement, clock, stretches, snapshot
     """March over ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
 
     ``clock`` = (steps per dense record, dense records per sample, first sample kept); ``stretches`` (STRETCHES, 2) is room
-    to work. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions, frames, velocities and spins, ``contacts`` (samples, 3, groups, nv)
-    with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with retainer force, seat force,
-    work done and dissipated energy. Returns (steps done, largest vertex speed); a run that diverged stops early.
+    to work. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions, frames, velocities and spins, ``contacts``
+    (samples, 3, groups, nv) with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with
+    retainer force, seat force, work done and dissipated energy. Returns (steps done, largest vertex speed); a run that
+    diverged stops early.
     """
     steps, vertices = len(displacement) - 1, np.uint64(integers[VERTICES])
     count, work, lost, before, fastest = 0, 0.0, 0.0, 0.0, 0.0

@@ -8,6 +8,7 @@ Staggered grid after Lang, Linn and Arnold (2011), with the arc length in place 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +62,29 @@ class RodMesh:
         return self.last - self.first
 
 
-def mesh_spring(definition: SpringDefinition, elements_per_coil: int = 24, *, curvature_correction: bool = True, contact: bool = True) -> RodMesh:
+class WireCurve(Protocol):
+    """A smooth wire over a ``parameter`` (n,): what :func:`mesh_curve` asks of it; lengths in m."""
+
+    def position(self, parameter: Array) -> Array:
+        """Points (n, 3) of the wire axis."""
+        ...
+
+    def directors(self, parameter: Array) -> tuple[Array, Array, Array]:
+        """Three unit vectors (n, 3), right-handed, the last along the wire."""
+        ...
+
+    def line_speed(self, parameter: Array) -> Array:
+        """Arc length per unit of the parameter (n,)."""
+        ...
+
+    def section(self, parameter: Array, curvature_correction: bool) -> tuple[Section, Array]:
+        """Section stiffness and wire diameter (n,)."""
+        ...
+
+
+def mesh_spring(
+    definition: SpringDefinition, elements_per_coil: int = 24, *, curvature_correction: bool = True, contact: bool = True
+) -> RodMesh:
     """Mesh the free wire of a spring uniformly over the coil number, held ends continued on the same grid to just past the tips.
 
     Raises :class:`InputError` for fewer than 6 elements per coil or more vertices than the kernels hold.
@@ -73,7 +96,7 @@ def mesh_spring(definition: SpringDefinition, elements_per_coil: int = 24, *, cu
     step = (upper - lower) / elements
     # The grid runs past both wire tips, so that the contact line reaches them on every mesh.
     below, above = (int(np.ceil(held / step - 1e-9)) + 1 for held in (lower, definition.total_coils - upper))
-    coil = lower + step * np.arange(-below, elements + above + 1)
+    coil = np.asarray(lower + step * np.arange(-below, elements + above + 1), dtype=np.float64)
     if len(coil) + 2 > MAXIMUM_VERTICES:
         raise InputError(f"{len(coil)} vertices exceed the {MAXIMUM_VERTICES} that the rod holds; use fewer elements per coil")
     mesh = mesh_curve(_WireCurve(definition), coil, below, below + elements, curvature_correction=curvature_correction)
@@ -116,7 +139,7 @@ class _WireCurve:
         return round_section(wire, self.definition.material, index), wire
 
 
-def mesh_curve(curve, parameter: Array, first: int, last: int, *, curvature_correction: bool = False) -> RodMesh:
+def mesh_curve(curve: WireCurve, parameter: Array, first: int, last: int, *, curvature_correction: bool = False) -> RodMesh:
     """Mesh any smooth wire: ``curve`` answers position, directors, line_speed and section at ``parameter`` (nv,)."""
     vertices = len(parameter)
     step = parameter[1] - parameter[0]
@@ -128,8 +151,7 @@ def mesh_curve(curve, parameter: Array, first: int, last: int, *, curvature_corr
 
     edge_length, node_length = np.zeros(vertices + 1), np.zeros(vertices)
     edge_length[1:-1] = _arc_length(curve, parameter[:-1], parameter[1:])
-    half = _arc_length(curve, np.repeat(parameter, 2) - np.tile([step / 2, 0], vertices), np.repeat(parameter, 2) + np.tile([0, step / 2], vertices))
-    before, after = half[0::2], half[1::2]
+    before, after = _arc_length(curve, parameter - step / 2, parameter), _arc_length(curve, parameter, parameter + step / 2)
     node_length[:] = before + after
     node_length[first], node_length[last] = after[first], before[last]
 
@@ -163,7 +185,7 @@ def _stiffness_arrays(
     return stretch, bend, nodes.mass * node_length, inertia
 
 
-def _arc_length(curve, start: Array, end: Array) -> Array:
+def _arc_length(curve: WireCurve, start: Array, end: Array) -> Array:
     nodes, weights = np.polynomial.legendre.leggauss(3)
     points = start[:, None] + (end - start)[:, None] * (nodes + 1) / 2
     speed = curve.line_speed(points.ravel()).reshape(points.shape)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import diags
+from scipy.sparse import csc_matrix, diags
 from scipy.sparse.linalg import eigsh
 
 from valvetrain.rod.buffer import inertia_of
@@ -78,14 +78,14 @@ def natural_modes(statics: RodStatics, state: RodState, count: int = 24) -> RodM
     )
 
 
-def _end_reactions(statics: RodStatics, tangent, vectors: Array) -> tuple[Array, Array]:
+def _end_reactions(statics: RodStatics, tangent: csc_matrix, vectors: Array) -> tuple[Array, Array]:
     """Axial reaction (modes,) of seat and retainer to each shape."""
     free, mesh = statics.free, statics.mesh
     rows = tangent[2::6][:, free] @ vectors
     return rows[: mesh.first + 1].sum(axis=0), rows[mesh.last :].sum(axis=0)
 
 
-def _axial_stiffness(statics: RodStatics, tangent) -> float:
+def _axial_stiffness(statics: RodStatics, tangent: csc_matrix) -> float:
     """Static tangent stiffness (N/m) of the retainer's axial travel."""
     from scipy.sparse.linalg import spsolve
 

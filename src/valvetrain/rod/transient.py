@@ -74,7 +74,7 @@ def simulate(
     integers, numbers, places = march_numbers(mesh, dynamics, step)
     buffer = fill_buffer(mesh, start, dynamics, step)
     steps = samples * dense * sub
-    displacement = np.ascontiguousarray(motion(step * np.arange(steps + 1)), dtype=float)
+    displacement = np.ascontiguousarray(motion(step * np.arange(steps + 1.0)), dtype=float)
     discard = min(discard, samples)
     snapshots = np.empty((samples + 1 - discard, 13, mesh.vertices + 1))
     contacts = np.zeros((samples + 1, 3, mesh.contact.groups, mesh.vertices))
@@ -86,7 +86,7 @@ def simulate(
         return simulate(mesh, start, motion, sample_interval, samples, dynamics, time_step, reached)
     keep, stored = slice(discard, reached + 1), slice(0, reached + 1 - discard)
     dense_keep = slice(keep.start * dense, reached * dense + 1)
-    time = sample_interval * np.arange(samples + 1)
+    time = sample_interval * np.arange(samples + 1.0)
     vertices = snapshots[stored, :, : mesh.vertices]
     return RodTransient(
         time=time[keep], displacement=displacement[:: dense * sub][keep],
@@ -95,6 +95,6 @@ def simulate(
         contact_force=contacts[keep, 0], contact_peak=contacts[keep, 1], contact_loss=np.cumsum(contacts[:, 2].sum(axis=(1, 2)))[keep],
         retainer_force=records[::dense, 0][keep], seat_force=records[::dense, 1][keep],
         work_done=records[::dense, 2][keep], energy_dissipated=records[::dense, 3][keep],
-        dense_time=step * sub * np.arange(len(records))[dense_keep], dense_retainer_force=records[dense_keep, 0],
+        dense_time=step * sub * np.arange(float(len(records)))[dense_keep], dense_retainer_force=records[dense_keep, 0],
         dense_seat_force=records[dense_keep, 1], time_step=step, steps=steps, steps_done=done, fastest=fastest,
     )  # fmt: skip
