@@ -22,7 +22,8 @@ def main() -> None:
     parser.add_argument("--output", type=Path, default=Path("build/benchmarks"), help="folder for speed.json and speed.md")
     wanted = parser.parse_args()
     parts: dict[str, Callable[[], list[Row]]] = {
-        "start": start_up.measure, "main": main_job.measure, "springs": lambda: spring_jobs.measure(wanted.peers), "trains": train_jobs.measure,
+        "start": start_up.measure, "main": main_job.measure, "springs": lambda: spring_jobs.measure(wanted.peers),
+        "trains": train_jobs.measure,
     }  # fmt: skip
     unknown = [name for name in wanted.parts if name not in parts]
     if unknown:

@@ -46,7 +46,7 @@ def job_transient(job: str, per_coil: int, damping: str, repeats: int) -> dict:
         return transient(*rod(spring_t() if job == "T" else spring_c(), per_coil, damping, job == "C"))
 
     wall, cpu, run = timed(whole, repeats)
-    return {"wall": wall, "cpu": cpu, "trace": run.seat_force.tolist(), "steps": run.steps, "elements": int(round(6 * per_coil))}
+    return {"wall": wall, "cpu": cpu, "trace": run.seat_force.tolist(), "steps": run.steps, "elements": 6 * per_coil}
 
 
 def job_static(per_coil: int, repeats: int) -> dict:
@@ -102,7 +102,7 @@ def job_batch(per_coil: int, variants: int, workers: int) -> dict:
     spread = time.perf_counter() - started
     difference = max(float(np.abs(result.seat_force[k] - runs[k]).max()) for k in range(few))
     return {
-        "wall": spread, "cpu": side_cpu / few, "trace": [], "per_variant_alone": alone_cpu / few, "gain": alone_cpu / side_cpu, "one_worker": one,
+        "wall": spread, "cpu": side_cpu / few, "trace": [], "per_variant_alone": alone_cpu / few, "gain": alone_cpu / side_cpu,
         "efficiency": one / (workers * spread), "difference": difference, "completed": bool(result.completed.all()),
     }  # fmt: skip
 
@@ -136,7 +136,8 @@ def job_chain(repeats: int) -> dict:
         return forces
 
     wall, cpu, trace = timed(whole, repeats)
-    return {"wall": wall, "cpu": cpu, "trace": np.interp(INTERVAL * np.arange(REVOLUTIONS * PER_TURN + 1), at, trace).tolist(), "steps": steps}
+    sampled = np.interp(INTERVAL * np.arange(REVOLUTIONS * PER_TURN + 1), at, trace)
+    return {"wall": wall, "cpu": cpu, "trace": sampled.tolist(), "steps": steps}
 
 
 def main(options: dict) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from benchmarks.processes import own, peer, present
@@ -68,19 +70,24 @@ def _peer_rows(interpreter: str, job: str, damping: str, reference: np.ndarray, 
         finest = next((np.array(item["trace"]) for item in reversed(results) if not isinstance(item, str)), None)
         for (per_coil, step), result in zip(settings, results, strict=True):
             setting = f"{per_coil} pieces per coil, step {step:.2g} s"
-            rows.append(Row(title, name, setting, note=result) if isinstance(result, str) else _peer_row(title, name, setting, result, reference, mine, finest))
+            if isinstance(result, str):
+                rows.append(Row(title, name, setting, note=result))
+            else:
+                rows.append(_peer_row(Row(title, name, setting), result, reference, mine, finest))
     return rows
 
 
-def _peer_row(title: str, name: str, setting: str, result: dict, reference: np.ndarray, mine: list[Row], finest: np.ndarray) -> Row:
+def _peer_row(blank: Row, result: dict, reference: np.ndarray, mine: list[Row], finest: np.ndarray) -> Row:
     """Ratio: CPU time over that of this package's cheapest run that is no worse."""
     trace = np.array(result["trace"])
     error = relative_rms(trace, reference)
     equal = [row.cpu for row in mine if row.error <= error] or [mine[-1].cpu]
     note = f"{100 * relative_rms(trace, finest):.2f} % from its own finest run"
-    if title.startswith("C"):
+    if blank.job.startswith("C"):
         note = _filtered("C", result["trace"], reference) + "; contact at equal angle"
-    return Row(title, name, setting, result["wall"], result["cpu"], result["memory_mb"], error, result["cpu"] / min(equal), note)
+    return replace(
+        blank, wall=result["wall"], cpu=result["cpu"], memory=result["memory_mb"], error=error, ratio=result["cpu"] / min(equal), note=note
+    )
 
 
 def small_jobs() -> list[Row]:
@@ -103,8 +110,9 @@ def batch(variants: int = 256, workers: int = 2) -> list[Row]:
     for per_coil in (12, 24):
         found = own({"job": "B", "per_coil": per_coil, "variants": variants, "workers": workers})
         rows.append(Row(
-            "B, batch of C", "valvetrain", f"{variants} variants, {per_coil} elements per coil, {workers} threads", found["wall"], found["cpu"] * variants,
-            found["memory_mb"], note=f"{found['gain']:.2f} times the throughput per core of single runs (target 1.5), "
+            "B, batch of C", "valvetrain", f"{variants} variants, {per_coil} elements per coil, {workers} threads", found["wall"],
+            found["cpu"] * variants, found["memory_mb"],
+            note=f"{found['gain']:.2f} times the throughput per core of single runs (target 1.5), "
             f"efficiency over cores {found['efficiency']:.2f} (target 0.9), largest difference {found['difference']:.1g} N",
         ))  # fmt: skip
     return rows

@@ -23,12 +23,16 @@ CASE, CYCLES = "tdi-pushrod", 20
 
 
 @njit(error_model="numpy", _nrt=False)
-def _slope(time_now, y, cam_speed, kinds, index, table_of, laws, geometry, law_parameters, tables, body, chain, retainer, room, gradients, totals, out):
+def _slope(
+    time_now, y, cam_speed, kinds, index, table_of, laws, geometry, law_parameters, tables, body, chain, retainer, room, gradients, totals,
+    out,
+):  # fmt: skip
     """Accelerations of train and spring chain; ``y`` = positions, then velocities, the chain's inner masses last."""
     count, inner = body.shape[0], (chain.shape[0] - 1)
     total = count + inner
     q, v = y[:total], y[total:]
-    _gaps_and_laws(kinds, index, table_of, laws, geometry, law_parameters, tables, q, v, cam_speed * time_now, cam_speed, room, gradients, totals)
+    angle = cam_speed * time_now
+    _gaps_and_laws(kinds, index, table_of, laws, geometry, law_parameters, tables, q, v, angle, cam_speed, room, gradients, totals)
     for i in range(count):
         out[total + i] = body[i, 1]
     for k in range(kinds.shape[0]):
@@ -72,8 +76,8 @@ def right_hand_side(system, cam_speed: float, slope=_slope):
     def function(time_now, y):
         out = np.empty(2 * (count + inner))
         slope(
-            time_now, y, cam_speed, arrays.kinds, arrays.index, arrays.table_of, arrays.laws, arrays.geometry, arrays.law_parameters, arrays.tables,
-            arrays.body, chain, arrays.retainer, room, gradients, totals, out,
+            time_now, y, cam_speed, arrays.kinds, arrays.index, arrays.table_of, arrays.laws, arrays.geometry, arrays.law_parameters,
+            arrays.tables, arrays.body, chain, arrays.retainer, room, gradients, totals, out,
         )  # fmt: skip
         return out
 
@@ -153,4 +157,5 @@ def sweep(speeds: int = 200, workers: int = 2) -> Row:
     found = run_sweep(case, engine_speeds, spring_sets=("stock",), workers=workers)
     wall = time.perf_counter() - begun
     settled = sum(status.completed for status in found.series[0].statuses)
-    return Row("W, sweep to steady state", "valvetrain", f"{speeds} speeds, {workers} processes", wall, note=f"target 2 s; {settled} settled")
+    note = f"target 2 s; {settled} settled"
+    return Row("W, sweep to steady state", "valvetrain", f"{speeds} speeds, {workers} processes", wall, note=note)

@@ -49,7 +49,8 @@ def build(job: str, per_coil: int, damping: str, damped: str = "all"):
         # Body axes are the space axes at the start, so that rotation vectors begin at zero.
         tensor = frame[i] @ np.diag(spin) @ frame[i].T
         node = system.AddNode(item.NodeRigidBodyRotVecLG(referenceCoordinates=[*position[i], 0.0, 0.0, 0.0], initialVelocities=[0.0] * 6))
-        bodies.append(system.AddObject(item.ObjectRigidBody(physicsMass=mass, physicsInertia=[tensor[0, 0], tensor[1, 1], tensor[2, 2], tensor[1, 2], tensor[0, 2], tensor[0, 1]], nodeNumber=node)))
+        inertia = [tensor[0, 0], tensor[1, 1], tensor[2, 2], tensor[1, 2], tensor[0, 2], tensor[0, 1]]
+        bodies.append(system.AddObject(item.ObjectRigidBody(physicsMass=mass, physicsInertia=inertia, nodeNumber=node)))
         if alpha:
             damp = np.zeros((6, 6))
             damp[:3, :3] = alpha * mass * np.eye(3)
@@ -120,7 +121,7 @@ def run() -> None:
     """One job with the options of the command line."""
     wanted = options()
     started = start()
-    container, system, sensors, frame = build(wanted["job"], wanted["per_coil"], wanted["damping"], wanted.get("damped", "all"))
+    _container, system, sensors, frame = build(wanted["job"], wanted["per_coil"], wanted["damping"], wanted.get("damped", "all"))
     settings = exu.SimulationSettings()
     settings.linearSolverType = exu.LinearSolverType.EigenSparse
     settings.solutionSettings.writeSolutionToFile = False
@@ -133,7 +134,7 @@ def run() -> None:
         raise SystemExit("no static solution")
     system.variables["static"] = False
     settings.timeIntegration.endTime = DURATION
-    settings.timeIntegration.numberOfSteps = int(round(DURATION / wanted["step"]))
+    settings.timeIntegration.numberOfSteps = round(DURATION / wanted["step"])
     settings.solutionSettings.sensorsWritePeriod = DURATION / (2 * PER_TURN)
     settings.timeIntegration.generalizedAlpha.spectralRadius = wanted.get("radius", 0.8)
     settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False

@@ -9,7 +9,25 @@ from __future__ import annotations
 
 import elastica as ea
 import numpy as np
-from common import BEND, CAM_SPEED, DAMPING, PER_TURN, PRECOMPRESSION, SHEAR, STRETCH, TURNS, WIRE, YOUNGS, DENSITY, answer, displacement, options, start, velocity, wire
+from common import (
+    BEND,
+    CAM_SPEED,
+    DAMPING,
+    DENSITY,
+    PER_TURN,
+    PRECOMPRESSION,
+    SHEAR,
+    STRETCH,
+    TURNS,
+    WIRE,
+    YOUNGS,
+    answer,
+    displacement,
+    options,
+    start,
+    velocity,
+    wire,
+)
 
 
 class Spring(ea.BaseSystemCollection, ea.Constraints, ea.Damping):

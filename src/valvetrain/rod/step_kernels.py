@@ -9,6 +9,7 @@ variants that stand side by side) and the contact group are constants at compile
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -34,13 +35,13 @@ FAST = {"contract", "reassoc", "nsz", "arcp"}
 OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False, "fastmath": FAST}
 
 
-def _compiled(kernel, *constants):
+def _compiled(kernel: Callable[..., Any], *constants: int | np.uint64) -> Callable[..., Any]:
     # The constants belong to the name: compiled code of equal name from two cached runs would be taken for the same.
     kernel.__qualname__ = "_".join([kernel.__name__, *(str(int(constant)) for constant in constants)])
     return njit(**OPTIONS)(kernel)
 
 
-def section_forces_of(one):
+def section_forces_of(one: np.uint64) -> Callable[..., Any]:
     """Kernel: section forces of a wire whose neighbouring entries stand ``one`` apart in the buffer."""
 
     def section_forces(b, first, last):
@@ -68,7 +69,7 @@ def section_forces_of(one):
     return _compiled(section_forces, one)
 
 
-def bending_torques_of(one, records=1):
+def bending_torques_of(one: np.uint64, records: int = 1) -> Callable[..., Any]:
     """Kernel: bending torques of a wire whose neighbouring entries stand ``one`` apart in the buffer."""
 
     def bending_torques(b, first, last, decay, gain_old, gain_new, viscous):
@@ -100,7 +101,7 @@ def bending_torques_of(one, records=1):
     return _compiled(bending_torques, one, records)
 
 
-def turn_edges_of(one):
+def turn_edges_of(one: np.uint64) -> Callable[..., Any]:
     """Kernel: turning of the edges of a wire whose neighbouring entries stand ``one`` apart in the buffer."""
 
     def turn_edges(b, first, last, dt, keep, kick):
@@ -127,7 +128,7 @@ def turn_edges_of(one):
     return _compiled(turn_edges, one)
 
 
-def move_vertices_of(one, records=1):
+def move_vertices_of(one: np.uint64, records: int = 1) -> Callable[..., Any]:
     """Kernel: motion of the vertices of a wire whose neighbouring entries stand ``one`` apart in the buffer."""
 
     def move_vertices(b, first, last, dt, keep, kick):
@@ -166,7 +167,7 @@ def copy_lower_wire(b, first, last, offset):
         b[VZL + j] = b[VZ + j - offset]
 
 
-def contact_forces_of(g, one, records=1):
+def contact_forces_of(g: np.uint64, one: np.uint64, records: int = 1) -> Callable[..., Any]:
     """Kernel: force of one contact group at points first .. last - 1; span places t above and s below.
 
     The group is a compile-time shift of the buffer, so that the loop vectorises (18 -> 7 ns per point). The overlap
@@ -217,7 +218,7 @@ def contact_forces_of(g, one, records=1):
     return _compiled(contact_forces, g, one, records)
 
 
-def spread_contact_of(g, one):
+def spread_contact_of(g: np.uint64, one: np.uint64) -> Callable[..., Any]:
     """Kernel: gather a group's point forces on the upper wire (rows C) and the lower wire (rows G, upper index)."""
 
     def spread_contact(b, first, last, t):
