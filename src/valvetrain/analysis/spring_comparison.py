@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 #: Modes are the same where shapes agree; a relative distance of the frequencies of this size weighs as much as a wholly other shape.
 FREQUENCY_SCALE = 0.1
+#: Modes whose shapes agree less are no pair.
+LEAST_AGREEMENT = 0.25
 #: Share of the way to the installed state at which forces are compared, besides the installed state and the end of the curve.
 FORCE_PLACES = (0.25, 0.5, 0.75)
 
@@ -139,7 +141,8 @@ def _modal_differences(members: Sequence[ModelStatics]) -> list[Difference]:
 def match_modes(reference: ModalResult, other: ModalResult) -> dict[int, tuple[int, float]]:
     """Mode of ``reference`` -> (mode of ``other`` that is the same motion, modal assurance of their shapes along the wire).
 
-    The pairing makes the sum of shape agreement less relative frequency distance largest; each mode is used once.
+    The pairing makes the sum of shape agreement less relative frequency distance largest; each mode is used once, and modes whose
+    shapes do not agree (:data:`LEAST_AGREEMENT`) stay alone.
     """
     from scipy.optimize import linear_sum_assignment
 
@@ -153,4 +156,5 @@ def match_modes(reference: ModalResult, other: ModalResult) -> dict[int, tuple[i
     agreement = (mine @ theirs.T) ** 2 / np.where(size > 0, size, 1.0)
     distance = np.abs(np.log(np.asarray(other.natural_frequency)[None, :] / np.asarray(reference.natural_frequency)[:, None]))
     rows, columns = linear_sum_assignment(distance / FREQUENCY_SCALE - agreement)
-    return {int(i): (int(j), float(agreement[i, j])) for i, j in zip(rows, columns, strict=True)}
+    pairs = [(int(i), int(j), float(agreement[i, j])) for i, j in zip(rows, columns, strict=True)]
+    return {i: (j, share) for i, j, share in pairs if share >= LEAST_AGREEMENT}

@@ -76,8 +76,9 @@ def _summary(study: SpringComparison) -> tuple[Block, ...]:
 def _statics(study: SpringComparison) -> tuple[Block, ...]:
     if not any(len(item.curve.compression) > 1 for item in study.members):
         return ()
-    chart = Figure(figures.curve_chart(figures.curve_table(study), study))
-    data, words = figures.difference_table(study), "At increments of the first model; straight lines between the points of the others."
+    data = figures.difference_table(study)
+    chart = Figure(figures.curve_chart(figures.curve_table(study), data, study))
+    words = "At increments of the first model; straight lines between the points of the others."
     return (chart, _grid(data, words)) if len(data) else (chart,)
 
 
@@ -128,7 +129,8 @@ def _cell(name: str, value: object) -> Cell:
     if isinstance(value, float):
         if not np.isfinite(value):
             return Cell("–", "number")
-        return Cell(f"{value:+.2f}".replace("-", "−") if name.endswith("difference") else number(value, 5), "number")
+        digits = 2 if name.startswith("shape agreement") else 5
+        return Cell(f"{value:+.2f}".replace("-", "−") if name.endswith("difference") else number(value, digits), "number")
     return Cell(str(value), "number")
 
 

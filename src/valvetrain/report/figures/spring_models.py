@@ -14,28 +14,21 @@ DASHES = {"modal": "dash"}
 
 
 def curve_table(study: SpringComparison) -> Table:
-    """``model``, ``compression`` (mm), ``force`` (N) and ``difference`` (%) from the reference, all curves below each other."""
-    reference = study.members[0].curve
-    models: list[str] = []
-    columns: list[list[np.ndarray]] = [[], [], []]
-    for item in study.members:
-        at = item.curve.compression
-        base = curve_at(reference, at) if len(reference.compression) > 1 else np.full(len(at), np.nan)
-        safe = np.where(np.abs(base) > 0, base, np.nan)
-        models += [item.model] * len(at)
-        for column, values in zip(columns, (at * 1e3, item.curve.force, 100 * (item.curve.force / safe - 1)), strict=True):
-            column.append(np.asarray(values, dtype=float))
-    names = (("compression", "mm"), ("force", "N"), ("difference", "%"))
-    joined = [(name, unit, np.concatenate(parts) if parts else np.zeros(0)) for (name, unit), parts in zip(names, columns, strict=True)]
-    return table(("model", "", np.array(models, dtype=object)), *joined)
+    """``model``, ``compression`` (mm) and ``force`` (N), all curves below each other."""
+    models = np.array([item.model for item in study.members for _ in item.curve.compression], dtype=object)
+    compression, force = ([getattr(item.curve, name) for item in study.members] for name in ("compression", "force"))
+    return table(("model", "", models), ("compression", "mm", np.concatenate(compression) * 1e3), ("force", "N", np.concatenate(force)))
 
 
 def difference_table(study: SpringComparison) -> Table:
-    """Compression (mm), then force (N) of each model at the points of the reference, and its difference (%)."""
-    rows = [row for row in study.differences if row.quantity == "force"]
-    columns: list = [("compression", "mm", np.array([row.place * 1e3 for row in rows]))]
-    columns += [(theme.model_words(name), "N", np.array([row.values.get(name, np.nan) for row in rows])) for name in study.models]
-    return table(*columns, *_differences(study, rows))
+    """Compression (mm) of each increment of the reference, force (N) of each model there, its difference (%)."""
+    at = study.members[0].curve.compression[1:]
+    forces = {item.model: curve_at(item.curve, at) for item in study.members}
+    columns: list = [("compression", "mm", at * 1e3)]
+    columns += [(theme.model_words(name), "N", values) for name, values in forces.items()]
+    base = np.where(forces[study.reference] != 0, forces[study.reference], np.nan)
+    columns += [(f"{theme.model_words(name)}, difference", "%", 100 * (forces[name] / base - 1)) for name in study.models[1:]]
+    return table(*columns)
 
 
 def frequency_table(study: SpringComparison) -> Table:
@@ -60,8 +53,8 @@ def _differences(study: SpringComparison, rows: list) -> list:
     return found
 
 
-def curve_chart(data: Table, study: SpringComparison) -> Chart:
-    """Static curves over each other left, their difference from the reference right."""
+def curve_chart(data: Table, differences: Table, study: SpringComparison) -> Chart:
+    """Static curves over each other left, their difference from the reference at its increments right."""
     forces: list[Line | Marks] = []
     apart: list[Line] = []
     for name in study.models:
@@ -72,13 +65,13 @@ def curve_chart(data: Table, study: SpringComparison) -> Chart:
         if name == study.reference:
             forces.append(Marks(x, force, f"{theme.model_words(name)}, increments", colour, size=5, filled=True))
         else:
-            apart.append(Line(*thin(x, data["difference"][mine].astype(float)), theme.model_words(name), colour, dash=dash))
+            share = differences[f"{theme.model_words(name)}, difference"]
+            apart.append(Line(differences["compression"], share, theme.model_words(name), colour, dash=dash))
     label, installed = "compression from the free length (mm)", study.installed * 1e3
     rules = (Rule("x", installed, f"installed, {installed:g} mm"),) if installed else ()
     panels = [Panel(label, "force (N)", tuple(forces), title="Force", rules=rules)]
     if apart:
-        share = f"from {theme.model_words(study.reference)} (%)"
-        panels.append(Panel(label, f"force, difference {share}", tuple(apart), title="Difference", rules=(*rules, Rule("y", 0.0))))
+        panels.append(Panel(label, "force, difference (%)", tuple(apart), title="Difference", rules=(*rules, Rule("y", 0.0))))
     caption = "Static compression from the free length to a little beyond the installed state, coils closing on the way."
     return Chart("spring-models-static", "Static curves", caption, tuple(panels), columns=2, height=380)
 
@@ -140,6 +133,6 @@ def ride_chart(data: Table, study: SpringComparison) -> Chart:
     words = speed_words(study.rides[0].engine_speed)
     caption = (
         f"From rest in the installed state, at {words}, mass-proportional damping only, forces of the rod as means over the increments of "
-        "the solid. The solid starts with a jolt of its solver, which fades."
+        "the solid. A jolt in the first increments is the start of the solver's time integration; it fades."
     )
     return Chart("spring-models-ride", f"Ride at {words}", caption, tuple(panels), columns=2, height=380)

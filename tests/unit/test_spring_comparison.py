@@ -1,0 +1,125 @@
+"""``compare`` of a spring by rod, modal model and solid finite elements: pairing of modes, refusals, the run itself."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from unit.cli_parts import SMALL, call, sentence
+
+from valvetrain.analysis.spring_comparison import ModelStatics, differences, match_modes
+from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
+from valvetrain.solution.static import StaticCurve
+
+ALL = ("--springs", "finite-element,modal,solid")
+COARSE = ("--solid-elements-per-coil", "6")
+
+
+@pytest.fixture
+def small(tmp_path):
+    path = tmp_path / "small.toml"
+    path.write_text(SMALL)
+    return str(path)
+
+
+def modes(frequencies, shapes, points=41):
+    """Modes whose wire moves as sines of a number of half waves along one axis: ``shapes`` (half waves, axis)."""
+    coil = np.linspace(0.0, 3.0, points)
+    shape = np.zeros((len(frequencies), points, 3))
+    for place, (waves, axis) in enumerate(shapes):
+        shape[place, :, axis] = np.sin(waves * np.pi * coil / 3)
+    axial = tuple(place for place, (_, axis) in enumerate(shapes) if axis == 2)
+    return ModalResult(1e-3, np.array(frequencies, dtype=float), shape, coil, np.ones(len(frequencies)), axial)
+
+
+def straight(rate, reach, steps):
+    x, none = np.linspace(0.0, reach, steps), np.zeros((steps, 0))
+    return StaticCurve(x, rate * x, np.full(steps, rate), none, none, np.zeros(0), none, np.zeros(0))
+
+
+def test_modes_that_change_places_are_paired_by_shape():
+    first = modes([500, 510, 900], [(1, 2), (1, 0), (2, 2)])
+    second = modes([504, 507, 905, 906], [(1, 0), (1, 2), (3, 1), (2, 2)], points=17)
+    pairs = match_modes(first, second)
+    assert {mode: partner for mode, (partner, _) in pairs.items()} == {0: 1, 1: 0, 2: 3}
+    assert all(share == pytest.approx(1.0, abs=1e-2) for _, share in pairs.values())
+
+
+def test_modes_of_unlike_shape_are_no_pair():
+    assert match_modes(modes([500], [(1, 2)]), modes([500], [(1, 0)])) == {}
+    assert match_modes(modes([], []), modes([500], [(1, 0)])) == {}
+
+
+def test_differences_are_those_of_the_inputs():
+    solid = ModelStatics("solid", straight(50e3, 2.2e-3, 12), modes([500.0], [(1, 2)]))
+    rod = ModelStatics("finite-element", straight(51e3, 2.2e-3, 34), modes([495.0], [(1, 2)]))
+    rows = differences((solid, rod), 2e-3)
+    assert [row.quantity for row in rows] == ["force"] * 5 + ["mean stiffness", "natural frequency"]
+    assert rows[3].place == pytest.approx(2e-3) and rows[3].values["solid"] == pytest.approx(100.0)
+    assert [row.relative("finite-element", "solid") for row in rows] == pytest.approx([0.02] * 6 + [-0.01])
+    assert rows[-1].axial == 1 and rows[-1].relative("modal", "solid") is None
+    # Beyond the end of a curve nothing is compared.
+    short = ModelStatics("finite-element", straight(51e3, 1e-3, 34), modes([495.0], [(1, 2)]))
+    assert "finite-element" not in differences((solid, short), 2e-3)[4].values
+
+
+def test_without_the_solver_the_command_to_install_it_is_named(small, tmp_path, monkeypatch):
+    monkeypatch.delenv("CCX", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    result = call("compare", small, *ALL, "--output", str(tmp_path / "out"))
+    assert result.exit_code == 2 and "apt install calculix-ccx" in sentence(result)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--springs", "finite-element,solidd"), "solid"),
+        (("--springs", "finite-element", *COARSE), "add --springs"),
+        ((*ALL, "--solid-elements-per-coil", "2"), "4 to 200"),
+        ((*ALL, "--solid-core", "0"), "1 to 12"),
+        ((*ALL, "--solid-time-limit", "0 s"), "30 min"),
+        ((*ALL, "--solid-ride", "90"), "85:105 deg"),
+        ((*ALL, "--solid-ride", "110:90 deg"), "beyond the first"),
+        ((*ALL, "--solid-ride", "150:160 deg"), "starts at rest"),
+        ((*ALL, "--solid-ride", "90:95 deg", "--engine-speed", "4000, 5000 rpm"), "one engine speed"),
+    ],
+)
+def test_wrong_options_are_told_in_a_sentence(small, tmp_path, monkeypatch, words, told):
+    monkeypatch.setenv("CCX", "/bin/true")  # refusals come before any run
+    result = call("compare", small, *words, "--output", str(tmp_path / "out"))
+    assert result.exit_code == 2 and told in sentence(result)
+
+
+def test_a_train_is_told_that_the_solid_is_for_springs(tmp_path):
+    result = call("compare", "tdi-pushrod", "--springs", "rod,solid", "--output", str(tmp_path / "out"))
+    assert result.exit_code == 2 and "spring alone" in sentence(result)
+
+
+@pytest.mark.calculix
+def test_a_spring_by_three_models(small, tmp_path):
+    target = tmp_path / "out"
+    words = ("--solid-elements-per-coil", "8", "--set", "rod.elements_per_coil=16", "--solid-ride", "98:112 deg", "--workers", "2")
+    result = call("compare", small, *ALL, *words, "--output", str(target), "--json")
+    assert result.exit_code == 0, result.stderr
+    assert "statics and modes take about" in result.stderr and "the ride of" in result.stderr
+    data = json.loads(result.stdout)
+    assert data["reference"] == "solid" and data["completed"]
+    assert [item["spring_model"] for item in data["models"]] == ["solid", "finite-element", "modal"]
+    forces = [row for row in data["differences"] if row["quantity"] == "force"]
+    assert any(row["compression"]["value"] == pytest.approx(2e-3, rel=1e-9) for row in forces)
+    # The two models share nothing but the definition: coarse as both are, they agree to a few per cent.
+    assert all(abs(row["relative_difference"]["finite-element"]["value"]) < 0.015 for row in forces)
+    axial = [row for row in data["differences"] if row["quantity"] == "natural frequency" and row["axial_mode"]]
+    assert abs(axial[0]["relative_difference"]["finite-element"]["value"]) < 0.01
+    solid, rod = data["rides"]
+    assert solid["cam_angle"]["values"] == rod["cam_angle"]["values"]
+    assert load_static_curve(target / "solid-static.nc").force[-1] == pytest.approx(forces[-1]["values"]["solid"]["value"])
+    assert load_modal_result(target / "solid-modes.nc").axial_modes[0] == axial[0]["mode"] - 1
+    assert load_netcdf(target / "solid-9000rpm.nc").model == "solid"
+    page = (target / "report.html").read_text()
+    for part in ("Static curves", "Natural frequencies", "Ride at 9000 rpm", "finite-element rod, difference"):
+        assert part in page
+    assert {path.name for path in (target / "figures").iterdir()} == {f"spring-models-{part}.svg" for part in ("static", "modes", "ride")}
