@@ -18,7 +18,8 @@ STEEL = Material("steel", 206e9, 79.6e9, 7850.0)
 def small_spring(total_coils: float = 3.2, pitch: float = 5e-3, hand: str = "right", ends: EndCoil = OPEN_END) -> SpringDefinition:
     """Slightly conical spring with a narrow lower coil."""
     return SpringDefinition(
-        wire_diameter=PiecewiseLinear((0.0, total_coils), (4.0e-3, 3.7e-3)), mean_diameter=PiecewiseLinear((0.0, total_coils), (24e-3, 22e-3)),
+        wire_diameter=PiecewiseLinear((0.0, total_coils), (4.0e-3, 3.7e-3)),
+        mean_diameter=PiecewiseLinear((0.0, total_coils), (24e-3, 22e-3)),
         pitch=PiecewiseLinear((0.0, 1.3, 1.7, total_coils), (4.2e-3, 4.2e-3, pitch, pitch)), total_coils=total_coils, material=STEEL,
         lower_end=ends, upper_end=ends, hand=hand, name="small",
     )  # fmt: skip

@@ -61,7 +61,10 @@ def test_free_gap_is_that_of_the_true_wire(per_coil):
 
 @pytest.mark.parametrize("per_coil", [12, 24])
 def test_deformed_gap_against_a_dense_search(per_coil):
-    """Coils shifted sideways and squeezed: the one Newton step is within 1 um of the closest point of the spline (0.2 % of the overlap scale)."""
+    """Coils shifted sideways and squeezed.
+
+    The one Newton step is within 1 um of the closest point of the spline (0.2 % of the overlap scale).
+    """
     spring = uniform_spring(pitch=5e-3, coils=4.0)
     mesh = mesh_spring(spring, per_coil)
     position = mesh.position.copy()

@@ -125,7 +125,9 @@ def test_kernels_equal_their_twins(per_coil, seed):
     band = np.zeros((2 * kern.HALF_BAND + 1, size))
 
     residual = np.zeros(size)
-    energy = kern.stretch_terms(mesh.first, mesh.last, x, q, mesh.edge_length, mesh.stretch_stiffness, mesh.rest_stretch, residual, band, False)
+    energy = kern.stretch_terms(
+        mesh.first, mesh.last, x, q, mesh.edge_length, mesh.stretch_stiffness, mesh.rest_stretch, residual, band, False
+    )
     expected, gradient = twin.stretch(mesh.first, mesh.last, x, q, mesh.edge_length, mesh.stretch_stiffness, mesh.rest_stretch)
     same(energy, residual, expected, gradient)
 

@@ -57,7 +57,9 @@ def reference(mesh: RodMesh, dynamics: RodDynamics, start, motion, times: np.nda
         acceleration = -out[free, :3] / mass - dynamics.mass_damping * v
         spin = (-out[first:last, 3:] - np.cross(w, inertia * w)) / inertia - dynamics.mass_damping * w
         turn = 0.5 * twin.product(q[edges], np.concatenate([np.zeros((len(w), 1)), w], axis=1))
-        return np.concatenate([v.ravel(), turn.ravel(), acceleration.ravel(), spin.ravel(), ((strain - low) / dynamics.relaxation_time).ravel()])
+        return np.concatenate(
+            [v.ravel(), turn.ravel(), acceleration.ravel(), spin.ravel(), ((strain - low) / dynamics.relaxation_time).ravel()]
+        )
 
     strain0 = 2 * twin.product(twin.conjugate(start.frame[:-1]), start.frame[1:])[:, 1:] - mesh.rest_bend
     begin = [start.position[free], start.frame[edges], np.zeros(shapes[2]), np.zeros(shapes[3]), strain0]

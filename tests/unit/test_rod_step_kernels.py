@@ -24,7 +24,8 @@ def buffer(seed=0, per_coil=12, closed=0.12):
     b = fill_buffer(mesh, random_state(mesh, seed, shift=1e-4, closed=closed), DYNAMICS, STEP)
     rng = np.random.default_rng(100 + seed)
     moving = slice(mesh.first + 1, mesh.last)
-    for name, scale in (("VX", 3.0), ("VY", 3.0), ("VZ", 3.0), ("W1", 2e3), ("W2", 2e3), ("W3", 2e3), ("L1", 1e-3), ("L2", 1e-3), ("L3", 1e-3)):
+    scales = {"VX": 3.0, "VY": 3.0, "VZ": 3.0, "W1": 2e3, "W2": 2e3, "W3": 2e3, "L1": 1e-3, "L2": 1e-3, "L3": 1e-3}
+    for name, scale in scales.items():
         row(b, name, mesh.vertices)[moving] = scale * rng.standard_normal(mesh.last - mesh.first - 1)
     return b, mesh
 
@@ -74,7 +75,9 @@ def test_turning_of_edges():
 def test_moving_of_vertices():
     b, mesh = buffer()
     twin.section_forces(b, mesh.first + 1, mesh.last + 1)
-    motion, got, expected_motion, expected = both(kern.move_vertices_of(ONE), twin.move_vertices, b, mesh.first + 1, mesh.last, STEP, 0.99, STEP)
+    motion, got, expected_motion, expected = both(
+        kern.move_vertices_of(ONE), twin.move_vertices, b, mesh.first + 1, mesh.last, STEP, 0.99, STEP
+    )
     assert motion == pytest.approx(expected_motion, rel=1e-12)
     agree(got, expected, b)
 
