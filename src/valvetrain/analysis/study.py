@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from valvetrain.analysis.quantity import Quantity
+from valvetrain.analysis.stress import StaticStress
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Provenance
@@ -34,6 +35,7 @@ class SpringStudy:
     comparisons: tuple[Comparison, ...] = ()
     notes: tuple[str, ...] = ()
     provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
+    static_stress: StaticStress | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "quantities", MappingProxyType(dict(self.quantities)))

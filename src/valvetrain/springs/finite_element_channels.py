@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from valvetrain.rod import quaternion as quat
 from valvetrain.rod.mesh import RodMesh
+from valvetrain.rod.state import RodState
 from valvetrain.rod.transient import RodTransient
 from valvetrain.solution.channels import spring_channels
 from valvetrain.springs.finite_element import FiniteElementRod
@@ -40,10 +42,14 @@ def wire_points(total_coils: float) -> Array:
 
 def interpolation(mesh: RodMesh, coil: Array) -> Array:
     """Cubic interpolation matrix (points, nv) from vertices to coil numbers."""
-    step = mesh.coil_number[1] - mesh.coil_number[0]
-    place = np.clip((coil - mesh.coil_number[0]) / step, 0.0, mesh.vertices - 1.0)
-    base = np.clip(np.floor(place).astype(int) - 1, 0, mesh.vertices - 4)
-    matrix = np.zeros((len(coil), mesh.vertices))
+    return _cubic(mesh.coil_number, coil)
+
+
+def _cubic(vertices: Array, coil: Array) -> Array:
+    step = vertices[1] - vertices[0]
+    place = np.clip((coil - vertices[0]) / step, 0.0, len(vertices) - 1.0)
+    base = np.clip(np.floor(place).astype(int) - 1, 0, len(vertices) - 4)
+    matrix = np.zeros((len(coil), len(vertices)))
     for k in range(4):
         weight = np.ones(len(coil))
         for other in range(4):
@@ -51,6 +57,25 @@ def interpolation(mesh: RodMesh, coil: Array) -> Array:
                 weight *= (place - base - other) / (k - other)
         matrix[np.arange(len(coil)), base + k] = weight
     return matrix
+
+
+def section_interpolation(mesh: RodMesh, coil: Array) -> Array:
+    """The same for section loads, which end where the wire is held: rows of held wire are zero, stencils stay on free wire."""
+    step = mesh.coil_number[1] - mesh.coil_number[0]
+    free = slice(mesh.first, mesh.last + 1)
+    ends = mesh.coil_number[mesh.first], mesh.coil_number[mesh.last]
+    inside = (coil >= ends[0] - 1e-9 * step) & (coil <= ends[1] + 1e-9 * step)
+    matrix = np.zeros((len(coil), mesh.vertices))
+    matrix[np.flatnonzero(inside), free] = _cubic(mesh.coil_number[free], coil[inside])
+    return matrix
+
+
+def static_section_loads(model: FiniteElementRod, states: Sequence[RodState]) -> dict[str, Array]:
+    """Section loads (N m, N; states, wire points) of equilibria of the rod, by the names of their channels."""
+    mesh = model.mesh
+    at = section_interpolation(mesh, wire_points(model.definition.total_coils))
+    strains = _strains(mesh, np.stack([state.position for state in states]), np.stack([state.frame for state in states]))
+    return {name: strains[name] @ at.T for name in SECTION_LOADS}
 
 
 def rod_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> xarray.Dataset:
@@ -61,7 +86,7 @@ def rod_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -
     height, speed = run.position[..., 2], run.velocity[..., 2]
     interval = run.time[1] - run.time[0] if len(run.time) > 1 else 1.0
     axial_velocity = speed @ at.T
-    strains = _strains(mesh, run)
+    strains = _strains(mesh, run.position, run.frame)
     pairs, upper_coil, pair_of = _pair_bins(mesh)
     gaps = np.stack([model.statics.gaps(position) for position in np.ascontiguousarray(run.position)])
     elastic, contact = _energies(model, strains, gaps, run)
@@ -84,7 +109,8 @@ def rod_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -
         "energy_dissipated": run.energy_dissipated + run.contact_loss,
     }
     values["contact_status"] = _status(values, run, mesh, pairs, pair_of, len(upper_coil))
-    values |= {name: strains[name] @ at.T for name in SECTION_LOADS}
+    on_wire = section_interpolation(mesh, coil)
+    values |= {name: strains[name] @ on_wire.T for name in SECTION_LOADS}
     dense = (len(run.dense_time) - 1) // max(1, len(run.time) - 1) if len(run.time) > 1 else 1
     for name, series in (("seat_force_fine", run.dense_seat_force), ("retainer_force_fine", run.dense_retainer_force)):
         padded = np.concatenate([series, np.repeat(series[-1:], dense - 1)])
@@ -123,13 +149,13 @@ def _least(values: Array, pair_of: NDArray[np.int64], count: int) -> Array:
     return out.T
 
 
-def _strains(mesh: RodMesh, run: RodTransient) -> dict[str, Array]:
+def _strains(mesh: RodMesh, position: Array, frame: Array) -> dict[str, Array]:
     """Section moments (N m) and forces (N) on the vertices (ns, nv), elastic part, and the stored energies (J)."""
-    _, vector = quat.relative_vector(run.frame[:, :-1], run.frame[:, 1:])
+    _, vector = quat.relative_vector(frame[:, :-1], frame[:, 1:])
     bend = 2 * vector - mesh.rest_bend
     moment = mesh.bend_stiffness * bend
-    chord = np.diff(run.position, axis=1) / mesh.edge_length[1:-1, None]
-    stretch = quat.turn_back(run.frame[:, 1:-1], chord) - mesh.rest_stretch[1:-1]
+    chord = np.diff(position, axis=1) / mesh.edge_length[1:-1, None]
+    stretch = quat.turn_back(frame[:, 1:-1], chord) - mesh.rest_stretch[1:-1]
     force = mesh.stretch_stiffness[1:-1] * stretch
     on_vertices = np.zeros(moment.shape)
     on_vertices[:, 1:-1] = 0.5 * (force[:, 1:] + force[:, :-1])

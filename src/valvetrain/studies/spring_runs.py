@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.analysis.clash import clash_events
+from valvetrain.analysis.stress import EQUIVALENT, SHEAR, StaticStress
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.parameters.case import Case
@@ -21,7 +22,8 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.springs.finite_element_channels import interpolation, pair_values, rod_channels, wire_points
+from valvetrain.springs.finite_element_channels import interpolation, pair_values, rod_channels, static_section_loads, wire_points
+from valvetrain.springs.stress import wire_stress
 
 Array = NDArray[np.float64]
 
@@ -50,6 +52,16 @@ def static_curve(
             f"{stuck * 1e3:.3f} mm", "the coils are solid or the spring buckles; compress less or refine the mesh",
         )  # fmt: skip
     return _static_result(model, reached, status)
+
+
+def static_stress(model: FiniteElementRod, path: Sequence[Equilibrium]) -> StaticStress | None:
+    """Stress at the inner fibre of the equilibria found; None when there are fewer than two."""
+    states = [point.state for point in path if point.converged]
+    if len(states) < 2:
+        return None
+    coil = wire_points(model.definition.total_coils)
+    stress = wire_stress(static_section_loads(model, states), model.definition, coil)
+    return StaticStress(np.array([state.compression for state in states]), coil, stress[SHEAR], stress[EQUIVALENT])
 
 
 def _static_result(model: FiniteElementRod, path: list[Equilibrium], status: Status) -> StaticCurve:

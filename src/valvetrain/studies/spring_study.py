@@ -11,19 +11,23 @@ import numpy as np
 
 from valvetrain.analysis.compare import compare
 from valvetrain.analysis.quantities import study_quantities
+from valvetrain.analysis.quantity import Quantity, named
+from valvetrain.analysis.stress import StaticStress, stress_quantities
 from valvetrain.analysis.study import SpringStudy
 from valvetrain.cam.build import build_lift_law
 from valvetrain.citations import cite
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
+from valvetrain.rod.static import Equilibrium
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.stress import LOADS, with_stress
 from valvetrain.studies.modal_runs import run_modal
 from valvetrain.studies.spread import load_spread, spread_sentences
-from valvetrain.studies.spring_runs import modal_result, run_finite_element, static_curve
+from valvetrain.studies.spring_runs import modal_result, run_finite_element, static_curve, static_stress
 
 #: Spring models that the study of a spring alone knows.
 MODELS = ("finite-element", "modal")
@@ -54,7 +58,8 @@ def run_spring_study(
             marches = {
                 s: pool.submit(run_finite_element, case, model, s, _provenance(case, "finite-element", s, created_at)) for s in rod_speeds
             }
-        curve_job = pool.submit(static_curve, model, static_reach(case, model))
+        path: list[Equilibrium] = []
+        curve_job = pool.submit(static_curve, model, static_reach(case, model), visit=path.append)
         curve = _wait(curve_job, tell, "static curve")
         modes = modal_result(model)
         tell("modes")
@@ -63,19 +68,29 @@ def run_spring_study(
         for speed in rod_speeds:
             solutions.append(run_modal(case, curve, modes, speed, _provenance(case, "modal", speed, created_at)))
             tell(f"modal model at {speed * 30 / np.pi:.0f} rpm")
-    return assemble_study(case, curve, modes, solutions, created_at)
+    return assemble_study(case, curve, modes, solutions, created_at, static_stress(model, path))
 
 
 def assemble_study(
-    case: Case, curve: StaticCurve | None, modes: ModalResult | None, solutions: Sequence[Solution], created_at: str = ""
-) -> SpringStudy:
+    case: Case, curve: StaticCurve | None, modes: ModalResult | None, solutions: Sequence[Solution], created_at: str = "",
+    stress: StaticStress | None = None,
+) -> SpringStudy:  # fmt: skip
     """Join results with their named quantities and the case's published values."""
     quantities = study_quantities(curve, modes, solutions, precompression=case.installation.precompression)
+    for solution in solutions:
+        quantities |= _stress_quantities(case, solution, stress)
     return SpringStudy(
         case=case, static_curve=curve, modal_result=modes, solutions=tuple(solutions), quantities=quantities,
         comparisons=compare(case.published, quantities), notes=(*case.remarks, *spread_sentences(case, load_spread(case))),
-        provenance=_provenance(case, "spring study", 0.0, created_at),
+        provenance=_provenance(case, "spring study", 0.0, created_at), static_stress=stress,
     )  # fmt: skip
+
+
+def _stress_quantities(case: Case, solution: Solution, stress: StaticStress | None) -> dict[Quantity, float]:
+    if case.spring is None or not solution.has(*LOADS):
+        return {}
+    found = stress_quantities(with_stress(solution, case.spring), stress, case.installation.precompression)
+    return named(found, solution.engine_speed, solution.model)
 
 
 def static_reach(case: Case, model: FiniteElementRod) -> float:
