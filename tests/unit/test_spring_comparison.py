@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
 
 import numpy as np
 import pytest
-from unit.cli_parts import SMALL, call, sentence
 
+from unit.cli_parts import CODE, SMALL, call, process_environment, sentence
 from valvetrain.analysis.spring_comparison import ModelStatics, differences, match_modes
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
@@ -96,6 +101,27 @@ def test_wrong_options_are_told_in_a_sentence(small, tmp_path, monkeypatch, word
 def test_a_train_is_told_that_the_solid_is_for_springs(tmp_path):
     result = call("compare", "tdi-pushrod", "--springs", "rod,solid", "--output", str(tmp_path / "out"))
     assert result.exit_code == 2 and "spring alone" in sentence(result)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a shell script stands in for the solver")
+def test_an_interrupt_stops_the_solver_and_clears_its_files(small, tmp_path):
+    work, program, mark = tmp_path / "work", tmp_path / "ccx", tmp_path / "solver.pid"
+    work.mkdir()
+    program.write_text(f"#!/bin/sh\necho $$ > '{mark}'\nexec sleep 60\n")
+    program.chmod(0o755)
+    command = [sys.executable, "-c", CODE, "compare", small, "--springs", "solid", *COARSE, "--output", str(tmp_path / "out")]
+    environment = process_environment(CCX=str(program), TMPDIR=str(work))
+    run = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment)
+    end = time.monotonic() + 60
+    while not (mark.exists() and mark.read_text().strip()) and time.monotonic() < end:
+        time.sleep(0.05)
+    time.sleep(1.0)  # past the rod's part, into the wait for the solver
+    run.send_signal(signal.SIGINT)
+    _, told = run.communicate(timeout=30)
+    assert run.returncode == 130 and told.splitlines()[-1].startswith("interrupted"), told
+    assert list(work.iterdir()) == []
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(mark.read_text()), 0)
 
 
 @pytest.mark.calculix

@@ -33,6 +33,8 @@ class GuardedGroup(TyperGroup):
         try:
             result = super().main(args, prog_name, complete_var, False, windows_expand_args, **extra)
             code = result if isinstance(result, int) else 0
+            if code == INTERRUPTED:  # the parser turns Ctrl-C into this code without a word
+                interrupted()
         except Exception as error:
             code = _report(error)
         except KeyboardInterrupt:

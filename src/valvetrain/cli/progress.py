@@ -19,13 +19,14 @@ Report = Callable[[float, str], None]
 
 
 @contextmanager
-def progress_bar(title: str) -> Iterator[Report]:
+def progress_bar(title: str, at_once: bool = True) -> Iterator[Report]:
     """A bar with the time left while the block runs, on a terminal only; yields ``report(share done, what was just done)``.
 
-    Ctrl-C ends the process at once with one sentence: compiled work in other threads would otherwise be waited for.
+    Ctrl-C ends the process at once with one sentence: compiled work in other threads would otherwise be waited for. Without ``at_once``
+    it is an ordinary KeyboardInterrupt, for work that stops other programs and clears their files away.
     """
     if not sys.stderr.isatty():
-        with _quick_interrupt(lambda: None):
+        with _quick_interrupt(lambda: None) if at_once else nullcontext():
             yield lambda done, text: None
         return
     from rich.console import Console
@@ -40,7 +41,7 @@ def progress_bar(title: str) -> Iterator[Report]:
     def report(done: float, text: str) -> None:
         bar.update(task, completed=done, description=f"{title}: {text}", left=time_left(time.monotonic() - begun, done))
 
-    with bar, _quick_interrupt(bar.stop):
+    with bar, _quick_interrupt(bar.stop) if at_once else nullcontext():
         yield report
 
 

@@ -75,7 +75,7 @@ def compare_spring(request: RunRequest, options: SolidOptions) -> Outcome:
     make_folder(request.output)
     tell(_cost_words(cost, choice))
     announce_compilation("statics", *(["march"] if choice.ride else []))
-    with progress_bar(case.name) as report:
+    with progress_bar(case.name, at_once=False) as report:
         study = run_solid_comparison(
             case, models=models, choice=choice, workers=request.workers, progress=report,
             created_at=datetime.now(UTC).isoformat(timespec="seconds"),

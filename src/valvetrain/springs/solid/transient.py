@@ -43,8 +43,8 @@ class TransientJob:
 
     The spring starts at rest at ``precompression`` (m) plus the first lift, so the lift law should rest there.
     ``time_step`` (s) is the largest increment; the solver may take smaller ones. ``alpha`` (-1/3 to 0) is the numerical damping of
-    the Hilber-Hughes-Taylor method. ``mass_damping`` (1/s) is the only physical damping: CalculiX 2.20 leaves the velocity of a
-    prescribed retainer out of its stiffness-proportional damping, which then brakes the wire against a standing frame.
+    the Hilber-Hughes-Taylor method. ``mass_damping`` (1/s) is the only physical damping: the stiffness-proportional one of
+    CalculiX 2.20 brakes the wire as if a prescribed retainer stood still (measured: docs/solid-reference.md).
     """
 
     lift_law: Lift
