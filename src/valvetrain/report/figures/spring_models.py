@@ -133,6 +133,6 @@ def ride_chart(data: Table, study: SpringComparison) -> Chart:
     words = speed_words(study.rides[0].engine_speed)
     caption = (
         f"From rest in the installed state, at {words}, mass-proportional damping only, forces of the rod as means over the increments of "
-        "the solid. A jolt in the first increments is the start of the solver's time integration; it fades."
+        "the solid. A jolt in its first increments comes from the solver, which shows it at rest too; it fades."
     )
     return Chart("spring-models-ride", f"Ride at {words}", caption, tuple(panels), columns=2, height=380)
