@@ -43,17 +43,16 @@ def room_of(module: str) -> str:
 def imports_of(module: str, tree: ast.Module, is_package: bool) -> Iterator[Import]:
     """Every import of a module, inside functions and under TYPE_CHECKING too; relative ones made absolute.
 
-    ``from valvetrain import rod`` counts as ``valvetrain.rod``.
+    ``from valvetrain import rod`` counts as ``valvetrain.rod``, ``from valvetrain.rod import mesh`` as ``valvetrain.rod.mesh``.
     """
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (Import(alias.name, node.lineno) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             base = _absolute(module, node, is_package)
-            if base == "valvetrain":
-                yield from (Import(f"{base}.{alias.name}", node.lineno) for alias in node.names)
-            else:
-                yield Import(base, node.lineno)
+            names = [f"{base}.{alias.name}" for alias in node.names]
+            targets = dict.fromkeys(name if base == "valvetrain" or name in modules() else base for name in names)
+            yield from (Import(target, node.lineno) for target in targets)
 
 
 @cache

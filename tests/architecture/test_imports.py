@@ -69,6 +69,38 @@ def test_imports_run_one_way():
     assert not found, "\n".join(found)
 
 
+def loops(graph: dict[str, set[str]]) -> list[list[str]]:
+    """Every loop of a graph that a walk in depth meets, as the names along it."""
+    found, done = [], set()
+
+    def walk(name: str, path: list[str]) -> None:
+        if name in path:
+            found.append([*path[path.index(name) :], name])
+        elif name not in done:
+            for other in sorted(graph.get(name, ())):
+                walk(other, [*path, name])
+            done.add(name)
+
+    for name in sorted(graph):
+        walk(name, [])
+    return found
+
+
+def test_a_loop_of_imports_is_found():
+    assert loops({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [["a", "b", "c", "a"]]
+    assert loops({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == []
+
+
+def test_no_modules_import_each_other_not_even_on_first_use():
+    files = modules()
+    graph = {
+        name: {found.module for found in imports_of(name, tree_of(path), path.name == "__init__.py")} & set(files) - {name}
+        for name, path in files.items()
+    }
+    assert "valvetrain.springs.modal_kernels" in graph["valvetrain.springs.modal"]
+    assert not loops(graph)
+
+
 def _run(code: str) -> str:
     environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment).stdout.strip()

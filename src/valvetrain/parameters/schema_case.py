@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PlainValidator
+from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from valvetrain.parameters.case import Case, Installation, Note, Operation, RodOptions
@@ -26,9 +26,9 @@ from valvetrain.parameters.schema_types import (
     problem,
     quantities,
     quantity,
-    validate_as,
 )
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.train_schema import TrainModel
 
 _ROD = RodOptions()
 
@@ -110,15 +110,6 @@ class RodModel(StrictModel):
         return RodOptions(**self.model_dump())
 
 
-def _read_train(raw: Any) -> Any:
-    """Whole trains are read by ``parameters/train_schema.py`` (class ``TrainModel`` with ``build()``)."""
-    try:
-        from valvetrain.parameters import train_schema  # type: ignore[attr-defined, unused-ignore]
-    except ImportError:
-        raise problem("this version does not read whole valvetrains; remove [train]") from None
-    return validate_as(train_schema.TrainModel, raw)
-
-
 class CaseModel(StrictModel):
     """The whole file."""
 
@@ -134,7 +125,7 @@ class CaseModel(StrictModel):
     damping: DampingModel = DampingModel()
     operation: OperationModel = OperationModel()
     rod: RodModel = RodModel()
-    train: Annotated[Any, PlainValidator(_read_train)] = None
+    train: TrainModel | None = None
     published: list[PublishedModel] = Field(default_factory=list)
 
     def build(self, name: str, folder: Path, notes: dict[str, Note]) -> Case:
