@@ -13,7 +13,7 @@ export PYTHON
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
 	@echo "make test      set up, then run all tests"
-	@echo "make validate  the tests against published and closed-form values only"
+	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
 	@echo "make bench     measure the speed of the main parts"
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
 	@echo "make lint      ruff and mypy"

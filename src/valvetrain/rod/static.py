@@ -12,6 +12,7 @@ from scipy.sparse import coo_matrix, csc_matrix, dia_matrix
 from scipy.sparse.linalg import splu
 
 from valvetrain.rod import energy_kernels as kern
+from valvetrain.rod import quaternion as quat
 from valvetrain.rod.mesh import RodMesh
 from valvetrain.rod.state import RodState, advance, free_state
 
@@ -29,6 +30,14 @@ class NewtonOptions:
 
 
 @dataclass(frozen=True, slots=True)
+class TipLoads:
+    """Dead loads in space on the wire's last end, which is free to move and turn: ``force`` (3,) N and ``torque`` (3,) N m."""
+
+    force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    torque: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
 class Equilibrium:
     """A static equilibrium: state, forces at both ends (N, compressive positive), energy (J), Newton record."""
 
@@ -42,15 +51,23 @@ class Equilibrium:
 
 
 class RodStatics:
-    """Assembles residual and tangent of one mesh and solves for equilibrium; holds no state of its own."""
+    """Assembles residual and tangent of one mesh and solves for equilibrium; holds no state of its own.
 
-    def __init__(self, mesh: RodMesh, contact_stiffness: float = 2e10, options: NewtonOptions | None = None) -> None:
+    Both ends are held, unless ``loads`` are given: then the last end is free and carries them.
+    """
+
+    def __init__(
+        self, mesh: RodMesh, contact_stiffness: float = 2e10, options: NewtonOptions | None = None, loads: TipLoads | None = None
+    ) -> None:
         self.mesh = mesh
         self.contact_stiffness = contact_stiffness
         self.options = options or NewtonOptions()
+        self.loads = loads
         slots = np.zeros((mesh.vertices, 6), dtype=bool)
         slots[mesh.first + 1 : mesh.last, :3] = True
         slots[mesh.first : mesh.last, 3:] = True
+        if loads is not None:
+            slots[mesh.last] = True
         #: Mask of the free unknowns; they are contiguous.
         self.free = slots.ravel()
         self._span = slice(int(np.argmax(self.free)), int(len(self.free) - np.argmax(self.free[::-1])))
@@ -75,7 +92,16 @@ class RodStatics:
         if self._has_contact:
             more, contact = self._contact(x, residual, with_tangent)
             energy += more
+        if self.loads is not None:
+            energy += self._load_tip(state, residual, self.loads)
         return energy, residual, band, contact
+
+    def _load_tip(self, state: RodState, residual: Array, loads: TipLoads) -> float:
+        """Take the tip's dead loads off the residual; returns the energy of the force (a torque in space has none)."""
+        last, force = self.mesh.last, np.array(loads.force)
+        residual[6 * last : 6 * last + 3] -= force
+        residual[6 * last + 3 : 6 * last + 6] -= quat.to_matrix(state.frame[last + 1 : last + 2])[0].T @ np.array(loads.torque)
+        return -float(force @ (state.position[last] - self.mesh.position[last]))
 
     def _contact(self, x: Array, residual: Array, with_tangent: bool) -> tuple[float, csc_matrix | None]:
         line = self.mesh.contact
@@ -83,8 +109,9 @@ class RodStatics:
         rows, columns = np.empty(324 * active, np.int64), np.empty(324 * active, np.int64)
         values = np.empty(324 * active)
         energy, used = kern.contact_terms(
-            x, line.offset, line.upper_place, line.lower_place, line.distance, line.length, self.contact_stiffness, residual, rows, columns, values
-        )
+            x, line.offset, line.upper_place, line.lower_place, line.distance, line.length, self.contact_stiffness,
+            residual, rows, columns, values,
+        )  # fmt: skip
         if not used:
             return energy, None
         size = 6 * self.mesh.vertices
@@ -118,7 +145,8 @@ class RodStatics:
                 trial_energy, trial_residual, trial_band, trial_contact = self.assemble(trial)
                 trial_size = self._norm(trial_residual)
                 best = (trial, trial_energy, trial_residual, trial_band, trial_contact, trial_size)
-                if trial_size < size or trial_energy < energy - 1e-12 * abs(energy) or scale < 0.02:
+                # A torque in space has no energy to fall: wires under tip loads take whole steps and small load increments.
+                if trial_size < size or trial_energy < energy - 1e-12 * abs(energy) or scale < 0.02 or self.loads is not None:
                     break
                 scale *= 0.5
             state, energy, residual, band, contact, size = best
@@ -162,6 +190,21 @@ class RodStatics:
         return float(max(np.abs(steps[:, :3]).max(), np.abs(steps[:, 3:]).max() / self._radius))
 
 
+def bend_tip(mesh: RodMesh, loads: TipLoads, steps: int = 10, options: NewtonOptions | None = None) -> Equilibrium:
+    """Equilibrium of a wire clamped at its first end under dead loads on its free last end, raised in even ``steps``.
+
+    The last equilibrium reached is returned; ``converged`` is False when the path ended early.
+    """
+    state = free_state(mesh)
+    for share in np.linspace(0.0, 1.0, steps + 1)[1:]:
+        force, torque = (tuple(float(share * part) for part in vector) for vector in (loads.force, loads.torque))
+        result = RodStatics(mesh, 0.0, options, TipLoads(force, torque)).solve(state, 0.0)  # type: ignore[arg-type]
+        if not result.converged:
+            return result
+        state = result.state
+    return result
+
+
 def _sparse(band: Array) -> csc_matrix:
     half, size = kern.HALF_BAND, band.shape[1]
     return dia_matrix((band, np.arange(half, -half - 1, -1)), shape=(size, size)).tocsc()
@@ -174,7 +217,8 @@ def compress(
 
     Returns the equilibria reached; the last one has ``converged`` False when the path ended early.
     """
-    state, found = start or free_state(statics.mesh), []
+    state = start or free_state(statics.mesh)
+    found: list[Equilibrium] = []
     options = statics.options
     for target in targets:
         increment = options.largest_increment

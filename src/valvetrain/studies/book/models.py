@@ -1,0 +1,118 @@
+"""The cheaper spring models against bar theory, and the rod against solid finite elements."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from valvetrain.parameters.curves import Constant
+from valvetrain.parameters.spring import OPEN_END, SpringDefinition
+from valvetrain.rod.modes import natural_modes
+from valvetrain.rod.static import RodStatics, compress
+from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.springs.equivalent_rod import EquivalentRod
+from valvetrain.springs.multi_mass import MultiMassSpring
+from valvetrain.studies.book.row import Row, book_case
+from valvetrain.studies.book.springs import STEEL, mesh
+
+RATE, PRELOAD, MASS = 30e3, 250.0, 0.05
+ABOUT = "30 N/mm, 50 g"
+
+#: Axial frequencies (Hz) of the free spring and force (N) at 7 mm: Richardson limits of three meshes of quadratic hexahedra.
+SOLID = {"D / d = 5.8": (22e-3, 274.5536, (549.4779, 1058.929, 1469.991)), "D / d = 6": (22.8e-3, 246.6152, (512.152, 986.5889, 1369.954))}
+
+
+@book_case()
+def chain_surge() -> list[Row]:
+    """Lumped chain of 60 masses: surge frequencies n / 2 sqrt(k / m)."""
+    found = MultiMassSpring.from_card(RATE, PRELOAD, MASS, elements=60).frequencies(0.0)
+    bar = 0.5 * np.sqrt(RATE / MASS)
+    return [
+        Row(
+            "models",
+            f"chain of 60 masses, surge frequency {n}",
+            "vasilyev2016",
+            ABOUT,
+            n * bar,
+            float(found[n - 1]),
+            "Hz",
+            n * bar * 1.05 * (n * np.pi / 120) ** 2 / 6,
+            "closed form of the lumped chain: (n pi / 2 N)^2 / 6 low",
+        )
+        for n in (1, 2, 3)
+    ]
+
+
+@book_case()
+def wave_rod_impact() -> list[Row]:
+    """Wave equation at Courant number one: v sqrt(k m) at the moving end, doubled at the fixed one."""
+    rod = EquivalentRod(EquivalentSpring(RATE, PRELOAD, MASS), 200)
+    state, step, speed = rod.initial_state(0.0), rod.stable_time_step(), 1.0
+    parameters, integers, ends = rod.parameters(), rod.integers(), []
+    for n in range(360):
+        ends.append(rod.kernel(parameters, integers, state, speed * step * n, speed, step))
+    forces = (np.array(ends) - PRELOAD) / (speed * np.sqrt(RATE * MASS))
+    return [
+        Row(
+            "models",
+            "wave rod, impact force at the moving end over v sqrt(k m)",
+            "wahl1963",
+            ABOUT,
+            1.0,
+            float(forces[20:180, 0].mean()),
+            "-",
+            0.006,
+            "one cell of 200",
+        ),
+        Row(
+            "models",
+            "wave rod, impact force at the fixed end over v sqrt(k m)",
+            "wahl1963",
+            ABOUT,
+            2.0,
+            float(forces[240:350, 1].mean()),
+            "-",
+            0.012,
+            "one cell of 200",
+        ),
+    ]
+
+
+@book_case()
+def rod_against_solid() -> list[Row]:
+    """Force and axial frequencies of short clamped springs by CalculiX 2.20, beside the rod with curvature correction."""
+    rows = []
+    for name, (diameter, force, frequencies) in SOLID.items():
+        definition = SpringDefinition(Constant(3.8e-3), Constant(diameter), Constant(7e-3), 5.0, STEEL, OPEN_END, OPEN_END)
+        statics = RodStatics(mesh(definition, curvature=True))
+        found = compress(statics, [7e-3])[-1].retainer_force
+        rows.append(
+            Row(
+                "models",
+                f"rod against solid, force at 7 mm, {name}",
+                "",
+                "wire 3.8, pitch 7 mm, 5 turns clamped",
+                force,
+                found,
+                "N",
+                0.015 * force,
+                "asked for: 1.5 %",
+                "independent computation",
+            )
+        )
+        modes = natural_modes(statics, compress(statics, [1e-9])[-1].state, 14)
+        for n, value in zip((1, 5, 9), frequencies, strict=True):
+            rows.append(
+                Row(
+                    "models",
+                    f"rod against solid, free frequency {n} (axial), {name}",
+                    "",
+                    "wire 3.8, pitch 7 mm, 5 turns clamped",
+                    value,
+                    float(modes.natural_frequency[n - 1]),
+                    "Hz",
+                    0.02 * value,
+                    "asked for: 2 %",
+                    "independent computation",
+                )
+            )
+    return rows
