@@ -13,6 +13,7 @@ from valvetrain.report.chart import Chart
 from valvetrain.report.comparison_grid import comparison_grid, tone
 from valvetrain.report.figures import coils, energy, force, lift, modes, nodes, statics
 from valvetrain.report.page import Block, Card, Cards, Cell, Figure, Grid, Page, Section, Tabs, text
+from valvetrain.report.stress_section import stress_blocks
 from valvetrain.report.values import case_rows
 from valvetrain.report.words import in_unit, number, speed_words
 from valvetrain.solution.comparison import Comparison
@@ -35,6 +36,7 @@ def spring_page(study: SpringStudy) -> Page:
         Section("spikes", "Spikes after the event", _spikes(study)),
         Section("statics", "Static curve and modes", _statics(study)),
         Section("motion", "Motion of the coils", _motion(study)),
+        Section("stress", "Wire stress", stress_blocks(study)),
         Section("balance", "Energy and orders", _balance(study)),
         Section("comparison", "Computed and published", _comparison(study)),
         Section("case", "Values of the case", _case(study)),
