@@ -79,9 +79,7 @@ def run_deck(
         return SolverOutput(printed, _text(folder, "job.frd") if read_fields else "", status, elapsed)
 
 
-def _execute(
-    solver: str, folder: str, environment: dict[str, str], time_limit: float, watch: Watch | None
-) -> tuple[Status | None, str]:
+def _execute(solver: str, folder: str, environment: dict[str, str], time_limit: float, watch: Watch | None) -> tuple[Status | None, str]:
     """Run to the end or the limit; a status already known (time ran out, signal) or None, and the log."""
     with Path(folder, "job.log").open("wb") as log:
         process = subprocess.Popen(

@@ -30,13 +30,13 @@ def installed_statics(model: SolidSpring, installed: float, reach: float, modes:
     At least ``points`` increments up to the installed state, four beyond. A solver that gives up leaves what it reached, with a status.
     """
     printout, quiet = steps.Printout(axis=True, pairs=len(model.pairs)), steps.Printout(axis=True)
-    shares = {"first": 0.5 / points, "largest": 1.0 / points}
+    first, largest = 0.5 / points, 1.0 / points
     find = steps.frequency_step(modes, quiet, preloaded=installed > 0)
     if installed > 0:
         further = steps.static_step(reach, printout, first=0.25, largest=0.25)
-        output = model.run(model.deck(steps.static_step(installed, printout, **shares), find, further))
+        output = model.run(model.deck(steps.static_step(installed, printout, first=first, largest=largest), find, further))
     else:
-        output = model.run(model.deck(find, steps.static_step(reach, printout, **shares)))
+        output = model.run(model.deck(find, steps.static_step(reach, printout, first=first, largest=largest)))
     printed = read_printed(output.printed)
     ends = (installed, reach) if installed > 0 else (reach, None)
     curve = model.curve_from(printed, ends[0], output.status, ends[1])
