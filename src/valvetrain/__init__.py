@@ -46,6 +46,7 @@ _HOMES = {
     "EquivalentRodWithClash": "springs.rod_with_clash",
     "NestedSprings": "springs.nested",
     "FiniteElementRod": "springs.finite_element",
+    "SolidSpring": "springs.solid.jobs",
     # studies
     "run_spring_study": "studies.spring_study",
     "SpringStudy": "analysis.study",
@@ -55,6 +56,11 @@ _HOMES = {
     "TrainStudy": "analysis.valvetrain_study",
     "run_sweep": "studies.sweep",
     "TrainSweep": "studies.sweep",
+    "run_solid_comparison": "studies.solid_comparison",
+    "SolidChoice": "studies.solid_comparison",
+    "SpringComparison": "analysis.spring_comparison",
+    "simulate_batch": "rod.batch",
+    "RodBatch": "rod.batch",
     "map_cases": "studies.batch",
     # results
     "Solution": "solution.result",
@@ -71,6 +77,7 @@ _HOMES = {
     "write_report": "report.write",
     "write_train_report": "report.train_report",
     "write_sweep_report": "report.train_report",
+    "write_comparison": "report.spring_comparison_page",
     "cite": "citations",
     "bibtex": "citations",
     "InputError": "errors",
