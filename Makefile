@@ -16,7 +16,7 @@ help:
 	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
 	@echo "make bench     measure the speed of the main parts"
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
-	@echo "make lint      ruff and mypy"
+	@echo "make lint      style, format (ruff) and types (mypy)"
 	@echo "make pins      resolve the pinned versions anew (needs a network)"
 	@echo "make clean     remove the environment, caches and results"
 
@@ -46,6 +46,7 @@ identify: environment-run
 
 lint: environment-test
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
 pins:
