@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from valvetrain.errors import InputError
 from valvetrain.rod.buffer import RodDynamics, fill_buffer, march_numbers, stable_time_step
 from valvetrain.rod.lane_march import LANES, march_lanes
-from valvetrain.rod.layout import PAD, ROWS, STRIDE
+from valvetrain.rod.layout import PAD, ROWS, STRIDE, empty_buffer
 from valvetrain.rod.march import LOWER_END, STRETCHES, UPPER_START
 from valvetrain.rod.mesh import MAXIMUM_VERTICES, RodMesh
 from valvetrain.rod.state import RodState
@@ -86,7 +86,7 @@ def _march_group(
     meshes: Sequence[RodMesh], starts: Sequence[RodState], dynamics: RodDynamics, displacement: Array, step: float, sub: int
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Forces (LANES, 2, records) of one group of rods and which of them reached the end."""
-    buffer = np.zeros(ROWS * STRIDE)
+    buffer = empty_buffer()
     rows = buffer[PAD : PAD + (ROWS - 1) * STRIDE + MAXIMUM_VERTICES]
     width = meshes[0].vertices + 4
     for lane, (mesh, start) in enumerate(zip(meshes, starts, strict=True)):

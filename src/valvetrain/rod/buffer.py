@@ -10,7 +10,7 @@ from scipy.sparse import diags
 from scipy.sparse.linalg import eigsh
 
 from valvetrain.rod import quaternion as quat
-from valvetrain.rod.layout import SIZE, row
+from valvetrain.rod.layout import empty_buffer, row
 from valvetrain.rod.mesh import RodMesh
 from valvetrain.rod.state import RodState
 from valvetrain.rod.static import RodStatics
@@ -69,7 +69,7 @@ def _with_branch(mesh: RodMesh, share: float) -> RodMesh:
 
 def fill_buffer(mesh: RodMesh, state: RodState, dynamics: RodDynamics, time_step: float) -> Array:
     """The flat buffer of a rod at rest in ``state``, ready to march with ``time_step`` (s)."""
-    b = np.zeros(SIZE)
+    b = empty_buffer()
     nv, first, last = mesh.vertices, mesh.first, mesh.last
     for names, values in (("X Y Z", state.position.T), ("Q0 Q1 Q2 Q3", state.frame.T)):
         for name, value in zip(names.split(), values, strict=True):

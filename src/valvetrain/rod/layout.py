@@ -41,3 +41,18 @@ def row(buffer: NDArray[np.float64], name: str, count: int) -> NDArray[np.float6
     """View of the first ``count`` entries of a row."""
     start = int(ROW[name])
     return buffer[start : start + count]
+
+
+#: Bytes of a large memory page, and the size of an allocation from which numpy asks the system for such pages.
+LARGE_PAGE, LARGE_ALLOCATION = 2**21, 2**23
+
+
+def empty_buffer() -> NDArray[np.float64]:
+    """A buffer of zeros at the start of a large memory page where the system gives one.
+
+    The rows lie on some 300 small pages, more than the processor keeps addresses of: eight rods side by side took 0.23 s per variant
+    instead of 0.16. Memory that is not touched costs nothing.
+    """
+    whole = np.zeros(LARGE_ALLOCATION // 8)
+    start = -whole.ctypes.data % LARGE_PAGE // 8
+    return whole[start : start + SIZE]
