@@ -115,9 +115,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.page is not None:
         write_text(options.page, page(rows))
     for row in failed:
-        print(
-            f"FAILS: {row.topic}, {row.name}: expected {row.expected:.6g}, computed {row.computed:.6g} {row.unit}, tolerance {row.tolerance:.3g}"
-        )
+        numbers = f"expected {row.expected:.6g}, computed {row.computed:.6g} {row.unit}, tolerance {row.tolerance:.3g}"
+        print(f"FAILS: {row.topic}, {row.name}: {numbers}")
     print(f"{len(rows)} rows, {len(failed)} fail")
     return 1 if failed else 0
 
