@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import brentq
 
 from valvetrain.contact.kernels import contact_force
-from valvetrain.system.train_forces import gap_state
+from valvetrain.system.train_forces import gap_state, sliding_state
 
 
 def march(runner, state, steps):
@@ -31,6 +32,7 @@ def march(runner, state, steps):
         total[arrays.retainer] -= system.spring_force(float(q[arrays.retainer]))
         v = v + h * total / mass
         v, forces = _damp(arrays, gradients, driven, damping, forces, mass, h, v, old)
+        v = _rub(system, q, angle, omega, forces, mass, h, v)
         for i in range(len(q)):
             coefficient = arrays.body[i, 2] + arrays.body[i, 3] / max(abs(v[i]), arrays.body[i, 4])
             z = h * coefficient / mass[i]
@@ -38,6 +40,19 @@ def march(runner, state, steps):
         q = q + h * v
         angle += h * omega
     return q, v, forces
+
+
+def _rub(system, q, angle, omega, forces, mass, h, v):
+    """Friction impulse of one contact after the other, the sliding velocity after it found by bisection."""
+    rows, slopes = sliding_state(system, q, angle)
+    for k, (coefficient, width) in enumerate(system.arrays.friction):
+        if coefficient == 0 or forces[k] <= 0:
+            continue
+        free, mobility = rows[k] @ v + slopes[k] * omega, rows[k] ** 2 @ (1 / mass)
+        most = h * coefficient * forces[k]
+        after = brentq(lambda s, f=free, m=mobility * most, w=width: s + m * np.tanh(s / w) - f, -abs(free), abs(free), xtol=1e-16)
+        v = v - most * np.tanh(after / width) * rows[k] / mass
+    return v
 
 
 def _damp(arrays, gradients, driven, damping, forces, mass, h, v, old):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from train_parts import KINDS, system
+from train_parts import KINDS, STIFF, contacts, system
 from twins.train_step import march
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.train import ContactParameters, SupportParameters, ValveParameters
@@ -30,12 +30,15 @@ def test_gap_gradients_are_derivatives(kind, model):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("law", ["linear", "impact"])
+@pytest.mark.parametrize("law", ["linear", "impact", "rough"])
 def test_the_loop_equals_its_plain_twin(kind, law):
     changes = {"lash": 1e-4, "support": None if kind == "direct" else SupportParameters(5e7, 0.1, 200.0)}
     changes["valve"] = ValveParameters(0.1, stem_stiffness=1e8, stem_damping=100.0, damping=3.0, friction=2.0)
     if law == "impact":
         changes["contacts"] = dict.fromkeys(("cam", "tappet", "rocker", "valve_tip", "seat"), IMPACT)
+    if law == "rough":
+        rubs = {"direct": ("cam",), "finger": ("cam", "valve_tip"), "rocker": ("valve_tip",), "pushrod": ("cam", "valve_tip")}[kind]
+        changes["contacts"] = contacts() | {place: ContactParameters("linear", STIFF.values, 0.12, 0.02) for place in rubs}
     ready = runner(system(KINDS[kind](**changes)), 250.0, TrainOptions(samples=720))
     start = ready.initial_state()
     steps = ready.steps // 2  # through opening and most of the event

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from train_parts import LAW, direct, finger, pushrod, system
+from train_parts import LAW, STIFF, contacts, direct, finger, pushrod, rocker, system
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.mechanism.build import build_mechanism
@@ -24,6 +24,8 @@ from valvetrain.parameters.train import (
 )
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.system.build_train import build_train
+
+ROUGH = ContactParameters("linear", STIFF.values, 0.1)
 
 
 @pytest.mark.parametrize(
@@ -61,6 +63,13 @@ from valvetrain.system.build_train import build_train
         (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, math.pi)), LAW), "close the valve"),
         (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, -math.pi / 2)), LAW), "along the "
         "valve axis"),
+        (lambda: ContactParameters("linear", {}, -0.1), "friction_coefficient of the contact must not be negative"),
+        (lambda: build_mechanism(direct(contacts=contacts(ROUGH)), LAW), "contact 'valve_tip' of a direct train takes no friction"),
+        (lambda: build_mechanism(direct(contacts={**contacts(), "seat": ROUGH}), LAW), "move along one line"),
+        (lambda: build_mechanism(rocker(contacts={**contacts(), "cam": ROUGH}), LAW), "a roller, which rolls"),
+        (lambda: build_mechanism(pushrod(contacts={**contacts(), "rocker": ROUGH}), LAW), "meet in a ball"),
+        (lambda: build_mechanism(finger(contacts={**contacts(), "cam": ROUGH}, model="lumped"), LAW), "knows no tangent"),
+        (lambda: build_mechanism(finger(contacts={**contacts(), "cam": ROUGH}, model="single-mass"), LAW), "needs model = 'planar'"),
         (lambda: runner(system(direct()), 0.0), "cam speed must be positive"),
         (lambda: runner(system(direct()), -10.0), "cam speed must be positive"),
         (lambda: runner(system(direct()), 200.0, TrainOptions(time_step=1e-3)), "cannot resolve the stiffest contact"),

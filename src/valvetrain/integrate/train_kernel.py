@@ -1,7 +1,7 @@
 """The one compiled loop of a whole train: explicit leapfrog, all damping of a step solved together.
 
 Order of operations in a step (written down once, here): kinematics -> gaps -> laws -> springs -> kick -> damping
-impulses -> record -> drift. Positions live at t_n, velocities at t_(n-1/2); the spring kernels share the step.
+impulses -> friction -> record -> drift. Positions live at t_n, velocities at t_(n-1/2); the spring kernels share the step.
 
 Damping never limits the step: its impulses J solve J_k = h c_k ((1 - theta_k) rate_before + theta_k rate_after) for all
 interactions at once, theta = (3 + z)/(6 + z) with z = h c W, the exponentially fitted mean (1/2 for light, 1 for heavy damping).
@@ -19,6 +19,7 @@ from numba import njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from valvetrain.contact.kernels import FLORES, LANKARANI_NIKRAVESH, contact_force, update_impact
+from valvetrain.integrate.train_friction import friction_loss, rub
 from valvetrain.mechanism.gaps import OPTIONS, penetration_and_gradient, table_value
 
 # Spring kernels enter as first-class functions; numba calls that experimental each time it compiles the loop.
@@ -43,7 +44,7 @@ def law_force_and_damping(law, parameters, pen, rate):
 
 
 _SIGNATURE = i8(
-    SPRING_FUNCTION, SPRING_FUNCTION, _integers, _integer_matrix, _integers, _integers, _matrix, _matrix, _cube, _matrix,
+    SPRING_FUNCTION, SPRING_FUNCTION, _integers, _integer_matrix, _integers, _integers, _matrix, _matrix, _matrix, _cube, _matrix,
     _cube, i8, i8, _vector, _integers, _vector, _vector, _integers, _vector, _vector, _vector,
     _vector, _integers, _vector, _matrix, _matrix, _matrix, _matrix, _matrix, _matrix,
 )  # fmt: skip
@@ -144,11 +145,11 @@ def _solve(count, held, dense, right, diagonal, matrix, impulse):
 
 @njit(forceinline=True, **OPTIONS)
 def _damp(index, laws, body, gaps, gradients, step, v, old, rows, held, dense, right, diagonal, matrix, impulse):
-    """Damping impulses of all interactions together; adds the mean damping forces to ``gaps[:, 2]``; returns the energy lost (J).
+    """Damping impulses of all interactions together; adds the mean damping forces to ``gaps[:, 2]``; returns how many there are.
 
     A contact whose total force would pull is held at zero force and the others are solved again.
     """
-    count, lost = _damped_rows(index, body, gaps, gradients, step, v, old, rows, dense, right, diagonal), 0.0
+    count = _damped_rows(index, body, gaps, gradients, step, v, old, rows, dense, right, diagonal)
     for a in range(count):
         held[a] = 0
     for _ in range(count):
@@ -166,7 +167,14 @@ def _damp(index, laws, body, gaps, gradients, step, v, old, rows, held, dense, r
             i = index[k, slot]
             if i >= 0:
                 v[i] -= impulse[a] * gradients[k, slot] / body[i, 0]
-        gaps[k, 2] += impulse[a] / step
+        gaps[k, 2] = gaps[k, 2] + impulse[a] / step if held[a] == 0 else 0.0  # not the rounding of their difference
+    return count
+
+
+@njit(forceinline=True, **OPTIONS)
+def _losses(index, body, gaps, gradients, step, v, old, rows, count, impulse):
+    """Energy (J) lost in the damping impulses of the contacts, then in the guides, which slow ``v`` here."""
+    lost = 0.0
     for a in range(count):
         k = rows[a]
         rate = gaps[k, 1]
@@ -184,11 +192,11 @@ def _damp(index, laws, body, gaps, gradients, step, v, old, rows, held, dense, r
 
 
 @njit(forceinline=True, **OPTIONS)
-def _account(body, gaps, cam_speed, step, v, old, totals):
+def _account(body, gaps, rubbing, step, v, old, totals):
     """Add the work of cam and constant forces and the peak forces to ``totals``; returns cam power (W) and largest speed."""
     power, work, bound, interactions = 0.0, 0.0, 0.0, gaps.shape[0]
     for k in range(interactions):
-        power += gaps[k, 2] * gaps[k, 1]
+        power += gaps[k, 2] * gaps[k, 1] + rubbing[k, 0] / step * rubbing[k, 1]
         totals[4 + k] = max(totals[4 + k], abs(gaps[k, 2]))
     for i in range(v.shape[0]):
         work += body[i, 1] * 0.5 * (old[i] + v[i])
@@ -214,10 +222,10 @@ def _record(row, motion, force, gap, spring, q, v, old, step, cam_angle, power, 
 
 @njit(**OPTIONS)
 def _march(
-    spring_a, spring_b, kinds, index, table_of, laws, geometry, law_parameters, tables, body,
+    spring_a, spring_b, kinds, index, table_of, laws, geometry, law_parameters, friction, tables, body,
     gas, gas_coordinate, retainer, parameters_a, integers_a, state_a, parameters_b, integers_b, state_b, q, v,
     clock, counters, totals, record_motion, record_force, record_gap, record_spring, record_state_a, record_state_b,
-    old, gaps, gradients, matrix, dense, right, diagonal, impulse, rows, held,
+    old, gaps, gradients, slides, rubbing, matrix, dense, right, diagonal, impulse, rows, held,
 ):  # fmt: skip
     """The loop itself; see :func:`advance_train`. Compiled without reference counting, which would cost more than the physics."""
     step, every, exchange, bound, sample = clock[3], counters[1], counters[3], 0.0, 0
@@ -249,10 +257,12 @@ def _march(
         if gas_coordinate >= 0:
             pressed, _, _ = table_value(gas, 0, cam_angle)
             v[gas_coordinate] += step * pressed / body[gas_coordinate, 0]
-        totals[2] += _damp(
-            index, laws, body, gaps, gradients, step, v, old, rows, held, dense, right, diagonal, matrix, impulse
-        )  # fmt: skip
-        power, bound = _account(body, gaps, cam_speed, step, v, old, totals)
+        damped = _damp(index, laws, body, gaps, gradients, step, v, old, rows, held, dense, right, diagonal, matrix, impulse)
+        rub(kinds, index, table_of, friction, geometry, tables, q, cam_angle, cam_speed, body, gaps, step, v, slides, rubbing)
+        rubbed = friction_loss(index, old, v, slides, rubbing)
+        totals[2] += rubbed + _losses(index, body, gaps, gradients, step, v, old, rows, damped, impulse)
+        totals[4 + 2 * kinds.shape[0]] += rubbed
+        power, bound = _account(body, gaps, rubbing, step, v, old, totals)
         if gas_coordinate >= 0:
             totals[1] += step * pressed * 0.5 * (old[gas_coordinate] + v[gas_coordinate])
         totals[3] += step * (clock[4] + clock[6]) * 0.5 * (old[retainer] + v[retainer])
@@ -272,24 +282,25 @@ def _march(
 
 @njit(cache=True, error_model="numpy")
 def advance_train(
-    spring_a, spring_b, kinds, index, table_of, laws, geometry, law_parameters, tables, body,
+    spring_a, spring_b, kinds, index, table_of, laws, geometry, law_parameters, friction, tables, body,
     gas, gas_coordinate, retainer, parameters_a, integers_a, state_a, parameters_b, integers_b, state_b, q, v,
     clock, counters, totals, record_motion, record_force, record_gap, record_spring, record_state_a, record_state_b,
 ):  # fmt: skip
     """Advance ``counters[0]`` steps in place; returns the steps done (fewer when the motion left all bounds).
 
     ``clock`` (9,): cam angle, cam speed, cam acceleration, step, four spring end forces, displacement of a partitioned spring.
-    ``counters`` (4,): steps, record every, unused, exchange interval (0: all advance together). ``body`` (N, 5): mass,
-    constant force, guide damping, friction, friction velocity. ``totals`` (4 + 2 n): work of the cam, of constant and gas forces,
-    dissipated, work on the springs, then peak force and peak penetration per interaction. Records: ``motion`` (S, 3 N + 2)
-    q, v, a, cam angle, cam power; ``force`` and ``gap`` (S, n); ``spring`` (S, 4); spring states (S, unknowns...).
+    ``counters`` (4,): steps, record every, unused, exchange interval (0: all advance together). ``body`` (N, 5): mass, constant force,
+    guide damping, friction, friction velocity. ``friction`` (n, 2): coefficient and slip rate (m/s) per contact. ``totals`` (5 + 2 n):
+    work of the cam, of constant and gas forces, dissipated, work on the springs, then peak force and peak penetration per interaction,
+    and the share of contact friction in what was dissipated. Records: ``motion`` (S, 3 N + 2) q, v, a, cam angle, cam power; ``force``
+    and ``gap`` (S, n); ``spring`` (S, 4); spring states (S, unknowns...).
     """
     n, count = kinds.shape[0], q.shape[0]
     return _march(
-        spring_a, spring_b, kinds, index, table_of, laws, geometry, law_parameters, tables, body,
+        spring_a, spring_b, kinds, index, table_of, laws, geometry, law_parameters, friction, tables, body,
         gas, gas_coordinate, retainer, parameters_a, integers_a, state_a, parameters_b, integers_b, state_b, q, v,
         clock, counters, totals, record_motion, record_force, record_gap, record_spring, record_state_a, record_state_b,
-        np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, n)), np.zeros((n, count)),
+        np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 2)), np.zeros((n, n)), np.zeros((n, count)),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64),
     )  # fmt: skip
 

@@ -73,7 +73,7 @@ class CycleRecord:
 
     ``spring_forces`` (S, springs, 2): retainer and seat force; ``spring_states``: per spring the head of its state (S, entries) or empty.
     ``cam_power`` (W). ``peak_forces``, ``peak_penetrations`` (n,): over every step. ``work``: of cam, of constant and gas forces,
-    dissipated, on springs (J).
+    dissipated, on springs (J). ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
     """
 
     cam_angle: Array
@@ -91,6 +91,7 @@ class CycleRecord:
     time_step: float
     cam_speed: float
     status: Status = COMPLETED
+    friction_loss: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -138,18 +139,19 @@ class TrainRunner:
                 states.append(np.zeros((rows, 0)))
         clock = np.array([state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step, *new.held])
         counters = np.array([self.steps, self.steps // rows, 0, self.options.exchange], dtype=np.int64)
-        totals = np.zeros(4 + 2 * interactions)
+        totals = np.zeros(5 + 2 * interactions)
         done = ready_train_kernel()(
             slots[0][0], slots[1][0], arrays.kinds, arrays.index, arrays.table_of, arrays.laws, arrays.geometry, new.law_parameters,
-            arrays.tables, arrays.body, arrays.gas, arrays.gas_coordinate, arrays.retainer, *slots[0][1:], *slots[1][1:], new.q, new.v,
-            clock, counters, totals, motion, force, gap, ends, states[0], states[1],
+            arrays.friction, arrays.tables, arrays.body, arrays.gas, arrays.gas_coordinate, arrays.retainer, *slots[0][1:], *slots[1][1:],
+            new.q, new.v, clock, counters, totals, motion, force, gap, ends, states[0], states[1],
         )  # fmt: skip
         status = self._status(done, state.cam_angle, totals[4 : 4 + interactions])
         end = replace(new, held=clock[4:9].copy(), cam_angle=state.cam_angle + TURN if self.cam_acceleration == 0 else float(clock[0]))
         record = CycleRecord(
             motion[:, 3 * count], motion[:, :count], motion[:, count : 2 * count], motion[:, 2 * count : 3 * count], force, gap,
             ends.reshape(rows, 2, 2)[:, : len(self.springs)], tuple(states[: len(self.springs)]), motion[:, -1],
-            totals[4 : 4 + interactions], totals[4 + interactions :], totals[:4], self.time_step, self.cam_speed, status,
+            totals[4 : 4 + interactions], totals[4 + interactions : -1], totals[:4], self.time_step, self.cam_speed, status,
+            float(totals[-1]),
         )  # fmt: skip
         return end, record
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
+from valvetrain.contact.friction import CoulombFriction
 from valvetrain.contact.library import build_contact_law
+from valvetrain.errors import InputError
 from valvetrain.mechanism.direct import build_direct
 from valvetrain.mechanism.lever import build_lever
 from valvetrain.mechanism.lumped import build_lumped, build_single_mass
 from valvetrain.mechanism.parts import AssembledMechanism
 from valvetrain.mechanism.pushrod import build_pushrod
+from valvetrain.mechanism.sliding import SLIDING_KINDS
 from valvetrain.parameters.train import TrainParameters
 
 PLACES = {
@@ -23,7 +28,8 @@ PLACES = {
 def build_mechanism(train: TrainParameters, law: Any, lift_of: str = "tappet") -> AssembledMechanism:
     """Mechanism of a train under a lift law (``lift_of`` 'tappet' or 'valve'), in the model the train asks for.
 
-    Raises :class:`InputError` for geometry that cannot work, lash larger than the lift, or a missing contact law.
+    Raises :class:`InputError` for geometry that cannot work, lash larger than the lift, a missing contact law, or friction where
+    nothing slides.
     """
     places = [place for place in PLACES[train.kind] if place != "tappet" or train.follower.mass > 0]
     laws = {place: build_contact_law(train.contact(place).law, **train.contact(place).values) for place in places}
@@ -33,8 +39,34 @@ def build_mechanism(train: TrainParameters, law: Any, lift_of: str = "tappet") -
         planar = build_pushrod(train, law, laws, lift_of)
     else:
         planar = build_lever(train, law, laws, lift_of)
+    rough = {place: friction for place in places if (friction := train.contact(place).friction_coefficient) > 0}
+    if rough and train.model != "planar":
+        raise InputError(
+            f"friction in the contact '{next(iter(rough))}' needs model = 'planar': the {train.model} model keeps the gaps' normals "
+            "only and knows no tangent to slide along; remove friction_coefficient or change the model"
+        )
     if train.model == "lumped":
         return build_lumped(planar)
     if train.model == "single-mass":
         return build_single_mass(planar)
-    return planar
+    return _with_friction(planar, train, rough) if rough else planar
+
+
+def _with_friction(planar: AssembledMechanism, train: TrainParameters, coefficients: Mapping[str, float]) -> AssembledMechanism:
+    """The mechanism with friction in the contacts named. Raises :class:`InputError` where nothing slides."""
+    changed = {item.name: item for item in planar.interactions}
+    for place, coefficient in coefficients.items():
+        item = changed[place.replace("_", " ")]
+        if item.kind not in SLIDING_KINDS or (place == "cam" and train.follower.shape == "roller"):
+            reason = _why_not(place)
+            raise InputError(f"the contact '{place}' of a {train.kind} train takes no friction: {reason}; remove friction_coefficient")
+        changed[item.name] = replace(item, friction=CoulombFriction(coefficient, train.contact(place).friction_velocity))
+    return replace(planar, interactions=tuple(changed.values()))
+
+
+def _why_not(place: str) -> str:
+    if place == "cam":
+        return "its follower is a roller, which rolls"
+    if place in ("tappet", "rocker"):
+        return "its partners meet in a ball, whose turning the model does not tell"
+    return "its partners move along one line, so nothing slides"

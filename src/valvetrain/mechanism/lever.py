@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.mechanism.gap_kinds import LINEAR, POINT_PLANE
+from valvetrain.mechanism.gap_kinds import ARC_RADIUS, LINEAR, POINT_PLANE
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, ElasticLink, Interaction
 from valvetrain.mechanism.planar import cam_contact, rotate, sample_angles, support_parts, turning_row, unit, valve_parts
 from valvetrain.mechanism.rigid import RatioCurve, RigidKinematics, check_lash
@@ -100,4 +100,5 @@ def valve_tip_contact(
     """Arc of the lever's tip on the flat end of the stem, the lash between them."""
     assert train.lever is not None
     row = [*turning_row(train.lever.pivot, (tip[0], tip[1]), sign, support), *unit(train.valve.opening_direction), train.lash, 1.0]
+    row += [*[0.0] * (ARC_RADIUS - len(row)), train.lever.tip_radius]
     return Interaction("valve tip", POINT_PLANE, names, tuple(row), law)

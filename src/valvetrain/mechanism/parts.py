@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.contact.friction import CoulombFriction
 from valvetrain.errors import InputError
 from valvetrain.mechanism.gap_kinds import GEOMETRY_COLUMNS
 
@@ -48,7 +49,7 @@ class Interaction:
 
     ``kind``: one of :mod:`valvetrain.mechanism.gap_kinds`. ``coordinates``: up to four coordinate names, '' where a slot is empty.
     ``geometry``: the row of the kind. ``table``: name of the lift or contour table, '' when none. ``law``: contact parameters
-    of a unilateral contact, or an :class:`ElasticLink`.
+    of a unilateral contact, or an :class:`ElasticLink`. ``friction``: along the contact, None for none.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Interaction:
     geometry: tuple[float, ...]
     law: Any
     table: str = ""
+    friction: CoulombFriction | None = None
 
     def geometry_row(self) -> Array:
         """The geometry padded to its fixed number of columns."""

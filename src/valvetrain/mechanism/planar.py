@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.mechanism.contour import NODES, check_flat, check_round, table_from_samples
-from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_ROUND, LINEAR
+from valvetrain.mechanism.gap_kinds import ARC_RADIUS, CAM_FLAT, CAM_ROUND, LINEAR
 from valvetrain.mechanism.parts import Coordinate, ElasticLink, Interaction
 from valvetrain.parameters.train import FollowerParameters, TrainParameters
 
@@ -59,7 +59,7 @@ def cam_contact(
     reference = float(polar[0])
     table = table_from_samples(cam_angle - rotation * (polar - reference), np.hypot(x, y))
     check_round(table, follower.radius)
-    row = [*base_row, 0.0, reference, float(rotation)]
+    row = [*base_row, 0.0, reference, float(rotation), *[0.0] * (ARC_RADIUS - 11), follower.radius]
     return Interaction("cam", CAM_ROUND, coordinates, tuple(row), law, "cam contour"), table
 
 

@@ -18,19 +18,26 @@ FollowerShape = Literal["flat", "domed", "roller", "knife"]
 
 @dataclass(frozen=True, slots=True)
 class ContactParameters:
-    """A contact law by its name and numbers (SI); ``values`` are the keyword arguments of that law in `valvetrain.contact`."""
+    """A contact law by its name and numbers (SI); ``values`` are the keyword arguments of that law in `valvetrain.contact`.
+
+    ``friction_coefficient`` (0: none) of regularised Coulomb friction, which creeps below ``friction_velocity`` (m/s).
+    """
 
     law: str = "linear"
     values: Mapping[str, Any] = field(default_factory=FrozenMapping)
+    friction_coefficient: float = 0.0
+    friction_velocity: float = 0.01
 
     def __post_init__(self) -> None:
+        _not_negative(self, "contact", "friction_coefficient")
+        _positive(self, "contact", "friction_velocity")
         object.__setattr__(self, "values", FrozenMapping(self.values))
 
     def replace(self, **changes: Any) -> ContactParameters:
         """A copy with another ``law`` or with ``values`` changed."""
         law = changes.pop("law", self.law)
         values = changes.pop("values", self.values)
-        return ContactParameters(law, {**values, **changes})
+        return ContactParameters(law, {**values, **changes}, self.friction_coefficient, self.friction_velocity)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +92,8 @@ class LeverParameters:
     the valve is closed; None lets the base circle decide (cam-driven levers), ``drive_side`` +1 or -1 then picks one of the two
     solutions. ``valve_arm``, ``valve_angle``: pivot to the centre of the tip's arc. ``inertia`` (kg m2) about the pivot; ``mass`` (kg)
     that rides on the support. ``stiffness`` (N/m) at the valve tip, None for rigid; ``damping`` (N s/m) likewise. ``holding_torque``
-    (N m) of a hairpin spring presses the lever towards the cam or pushrod, so that it does not float in the lash.
+    (N m) of a hairpin spring presses the lever towards the cam or pushrod, so that it does not float in the lash. ``tip_radius`` (m) of
+    the arc that rides on the stem; only friction there asks for it.
     """
 
     pivot: tuple[float, float]
@@ -99,10 +107,11 @@ class LeverParameters:
     stiffness: float | None = None
     damping: float = 0.0
     holding_torque: float = 0.0
+    tip_radius: float = 0.0
 
     def __post_init__(self) -> None:
         _positive(self, "lever", "drive_arm", "valve_arm", "inertia")
-        _not_negative(self, "lever", "mass", "damping", "holding_torque")
+        _not_negative(self, "lever", "mass", "damping", "holding_torque", "tip_radius")
         if self.stiffness is not None:
             _positive(self, "lever", "stiffness")
 

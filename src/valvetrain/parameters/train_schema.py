@@ -44,6 +44,7 @@ VALUE_DIMENSIONS: dict[str, str | None] = {
     "contact_stiffness": None, "damping": "damping", "full_damping_depth": "length", "mass_damping": "damping rate",
     "stiffness_damping": "time", "contact_damping_time": "time", "held_mass": "mass", "hysteresis_damping": None,
     "length": "length", "modulus": "modulus", "radius": "length", "damping_factor": None, "rubbing_force": "force",
+    "friction_velocity": "velocity",
 }  # fmt: skip
 
 
@@ -69,7 +70,9 @@ def _read_contact(raw: Any) -> ContactParameters:
     law = values.pop("law", None)
     if not isinstance(law, str):
         raise problem("a contact needs its law, such as law = 'impact'")
-    return ContactParameters(law, values)
+    friction = {key: values.pop(key) for key in ("friction_coefficient", "friction_velocity") if key in values}
+    built: ContactParameters = guarded(lambda: ContactParameters(law, values, **friction))
+    return built
 
 
 def _read_spring_set(raw: Any) -> tuple[Any, ...]:
@@ -140,6 +143,7 @@ class LeverModel(StrictModel):
     stiffness: Stiffness | None = None
     damping: Damping = 0.0
     holding_torque: Torque = 0.0
+    tip_radius: Length = 0.0
 
     def build(self) -> LeverParameters:
         """The lever of this table."""

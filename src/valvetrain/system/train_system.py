@@ -25,8 +25,9 @@ BILATERAL = -1
 class TrainArrays:
     """What the compiled loop reads; shapes: n interactions, N coordinates, m tables.
 
-    ``kinds``, ``table_of``, ``laws`` (n,); ``index`` (n, 4); ``geometry`` (n, 16); ``law_parameters`` (n, 8); ``tables``
-    (m, nodes, 3); ``body`` (N, 5) mass, constant force, guide damping, friction, friction velocity; ``gas`` (1, nodes, 3) N over cam angle.
+    ``kinds``, ``table_of``, ``laws`` (n,); ``index`` (n, 4); ``geometry`` (n, 16); ``law_parameters`` (n, 8); ``friction`` (n, 2)
+    coefficient and slip rate (m/s); ``tables`` (m, nodes, 3); ``body`` (N, 5) mass, constant force, guide damping, friction, friction
+    velocity; ``gas`` (1, nodes, 3) N over cam angle.
     """
 
     kinds: Integers
@@ -35,6 +36,7 @@ class TrainArrays:
     laws: Integers
     geometry: Array
     law_parameters: Array
+    friction: Array
     tables: Array
     body: Array
     gas: Array
@@ -113,11 +115,13 @@ def _assemble(system: TrainSystem) -> TrainArrays:
     kinds, table_of, laws = (np.zeros(count, dtype=np.int64) for _ in range(3))
     index = np.full((count, COORDINATES_PER_INTERACTION), -1, dtype=np.int64)
     geometry = np.stack([interaction.geometry_row() for interaction in mechanism.interactions])
-    law_parameters = np.zeros((count, LAW_COLUMNS))
+    law_parameters, friction = np.zeros((count, LAW_COLUMNS)), np.zeros((count, 2))
     for k, interaction in enumerate(mechanism.interactions):
         kinds[k] = interaction.kind
         table_of[k] = table_names.index(interaction.table) if interaction.table else 0
         laws[k], law_parameters[k] = law_row(interaction.law)
+        if interaction.friction is not None:
+            friction[k] = interaction.friction.coefficient, interaction.friction.slip_rate
         for slot, name in enumerate(interaction.coordinates):
             index[k, slot] = mechanism.index(name) if name else -1
     body = np.zeros((total, 5))
@@ -126,6 +130,6 @@ def _assemble(system: TrainSystem) -> TrainArrays:
     body[mechanism.index(mechanism.retainer), 0] += system.spring_mass
     gas = np.zeros((1, 4, 3)) if system.gas is None else np.ascontiguousarray(system.gas, dtype=float)[None]
     return TrainArrays(
-        kinds, index, table_of, laws, geometry, law_parameters, np.ascontiguousarray(tables, dtype=float), body, gas,
+        kinds, index, table_of, laws, geometry, law_parameters, friction, np.ascontiguousarray(tables, dtype=float), body, gas,
         -1 if system.gas is None else mechanism.index(mechanism.valve), mechanism.index(mechanism.retainer),
     )  # fmt: skip

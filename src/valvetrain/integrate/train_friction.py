@@ -1,0 +1,66 @@
+"""Friction in the contacts of a train: one implicit impulse per sliding contact, after the normal impulses of the step are known.
+
+The sliding velocity s after the step solves s + h W mu N tanh(s / v0) = s_free, W the tangential mobility: exact where it slides, and
+dissipative at any step where it sticks (regularised Coulomb law of ``contact.friction``).
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from valvetrain.mechanism.gaps import OPTIONS
+from valvetrain.mechanism.sliding import sliding_gradient
+
+
+@njit(forceinline=True, **OPTIONS)
+def slowed(free, most, width):
+    """Root s of s + most tanh(s / width) = free. Newton from below on a concave function never overshoots."""
+    aim = abs(free)
+    s = max(aim - most, 0.0)
+    for _ in range(50):
+        pull = math.tanh(s / width)
+        move = (aim - s - most * pull) / (1.0 + most / width * (1.0 - pull * pull))
+        s += move
+        if move <= 1e-14 * aim:
+            break
+    return s if free > 0.0 else -s
+
+
+@njit(forceinline=True, **OPTIONS)
+def rub(kinds, index, table_of, friction, geometry, tables, q, cam_angle, cam_speed, body, gaps, step, v, slides, rubbing):
+    """Friction impulses of all contacts that slide; changes ``v`` and fills ``rubbing`` (n, 2): impulse (N s), sliding of the cam (m/s)."""
+    for k in range(kinds.shape[0]):
+        rubbing[k, 0], rubbing[k, 1] = 0.0, 0.0
+        if friction[k, 0] <= 0.0 or gaps[k, 2] <= 0.0:
+            continue
+        driven = cam_speed * sliding_gradient(k, kinds, index, geometry, tables, table_of, q, cam_angle, slides)
+        free, mobility = driven, 0.0
+        for slot in range(4):
+            i = index[k, slot]
+            if i >= 0:
+                free += slides[k, slot] * v[i]
+                mobility += slides[k, slot] * slides[k, slot] / body[i, 0]
+        limit = step * friction[k, 0] * gaps[k, 2]
+        after = slowed(free, limit * mobility, friction[k, 1])
+        impulse = limit * math.tanh(after / friction[k, 1])
+        for slot in range(4):
+            i = index[k, slot]
+            if i >= 0:
+                v[i] -= impulse * slides[k, slot] / body[i, 0]
+        rubbing[k, 0], rubbing[k, 1] = impulse, driven
+
+
+@njit(forceinline=True, **OPTIONS)
+def friction_loss(index, old, v, slides, rubbing):
+    """Energy (J) that friction takes in the step: impulses times the mean sliding velocity."""
+    lost = 0.0
+    for k in range(index.shape[0]):
+        if rubbing[k, 0] != 0.0:
+            rate = rubbing[k, 1]
+            for slot in range(4):
+                if index[k, slot] >= 0:
+                    rate += 0.5 * slides[k, slot] * (old[index[k, slot]] + v[index[k, slot]])
+            lost += rubbing[k, 0] * rate
+    return lost
