@@ -120,7 +120,7 @@ def _contact_numbers(steady: SteadyTrain, data: CycleData) -> dict[str, float]:
     opened = data.rigid_lift > 0.1 * np.max(data.rigid_lift)
     for name in ("cam", "valve tip"):
         if name in data.forces:
-            values[f"minimum_{_word(name)}_force"] = max(float(np.min(data.forces[name][opened])), 0.0)
+            values[f"minimum_{_word(name)}_force"] = float(np.min(data.forces[name][opened]))
             values[f"peak_open_{_word(name)}_force"] = float(np.max(data.forces[name][opened]))
     values["nose_cam_contact_force"] = float(data.forces["cam"][int(np.argmax(data.rigid_lift))])
     return values

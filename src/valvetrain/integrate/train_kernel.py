@@ -167,7 +167,9 @@ def _damp(index, laws, body, gaps, gradients, step, v, old, rows, held, dense, r
             i = index[k, slot]
             if i >= 0:
                 v[i] -= impulse[a] * gradients[k, slot] / body[i, 0]
-        gaps[k, 2] = gaps[k, 2] + impulse[a] / step if held[a] == 0 else 0.0  # not the rounding of their difference
+        force = gaps[k, 2] + impulse[a] / step
+        # a contact at its bound carries nothing, not the rounding of the difference
+        gaps[k, 2] = force if laws[k] < 0 or (held[a] == 0 and force > 0.0) else 0.0
     return count
 
 
