@@ -80,18 +80,19 @@ def pair_coils(
         true = true_distance(axis, centre)
         distance[group, valid] = free + np.minimum(touch - true, 0.0)
         cell = np.minimum(centre + half, total_coils) - np.maximum(centre - half, 1.0)
-        length[group, valid] = line_speed[valid] * np.maximum(cell, 0.0)
+        # Mean of both wires, so that counting the coils from the other end changes nothing.
+        speed = (np.interp(centre, coil_number, line_speed) + np.interp(centre - 1, coil_number, line_speed)) / 2
+        length[group, valid] = speed * np.maximum(cell, 0.0)
     return ContactLine(offset, places, partner, distance, length)
 
 
 def true_distance(axis: Callable[[Array], Array], coil: Array) -> Array:
-    """Distance (m) from the wire axis at ``coil`` (n,) to the axis one turn below, by Newton steps along the latter."""
-    point, below, step = axis(coil), coil - 1.0, 1e-4
-    for _ in range(6):
-        before, centre, after = axis(below - step), axis(below), axis(below + step)
-        slope, curve = (after - before) / (2 * step), (after - 2 * centre + before) / step**2
-        gap = point - centre
-        below = below + np.sum(gap * slope, axis=1) / (np.sum(slope * slope, axis=1) - np.sum(gap * curve, axis=1))
+    """Distance (m) from the wire axis at ``coil`` (n,) to the axis one turn below, by Gauss-Newton steps along the latter."""
+    point, below, step = axis(coil), coil - 1.0, 1e-5
+    for _ in range(12):
+        # Without the axis' curvature, which is unknown at the corners of a diameter law; converges by (radial shift / radius) a step.
+        slope = (axis(below + step) - axis(below - step)) / (2 * step)
+        below = below + np.sum((point - axis(below)) * slope, axis=1) / np.sum(slope * slope, axis=1)
     return np.linalg.norm(point - axis(below), axis=1)
 
 
