@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import MISSING, Field, fields, is_dataclass
 from typing import Any
 
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.curves import Constant, PiecewiseLinear, Table
 from valvetrain.parameters.material import Material
-from valvetrain.report.words import in_unit, number
+from valvetrain.report.words import in_unit, number, unit_words
 
 #: Last word of a key path -> unit shown.
 _UNITS = {
@@ -16,8 +17,17 @@ _UNITS = {
     "ratio_frequency": "Hz", "engine_speeds": "rpm", "held_coils": "turns", "ground_coils": "turns", "total_coils": "turns",
     "youngs_modulus": "GPa", "shear_modulus": "GPa", "density": "kg/m^3", "mass_damping": "1/s", "stiffness_damping": "s",
     "maximum_lift": "mm", "ramp_lift": "mm", "ramp_start": "deg", "event_start": "deg", "nose": "deg", "lifts": "mm", "cam_angles": "deg",
-    "rate": "N/mm", "preload": "N", "mass": "g",
+    "rate": "N/mm", "preload": "N", "mass": "g", "open_load": "N", "open_lift": "mm", "solid_height": "mm", "cam_speeds": "rpm",
+    "lash": "mm", "base_radius": "mm", "width": "mm", "radius": "mm", "rod_length": "mm", "clearance": "mm", "offset": "mm",
+    "pivot": "mm", "lower_end": "mm", "drive_arm": "mm", "valve_arm": "mm", "tip_radius": "mm", "full_damping_depth": "mm",
+    "drive_angle": "deg", "valve_angle": "deg", "direction": "deg", "opening_direction": "deg", "tilt": "deg",
+    "top_dead_centre": "deg", "valve_inclination": "deg", "inertia": "kg mm^2", "holding_torque": "N m", "friction": "N",
+    "stiffness": "kN/mm", "stem_stiffness": "kN/mm", "damping": "N s/m", "stem_damping": "N s/m", "valve_damping": "N s/m",
+    "rubbing_force": "N", "friction_velocity": "m/s",
 }  # fmt: skip
+
+#: Laws whose ``damping`` is the factor q (s/m) of F = K d^n (1 + q d').
+_FACTOR_LAWS = ("hunt-crossley",)
 
 
 def case_rows(case: Case) -> list[tuple[str, str, str, str]]:
@@ -38,7 +48,8 @@ def _value(case: Case, path: str) -> str:
             item = item.values[key]  # a lift law keeps the values of its kind in one mapping
         else:
             return ""
-    return value_words(item, path.rsplit(".", 1)[-1])
+    words = value_words(item, path.rsplit(".", 1)[-1])
+    return f"{words} (SI)" if path == "train.spring_options.contact_stiffness" else words
 
 
 def value_words(item: Any, key: str) -> str:
@@ -60,7 +71,34 @@ def value_words(item: Any, key: str) -> str:
         return f"{item.name}: " + ", ".join(f"{name} {_number(value, shown)}" for name, value, shown in parts)
     if isinstance(item, str):
         return item
+    if is_dataclass(item) and hasattr(item, "law") and hasattr(item, "values"):
+        return _contact_words(item.law, item.values)
+    if is_dataclass(item) and type(item).__name__.endswith("Parameters") and not hasattr(item, "kind"):
+        own = [(one.name, getattr(item, one.name)) for one in fields(item) if getattr(item, one.name) != _default(one)]
+        return ", ".join(f"{name.replace('_', ' ')} {value_words(value, name)}" for name, value in own)
     return str(getattr(item, "kind", type(item).__name__)).replace("_", " ")
+
+
+def _default(one: Field[Any]) -> Any:
+    return None if one.default is MISSING else one.default
+
+
+def _contact_words(law: str, values: Mapping[str, Any]) -> str:
+    """A contact law with its numbers; the unit of K d^n depends on the exponent, that of the damping on the law."""
+    from valvetrain.contact.library import LAWS
+
+    defaults = {one.name: one.default for one in fields(LAWS[law])} if law in LAWS else {}
+    exponent = float(values.get("exponent", defaults.get("exponent", 1.0)))
+    words = [law]
+    for key, value in values.items():
+        if key == "contact_stiffness":
+            shown = _number(value, "kN/mm") if exponent == 1.0 else f"{number(value)} N/m^{number(exponent, 3)}"
+        elif key == "damping" and law in _FACTOR_LAWS:
+            shown = f"{number(value)} s/m"
+        else:
+            shown = value_words(value, key)
+        words.append(f"{key.replace('_', ' ')} {shown}")
+    return ", ".join(words)
 
 
 def _shown(value: float, unit: str) -> float:
@@ -68,4 +106,4 @@ def _shown(value: float, unit: str) -> float:
 
 
 def _number(value: float, unit: str) -> str:
-    return f"{number(_shown(value, unit))} {unit.replace('^3', '³')}".strip()
+    return f"{number(_shown(value, unit))} {unit_words(unit)}".strip()
