@@ -11,6 +11,8 @@ from valvetrain.studies.book.wires import Helix, mesh_wire, section, state_on, t
 
 #: The wires of this file have lengths of 1 to 100 and loads of 1 to 1000 in units of their own.
 TIGHT = NewtonOptions(tolerance=1e-7, iterations=60)
+#: Turns of the helix that is squeezed.
+TURNS = 5
 
 
 def _shoot(load: float) -> np.ndarray:
@@ -186,69 +188,24 @@ def helix_under_large_compression() -> list[Row]:
     """Uniform helix of lead angle 0.25 squeezed to 0.05: Love's force without end rotation, and his lead angle with free rotation."""
     from scipy.optimize import brentq
 
-    turns, lead = 5, 0.25
-    length = turns * 2 * np.pi / np.cos(lead)
-    wire = tube(1.0, 0.77, length)
-    free, rows = Helix(1.0, lead, wire), []
-    about = "E I 1, G J 0.77, five turns of radius 1, 48 elements per turn"
+    lead, rows = 0.25, []
+    free = Helix(1.0, lead, tube(1.0, 0.77, TURNS * 2 * np.pi / np.cos(lead)))
     for angle in (0.15, 0.05):
-        bent = Helix(np.cos(angle) / np.cos(lead), angle, wire)
-        force, torque = love_wrench(free, bent)
-        _, result, found = _bent(free, bent, length, 48 * turns)
-        case = f"lead angle {angle}"
-        rows.append(
-            Row(
-                "beams",
-                f"Love's helix, no end rotation, force at {case}",
-                "love1927",
-                about,
-                force,
-                -result.retainer_force,
-                "N",
-                0.003 * abs(force),
-                "second order: (pi / 48)^2",
-            )
-        )
-        rows.append(
-            Row(
-                "beams",
-                f"Love's helix, no end rotation, torque at {case}",
-                "love1927",
-                about,
-                torque,
-                found,
-                "N m",
-                0.01 * abs(torque),
-                "second order; the torque is a small difference",
-            )
-        )
-        radius = brentq(lambda r, a=angle: love_wrench(free, Helix(r, a, wire))[1], 0.8, 1.3)
-        force = love_wrench(free, Helix(radius, angle, wire))[0]
-        _, result, found = _bent(free, Helix(radius, angle, wire), length, 48 * turns)
-        rows.append(
-            Row(
-                "beams",
-                f"Love's helix, free end rotation, force at {case}",
-                "love1927",
-                about,
-                force,
-                -result.retainer_force,
-                "N",
-                0.003 * abs(force),
-                "second order: (pi / 48)^2",
-            )
-        )
-        rows.append(
-            Row(
-                "beams",
-                f"Love's helix, free end rotation, torque at {case}",
-                "love1927",
-                about,
-                0.0,
-                found,
-                "N m",
-                0.002,
-                "0.2 % of E I over the radius",
-            )
-        )
+        held = Helix(np.cos(angle) / np.cos(lead), angle, free.wire)
+        torque = love_wrench(free, held)[1]
+        rows += _love_rows("no end rotation", free, held, torque, 0.01 * abs(torque), "second order; the torque is a small difference")
+        radius = brentq(lambda r, a=angle: love_wrench(free, Helix(r, a, free.wire))[1], 0.8, 1.3)
+        rows += _love_rows("free end rotation", free, Helix(radius, angle, free.wire), 0.0, 0.002, "0.2 % of E I over the radius")
     return rows
+
+
+def _love_rows(ends: str, free: Helix, bent: Helix, torque: float, tolerance: float, reason: str) -> list[Row]:
+    """Force and torque that hold ``free`` bent to another helix of the same wire; ``tolerance`` (N m) of the torque."""
+    force = love_wrench(free, bent)[0]
+    _, result, found = _bent(free, bent, TURNS * 2 * np.pi / np.cos(free.lead_angle), 48 * TURNS)
+    about, case = "E I 1, G J 0.77, five turns of radius 1, 48 elements per turn", f"lead angle {bent.lead_angle}"
+    limit, why, computed = 0.003 * abs(force), "second order: (pi / 48)^2", -result.retainer_force
+    return [
+        Row("beams", f"Love's helix, {ends}, force at {case}", "love1927", about, force, computed, "N", limit, why),
+        Row("beams", f"Love's helix, {ends}, torque at {case}", "love1927", about, torque, found, "N m", tolerance, reason),
+    ]
