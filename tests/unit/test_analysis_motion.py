@@ -15,7 +15,7 @@ from valvetrain.analysis.cycle import reported_cycle
 from valvetrain.analysis.peaks import separate_spikes
 from valvetrain.analysis.quantities import run_quantities, study_quantities
 from valvetrain.analysis.quantity import Quantity, unit_of
-from valvetrain.analysis.statics import slope_change, static_quantities
+from valvetrain.analysis.statics import natural_quantities, slope_change, static_quantities
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.static import StaticCurve
 
@@ -234,3 +234,17 @@ def test_models_meet_their_counterparts_only():
     published = [_published(peak, 2.0), _published(peak, 2.0, model="analytical modal"), _published("preload", 289.0, engine_speed=None)]
     rows = compare(published, quantities)
     assert [row.computed for row in rows] == [None, 1.0, 289.0]
+
+
+def test_large_deflection_of_an_even_spring_is_no_stiffness_change():
+    compression = np.linspace(0, 7e-3, 30)
+    stiffness = 39.42e3 * (1 - 0.0105 * compression / 7e-3)  # the uniform spring's own curve: 1 % softer at 7 mm, no coil closes
+    force = np.concatenate(([0.0], np.cumsum(0.5 * (stiffness[1:] + stiffness[:-1]) * np.diff(compression))))
+    assert slope_change(compression, force) is None
+    assert slope_change(compression, force + 2e3 * np.maximum(compression - 4e-3, 0)) == pytest.approx(4e-3, abs=0.2e-3)
+
+
+def test_numbered_frequencies_are_named_only_where_asked_for():
+    modes = ModalResult(0.0, np.array([393.0, 396.0, 463.0]), np.zeros((3, 2, 3)), np.arange(2.0), np.ones(3), (2,))
+    assert natural_quantities(modes, []) == {}
+    assert natural_quantities(modes, ["natural_3_frequency", "natural_9_frequency", "preload"]) == {"natural_3_frequency": 463.0}

@@ -27,6 +27,9 @@ from valvetrain.springs.stress import wire_stress
 
 Array = NDArray[np.float64]
 
+#: A force below this share of the curve's largest is what rounding leaves of zero, as in the free state.
+ROUND_OFF_SHARE = 1e-11
+
 
 def retainer_motion(law: LiftLaw, precompression: float, cam_speed: float) -> Callable[[Array], Array]:
     """Retainer displacement (m from the free state) over time (s) at ``cam_speed`` (rad/s)."""
@@ -67,6 +70,7 @@ def static_stress(model: FiniteElementRod, path: Sequence[Equilibrium]) -> Stati
 def _static_result(model: FiniteElementRod, path: list[Equilibrium], status: Status) -> StaticCurve:
     compression = np.array([point.state.compression for point in path])
     force = np.array([point.retainer_force for point in path])
+    force[np.abs(force) < ROUND_OFF_SHARE * np.max(np.abs(force))] = 0.0
     coil = wire_points(model.definition.total_coils)
     heights = np.stack([point.state.position[:, 2] for point in path]) @ interpolation(model.mesh, coil).T
     gaps = np.stack([model.statics.gaps(point.state.position) for point in path])

@@ -12,6 +12,7 @@ import numpy as np
 from valvetrain.analysis.compare import compare
 from valvetrain.analysis.quantities import study_quantities
 from valvetrain.analysis.quantity import Quantity, named
+from valvetrain.analysis.statics import natural_quantities
 from valvetrain.analysis.stress import StaticStress, stress_quantities
 from valvetrain.analysis.study import SpringStudy
 from valvetrain.cam.build import build_lift_law
@@ -79,6 +80,8 @@ def assemble_study(
     quantities = study_quantities(curve, modes, solutions, precompression=case.installation.precompression)
     for solution in solutions:
         quantities |= _stress_quantities(case, solution, stress)
+    if modes is not None:
+        quantities |= named(natural_quantities(modes, [value.quantity for value in case.published]), None, "")
     return SpringStudy(
         case=case, static_curve=curve, modal_result=modes, solutions=tuple(solutions), quantities=quantities,
         comparisons=compare(case.published, quantities), notes=(*case.remarks, *spread_sentences(case, load_spread(case))),
