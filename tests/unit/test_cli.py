@@ -38,6 +38,13 @@ def test_version_and_help():
         assert call(name, "--help").exit_code == 0
 
 
+@pytest.mark.parametrize("command", ["run", "static", "modes", "compare", "sweep"])
+def test_help_shows_every_default(command):
+    shown = " ".join(re.sub("[│╭╮╰╯─]", " ", call(command, "--help").output).split())
+    assert "(default: " in shown
+    assert not re.search(r" \.(?= |$)", shown)  # what the markup of the help would take for a style leaves an empty place
+
+
 def test_cases_lists_every_case_and_prints_the_file_of_one():
     result = call("cases")
     assert result.exit_code == 0 and all(name in result.stdout for name in library_names())

@@ -26,7 +26,7 @@ def modes(
     case: CaseArgument,
     count: Annotated[int, typer.Option("--count", metavar="N", help="Number of modes, lowest first.")] = 24,
     compression: Annotated[
-        str | None, typer.Option("--compression", metavar="LENGTH", help="State they are about, such as '7 mm' [default: as installed].")
+        str | None, typer.Option("--compression", metavar="LENGTH", help="State they are about, such as '7 mm' (default: as installed).")
     ] = None,
     settings: SetOption = None,
     elements_per_coil: ElementsOption = None,

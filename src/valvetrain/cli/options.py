@@ -30,9 +30,9 @@ SpeedOption = Annotated[
         help="Crank speeds instead of the case's own: '4200, 5600 rpm' or '1000:9000:500 rpm'.",
     ),
 ]  # fmt: skip
-OutputOption = Annotated[Path | None, typer.Option("--output", metavar="FOLDER", help="Folder of the results [default: runs/<case>].")]
+OutputOption = Annotated[Path | None, typer.Option("--output", metavar="FOLDER", help="Folder of the results (default: runs/<case>).")]
 WorkersOption = Annotated[
-    int | None, typer.Option("--workers", metavar="N", help="Runs at a time [default: the cores there are, at most 4].")
+    int | None, typer.Option("--workers", metavar="N", help="Runs at a time (default: the cores there are, at most 4).")
 ]
 
 #: More speeds than this in one command are a slip of the pen.

@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 SOLID = "solid"
 SolidElementsOption = Annotated[
     int | None,
-    typer.Option("--solid-elements-per-coil", metavar="N", help="Solid elements along a coil [default: 12].", show_default=False),
+    typer.Option("--solid-elements-per-coil", metavar="N", help="Solid elements along a coil (default: 12).", show_default=False),
 ]
 SolidCoreOption = Annotated[
-    int | None, typer.Option("--solid-core", metavar="N", help="Solid cells across the section's core [default: 1].", show_default=False)
+    int | None, typer.Option("--solid-core", metavar="N", help="Solid cells across the section's core (default: 1).", show_default=False)
 ]
 SolidRingsOption = Annotated[
-    int | None, typer.Option("--solid-rings", metavar="N", help="Rings of solid cells around the core [default: 1].", show_default=False)
+    int | None, typer.Option("--solid-rings", metavar="N", help="Rings of solid cells around the core (default: 1).", show_default=False)
 ]
 SolidRideOption = Annotated[
     str | None,
@@ -41,7 +41,7 @@ SolidRideOption = Annotated[
 ]  # fmt: skip
 SolidTimeOption = Annotated[
     str | None,
-    typer.Option("--solid-time-limit", metavar="TIME", help="Longest run of the solver, such as '30 min' [default].", show_default=False),
+    typer.Option("--solid-time-limit", metavar="TIME", help="Longest run of the solver, such as '30 min' (default).", show_default=False),
 ]
 
 

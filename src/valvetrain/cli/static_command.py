@@ -26,7 +26,7 @@ def register(app: typer.Typer) -> None:
 def static(
     case: CaseArgument,
     to: Annotated[
-        str | None, typer.Option("--to", metavar="LENGTH", help="Largest compression, such as '12 mm' [default: beyond full lift].")
+        str | None, typer.Option("--to", metavar="LENGTH", help="Largest compression, such as '12 mm' (default: beyond full lift).")
     ] = None,
     steps: Annotated[int, typer.Option("--steps", metavar="N", help="Number of even steps.")] = 24,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the curve to a CSV file.", show_default=False)] = None,
