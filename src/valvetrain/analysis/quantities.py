@@ -8,6 +8,7 @@ from valvetrain.analysis.collisions import collision_quantities, separation_angl
 from valvetrain.analysis.cycle import reported_cycle
 from valvetrain.analysis.energy import energy_quantities
 from valvetrain.analysis.filters import bandwidth_quantities
+from valvetrain.analysis.main_clash import find_clash_window, main_clash_quantities
 from valvetrain.analysis.nodes import (
     acceleration_quantities,
     displacement_quantities,
@@ -38,6 +39,8 @@ def run_quantities(solution: Solution, *, surge_frequency: float | None = None, 
         found |= acceleration_quantities(cycle, separation)
         found |= collision_quantities(cycle, separation, surge_frequency, stages)
         found |= bandwidth_quantities(cycle, stages)
+        window = find_clash_window(cycle, surge_frequency, stages) if surge_frequency and solution.has("coil_gap") else None
+        found |= main_clash_quantities(cycle, window) if window is not None else {}
     found |= energy_quantities(solution)
     return named(found, solution.engine_speed, solution.model)
 

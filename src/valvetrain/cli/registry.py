@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 #: Modules of this room that bring commands, in the order ``--help`` lists them. Each has ``register(app: typer.Typer) -> None`` and
 #: imports nothing heavy before a command runs.
-COMMAND_MODULES: tuple[str, ...] = ("run_command", "train_commands", "static_command", "modes_command", "library_commands")
+COMMAND_MODULES: tuple[str, ...] = (
+    "run_command", "train_commands", "static_command", "modes_command", "refine_command", "library_commands",
+)  # fmt: skip
 
 #: What ``run`` does with a case: (field of the case that must be there, "module:function"), the first that fits counts.
 #: The function takes a ``RunRequest`` and returns an ``Outcome``.

@@ -14,6 +14,7 @@ from valvetrain.report.comparison_grid import comparison_grid, tone
 from valvetrain.report.figures import coils, energy, force, lift, modes, nodes, statics
 from valvetrain.report.page import Block, Card, Cards, Cell, Figure, Grid, Page, Section, Tabs, text
 from valvetrain.report.stress_section import stress_blocks
+from valvetrain.report.uncertainty_section import uncertainty_blocks
 from valvetrain.report.values import case_rows
 from valvetrain.report.words import in_unit, number, speed_words
 from valvetrain.solution.comparison import Comparison
@@ -39,6 +40,7 @@ def spring_page(study: SpringStudy) -> Page:
         Section("stress", "Wire stress", stress_blocks(study)),
         Section("balance", "Energy and orders", _balance(study)),
         Section("comparison", "Computed and published", _comparison(study)),
+        Section("uncertainty", "Numbers with error bars", uncertainty_blocks(study)),
         Section("case", "Values of the case", _case(study)),
         Section("runs", "How it was computed", _runs(study)),
         Section("references", "Papers to cite", _references(study)),

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 
-from valvetrain.analysis.compare import compare
+from valvetrain.analysis.compare import compare, same_speed
 from valvetrain.analysis.quantities import study_quantities
 from valvetrain.analysis.quantity import Quantity, named
 from valvetrain.analysis.statics import natural_quantities
@@ -29,6 +29,7 @@ from valvetrain.springs.stress import LOADS, with_stress
 from valvetrain.studies.modal_runs import run_modal
 from valvetrain.studies.spread import load_spread, spread_sentences
 from valvetrain.studies.spring_runs import modal_result, run_finite_element, static_curve, static_stress
+from valvetrain.studies.uncertainty_file import load_uncertainty, meshes_of, uncertainty_sentences
 
 #: Spring models that the study of a spring alone knows.
 MODELS = ("finite-element", "modal")
@@ -82,11 +83,19 @@ def assemble_study(
         quantities |= _stress_quantities(case, solution, stress)
     if modes is not None:
         quantities |= named(natural_quantities(modes, [value.quantity for value in case.published]), None, "")
+    told = (*spread_sentences(case, load_spread(case)), *_firmness(case, quantities))
     return SpringStudy(
         case=case, static_curve=curve, modal_result=modes, solutions=tuple(solutions), quantities=quantities,
-        comparisons=compare(case.published, quantities), notes=(*case.remarks, *spread_sentences(case, load_spread(case))),
+        comparisons=compare(case.published, quantities), notes=(*case.remarks, *told),
         provenance=_provenance(case, "spring study", 0.0, created_at), static_stress=stress,
     )  # fmt: skip
+
+
+def _firmness(case: Case, quantities: Mapping[Quantity, float]) -> tuple[str, ...]:
+    """Sentences on the uncertainty that ships with the case, for the speeds that were run."""
+    rows = load_uncertainty(case)
+    run = {key.engine_speed for key in quantities if key.model == "finite-element"}
+    return uncertainty_sentences(tuple(row for row in rows if any(same_speed(row.engine_speed, speed) for speed in run)), meshes_of(case))
 
 
 def _stress_quantities(case: Case, solution: Solution, stress: StaticStress | None) -> dict[Quantity, float]:

@@ -1,0 +1,125 @@
+"""The main clash of coils 1 and 2 after the event: one spike, named the same way on every mesh and for every contact constant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from valvetrain.analysis.cycle import Array, Cycle
+from valvetrain.analysis.filters import BANDWIDTHS, fine_filtered, fine_series
+from valvetrain.analysis.peaks import Index, prominent_peaks
+from valvetrain.analysis.stages import STAGE_3_SHARE, Stages
+
+#: The main clash is the first spike after the event that rises above the base circle's force by this share of the highest one.
+MAIN_SHARE = 0.6
+#: Its window reaches this share of a period of the first mode to either side.
+WINDOW_SHARE = 0.3
+#: Bandwidth (Hz) in which the spike is found and its angle read: raw force has ripples of the contact on top.
+FINDING_BANDWIDTH = BANDWIDTHS[0]
+#: The impulse is taken over this time (s) either side of the spike: a collision of valve spring coils takes some 80 us.
+IMPULSE_TIME = 1e-4
+
+
+@dataclass(frozen=True, slots=True)
+class ClashWindow:
+    """Cam angles (rad, within the cycle) between which the main clash lies."""
+
+    first: float
+    last: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Force:
+    """Seat force of the reported cycle as finely as the run holds it: time (s), cam angle (rad), raw and filtered values (N)."""
+
+    time: Array
+    angle: Array
+    raw: Array
+    filtered: dict[float, Array]
+    base: float
+
+
+def find_clash_window(cycle: Cycle, surge_frequency: float, stages: Stages = Stages()) -> ClashWindow | None:
+    """Window about the main clash of a run; None where no coil meets another or the samples are too coarse. ``surge_frequency`` in Hz."""
+    force = _force(cycle)
+    if force is None:
+        return None
+    late = np.flatnonzero((force.angle >= stages.second_end) & (force.angle < stages.bounds(3)[1]))
+    part = force.filtered[FINDING_BANDWIDTH][late]
+    peaks = prominent_peaks(part, max(STAGE_3_SHARE * float(np.ptp(force.raw)), 1e-12))
+    if len(peaks) == 0:
+        return None
+    height = part[peaks] - force.base
+    main = peaks[int(np.flatnonzero(height >= MAIN_SHARE * np.max(height))[0])]
+    centre = float(force.angle[late][main])
+    reach = WINDOW_SHARE * cycle.solution.engine_speed / 2 / surge_frequency
+    window = ClashWindow(max(stages.second_end, centre - reach), min(stages.bounds(3)[1], centre + reach))
+    return window if _touched(cycle, window) else None
+
+
+def _touched(cycle: Cycle, window: ClashWindow) -> bool:
+    """Whether any coil meets the one below anew within the window; without it a spike is a wave, not a clash."""
+    if not cycle.solution.has("coil_contact_force"):
+        return False
+    pressed = cycle.channel("coil_contact_force")[cycle.window(window.first, window.last)] > 0
+    return bool(np.any(pressed[1:] & ~pressed[:-1]))
+
+
+def main_clash_quantities(cycle: Cycle, window: ClashWindow) -> dict[str, float]:
+    """Height raw and in each bandwidth (N), cam angle (rad) and impulse (N s) of the spike in ``window`` (docs/quantities.md).
+
+    The impulse is that of the raw force above the base circle's mean over 0.1 ms either side of the angle: a fixed time, since the
+    width of a spike with ripples on it is no smooth function of the mesh.
+    """
+    force = _force(cycle)
+    if force is None:
+        return {}
+    inside = np.flatnonzero((force.angle >= window.first) & (force.angle <= window.last))
+    if len(inside) < 5:
+        return {}
+    found = {"main_clash_peak_force": float(np.max(force.raw[inside]))}
+    for bandwidth, values in force.filtered.items():
+        found[f"main_clash_below_{bandwidth / 1e3:.0f}_khz_peak_force"] = float(np.max(values[inside]))
+    found["main_clash_cam_angle"] = _vertex(force.angle, force.filtered[FINDING_BANDWIDTH], inside)
+    found["main_clash_impulse"] = _impulse(force, found["main_clash_cam_angle"])
+    return found
+
+
+def _force(cycle: Cycle) -> _Force | None:
+    if not cycle.whole:
+        return None
+    solution = cycle.solution
+    time, angle, raw = fine_series(solution)
+    filtered = {bandwidth: values for bandwidth in BANDWIDTHS if (values := fine_filtered(solution, bandwidth)) is not None}
+    if len(filtered) < len(BANDWIDTHS):
+        return None
+    begin = solution.cam_angle[cycle.samples.start]
+    # The record starts at the cycle that is reported and ends with it, one sample more or less.
+    mine = slice(int(np.searchsorted(angle, begin - 1e-9)), int(np.searchsorted(angle, begin + 2 * np.pi - 1e-9)))
+    parts = {bandwidth: values[mine] for bandwidth, values in filtered.items()}
+    within = angle[mine] - begin + cycle.cam_angle[0]
+    lift = np.interp(within, cycle.cam_angle, cycle.channel("valve_lift"))
+    base = float(np.mean(raw[mine][lift <= 1e-3 * float(np.max(lift))]))
+    return _Force(time[mine], within, raw[mine], parts, base)
+
+
+def _vertex(angle: Array, values: Array, inside: Index) -> float:
+    """Angle of the largest value: vertex of the parabola through it and three neighbours to either side."""
+    top = int(inside[int(np.argmax(values[inside]))])
+    near = slice(max(top - 3, 0), top + 4)
+    place = angle[near] - angle[top]
+    fit = np.polyfit(place, values[near], 2)
+    if not fit[0] < 0:
+        return float(angle[top])
+    return float(angle[top] + np.clip(-fit[1] / (2 * fit[0]), place[0], place[-1]))
+
+
+def _impulse(force: _Force, place: float) -> float:
+    """Integral of the raw force above its base over ``IMPULSE_TIME`` either side of cam angle ``place`` (rad)."""
+    steps = np.diff(force.time)
+    above = force.raw - force.base
+    summed = np.concatenate(([0.0], np.cumsum(0.5 * (above[1:] + above[:-1]) * steps)))
+    centre = float(np.interp(place, force.angle, force.time))
+    first, last = np.interp([centre - IMPULSE_TIME, centre + IMPULSE_TIME], force.time, summed)
+    return float(last - first)

@@ -1,0 +1,114 @@
+"""``valvetrain refine``: numerical and physical uncertainty of a spring case's headline numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from valvetrain.cli.options import (
+    CaseArgument,
+    ElementsOption,
+    JsonOption,
+    OutputOption,
+    SetOption,
+    SpeedOption,
+    WorkersOption,
+    make_folder,
+    read_engine_speeds,
+    read_output,
+    read_workers,
+)
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rich.console import Console
+
+    from valvetrain.cli.outcome import Outcome
+    from valvetrain.parameters.case import Case
+    from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("refine")(refine)
+
+
+def refine(
+    case: CaseArgument, output: OutputOption = None, engine_speed: SpeedOption = None, elements_per_coil: ElementsOption = None,
+    settings: SetOption = None, workers: WorkersOption = None, as_json: JsonOption = False,
+) -> None:  # fmt: skip
+    """State the uncertainty of a spring's headline numbers: three meshes, a halved step, other contact constants."""
+    from valvetrain.cli.case_choice import choose_case
+    from valvetrain.cli.outcome import deliver
+
+    chosen = choose_case(case, settings, elements_per_coil)
+    folder = read_output(output, f"{chosen.name}-refine")
+    deliver(_outcome(chosen, read_engine_speeds(engine_speed), read_workers(workers), folder), as_json)
+
+
+def _outcome(case: Case, engine_speeds: tuple[float, ...] | None, workers: int, folder: Path) -> Outcome:
+    from valvetrain.cli.outcome import Outcome
+    from valvetrain.cli.progress import announce_compilation, busy, progress_bar
+    from valvetrain.report.uncertainty_section import uncertainty_page, uncertainty_table
+    from valvetrain.report.write import write_page
+    from valvetrain.solution.atomic import write_text
+    from valvetrain.studies.uncertainty import uncertainty_study
+
+    make_folder(folder)
+    announce_compilation("statics", "march")
+    with progress_bar(case.name) as report:
+        study = uncertainty_study(case, engine_speeds=engine_speeds, workers=workers, progress=report)
+    with busy("writing files"):
+        data_file = write_text(folder / "uncertainty.csv", uncertainty_table(study.rows).csv())
+        page, _ = write_page(uncertainty_page(study), folder)
+    data = {
+        "command": "refine", "case": case.name, "title": case.title, "elements_per_coil": list(study.elements_per_coil),
+        "uncertainties": [_row_object(row) for row in study.rows], "completed": not study.failures, "folder": str(folder),
+        "files": [str(data_file)], "page": str(page),
+    }  # fmt: skip
+    return Outcome(data, lambda console: _show(console, study, str(page)), study.failures)
+
+
+def _row_object(row: Uncertainty) -> dict[str, Any]:
+    from valvetrain.analysis.quantity import unit_of
+    from valvetrain.cli.outcome import measured
+    from valvetrain.cli.results import engine_speed_object
+
+    unit = unit_of(row.quantity)
+    ranges = {
+        name: {"least": measured(values[0], unit), "largest": measured(values[1], unit)}
+        for name, values in (("contact_stiffness", row.contact_stiffness), ("contact_damping", row.contact_damping))
+    }
+    return {
+        "quantity": row.quantity, "engine_speed": engine_speed_object(row.engine_speed), "value": measured(row.value, unit),
+        "numerical_uncertainty": measured(row.numerical, unit), "observed_order": measured(row.observed_order, "1"),
+        "extrapolated": measured(row.extrapolated, unit), "step_part": measured(row.step_part, unit), **ranges,
+    }  # fmt: skip
+
+
+def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
+    from valvetrain.analysis.quantity import unit_of
+    from valvetrain.cli.tables import plain_table, shown
+    from valvetrain.report.words import quantity_words, speed_words
+
+    console.print(study.case.title or study.case.name)
+    console.print(f"{', '.join(map(str, study.elements_per_coil))} elements per coil, step halved, contact constants varied")
+    headers = ("quantity", "value", "± num.", "unit", "order", "contact stiffness", "contact damping")
+    for speed in dict.fromkeys(row.engine_speed for row in study.rows):
+        rows = []
+        for row in (row for row in study.rows if row.engine_speed == speed):
+            unit = unit_of(row.quantity)
+            trusted = row.observed_order is not None and row.observed_order >= 0.5
+            order = f"{row.observed_order:.1f}" if trusted else "–"
+            ranges = [
+                " to ".join(dict.fromkeys(shown(value, unit, 4)[0] for value in values))
+                for values in (row.contact_stiffness, row.contact_damping)
+            ]
+            value, word = shown(row.value, unit)
+            rows.append((quantity_words(row.quantity), value, shown(row.numerical, unit, 2)[0], word, order, *ranges))
+        place = "statics and modes" if speed is None else speed_words(speed)
+        console.print()
+        console.print(plain_table(headers, rows, place, right=(1, 2, 4, 5, 6)))
+    console.print(f"\nresults  {page}", soft_wrap=True)
