@@ -16,7 +16,7 @@ from valvetrain.report.comparison_grid import comparison_grid, comparison_table
 from valvetrain.report.page import Page, Section, render, text
 from valvetrain.report.spring_page import spring_page
 from valvetrain.report.values import case_rows
-from valvetrain.report.words import number, quantity_words, unit_words
+from valvetrain.report.words import number, percent, quantity_words, unit_words
 from valvetrain.report.write import write_report
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
 from valvetrain.solution.status import Status
@@ -185,6 +185,8 @@ def test_numbers_as_printed(value, shown):
 def test_names_and_units_as_printed():
     assert quantity_words("stage_2_peak_cam_angle") == "Stage II peak, cam angle"
     assert quantity_words("coil_1_2_installed_gap") == "Coils 1–2 installed gap"
+    assert quantity_words("stage_3_below_10_khz_peak_force") == "Stage III below 10 kHz peak force"
+    assert [percent(share) for share in (-4e-4, 4e-4, -0.0123, 1.5)] == ["0.0 %", "0.0 %", "−1.2 %", "+150.0 %"]
     assert (unit_words("mm/s^2"), unit_words("us")) == ("mm/s²", "µs")
 
 

@@ -79,13 +79,13 @@ def short_unit(unit: str) -> str:
 
 def difference_words(row: Comparison) -> str:
     """In percent of what was published; angles, and what was published as zero, in their unit."""
-    from valvetrain.report.words import in_unit, number
+    from valvetrain.report.words import in_unit, number, percent
 
     if row.difference is None:
         return "–"
     relative = row.relative_difference
     if relative is not None and not row.quantity.endswith("_angle"):
-        text = f"{100 * relative:+.1f} %"
+        text = percent(relative)
     else:
         value = in_unit(row.difference, row.unit)
         text = f"{'+' if value > 0 else ''}{number(value, 3)} {short_unit(row.unit)}"

@@ -9,7 +9,7 @@ import numpy as np
 from valvetrain.report import theme
 from valvetrain.report.page import Cell, Grid
 from valvetrain.report.table import Table, table
-from valvetrain.report.words import in_unit, number, quantity_words, speed_words, unit_words
+from valvetrain.report.words import in_unit, number, percent, quantity_words, speed_words, unit_words
 from valvetrain.solution.comparison import Comparison
 
 HEADERS = ("quantity", "source", "published", "model", "computed", "difference", "", "unit", "role", "verdict")
@@ -53,7 +53,7 @@ def _cells(row: Comparison) -> tuple[Cell, ...]:
     sign, words, _, _ = theme.origin_style(row.origin)
     relative = row.relative_difference
     wraps = row.unit == "deg" and row.quantity.endswith("_cam_angle")
-    share = "" if relative is None or wraps else f"{100 * relative:+.1f} %".replace("-", "−")
+    share = "" if relative is None or wraps else percent(relative)
     exact = row.difference is not None and abs(row.difference) < 1e-9 * max(abs(row.published), abs(row.computed or 0.0))
     difference = "–" if row.difference is None else "0" if exact else _signed(in_unit(row.difference, row.unit))
     return (

@@ -52,11 +52,18 @@ def _scientific(mantissa: str, power: int) -> str:
     return f"{mantissa.rstrip('0').rstrip('.')}·10{raised}".replace("-", "−")
 
 
+def percent(share: float) -> str:
+    """A share as a signed percentage with one decimal; what rounds to zero has no sign."""
+    text = f"{100 * share:+.1f}"
+    return ("0.0" if float(text) == 0 else text.replace("-", "−")) + " %"
+
+
 def quantity_words(name: str) -> str:
     """A quantity's name in words: ``stage_2_peak_cam_angle`` -> ``Stage II peak, cam angle``."""
     text = name.replace("_", " ")
     for digit, roman in (("1", "I"), ("2", "II"), ("3", "III")):
         text = re.sub(rf"\bstage {digit}\b", f"Stage {roman}", text)
     text = re.sub(r"\bcoil (\d) (\d)\b", r"coils \1–\2", text)
+    text = re.sub(r"\bk?hz\b", lambda unit: unit[0].replace("hz", "Hz"), text)
     text = re.sub(r"\s+cam angle$", ", cam angle", text)
     return text[:1].upper() + text[1:]
