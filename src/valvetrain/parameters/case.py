@@ -61,8 +61,9 @@ class Operation:
 class RodOptions:
     """Numerical constants of the finite-element rod.
 
-    ``elements_per_coil``; ``contact_stiffness`` line stiffness of coil on coil (N/m per m of wire = Pa); ``contact_damping_time`` (s),
-    Kelvin-Voigt; ``output_step`` (cam rad); ``curvature_correction`` of the section stiffness for the bar's curvature;
+    ``elements_per_coil``; ``contact_stiffness`` line stiffness of coil on coil (N/m per m of wire = Pa; 0: coils pass
+    through); ``contact_damping_time`` (s), Kelvin-Voigt; ``output_step`` (cam rad);
+    ``curvature_correction`` of the section stiffness for the bar's curvature;
     ``time_step`` (s), None to let the stability limit decide.
     """
 

@@ -33,7 +33,7 @@ from valvetrain.parameters.train_schema import TrainModel
 _ROD = RodOptions()
 
 AngularSpeeds = Annotated[tuple[float, ...], quantities("angular speed")]
-LineStiffness = Annotated[float, quantity("line stiffness", low=0.0, open_low=True)]
+LineStiffness = Annotated[float, quantity("line stiffness", low=0.0)]
 OutputStep = Annotated[float, quantity("angle", low=1e-4, high=0.5)]
 
 

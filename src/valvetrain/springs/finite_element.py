@@ -59,7 +59,8 @@ class FiniteElementRod:
     @cached_property
     def mesh(self) -> RodMesh:
         """The stress-free rod."""
-        mesh = mesh_spring(self.definition, self.elements_per_coil, curvature_correction=self.curvature_correction)
+        touching = self.dynamics.contact_stiffness > 0
+        mesh = mesh_spring(self.definition, self.elements_per_coil, curvature_correction=self.curvature_correction, contact=touching)
         if self.seats == "clamps":
             nothing = np.full(mesh.vertices, np.inf)
             mesh = replace(mesh, lower_seat_limit=-nothing, upper_seat_limit=nothing)
