@@ -251,6 +251,7 @@ def _series_object(item: Any) -> dict[str, Any]:
         "spring_set": item.spring_set, "spring_model": item.spring_model,
         "float_engine_speed": measured(rpm(item.float_engine_speed), "rpm"),
         "contact_loss_engine_speed": measured(rpm(item.contact_loss_engine_speed), "rpm"),
+        "lone_float_engine_speeds": {"values": [rpm(speed) for speed in item.lone_float_engine_speeds], "unit": "rpm"},
         "rigid_contact_loss_engine_speed": measured(rpm(item.rigid_engine_speed), "rpm"),
         "engine_speed": {"values": [rpm(speed) for speed in item.engine_speeds], "unit": "rpm"}, "columns": columns,
         "surge_orders": {"values": item.orders, "unit": "N"}, "statuses": [status.code for status in item.statuses],
@@ -273,7 +274,8 @@ def _show_sweep(console: Console, result: TrainSweep, page: str) -> None:
     console.print()
     rows = [
         (item.label, _speed_or(item.contact_loss_engine_speed, "never"), number(rpm(item.rigid_engine_speed)),
-         _speed_or(item.float_engine_speed, "never"), number(float(np.nanmax(item.columns["peak_open_cam_contact_force"]))),
+         _speed_or(item.float_engine_speed, "never"), ", ".join(f"{rpm(speed):g}" for speed in item.lone_float_engine_speeds) or "–",
+         number(float(np.nanmax(item.columns["peak_open_cam_contact_force"]))),
          number(float(np.nanmax(item.columns["seating_velocity"]))))
         for item in result.series
     ]  # fmt: skip
@@ -282,8 +284,9 @@ def _show_sweep(console: Console, result: TrainSweep, page: str) -> None:
         "contact first lost (rpm)",
         "by rigid theory (rpm)",
         "floats from (rpm)",
+        "at single speeds (rpm)",
         "largest cam force (N)",
         "largest seating velocity (m/s)",
     )
-    console.print(plain_table(headers, rows, right=(1, 2, 3, 4, 5)))
+    console.print(plain_table(headers, rows, right=(1, 2, 3, 4, 5, 6)))
     console.print(f"\n{len(result.series[0].engine_speeds)} speeds per spring, {result.wall_time:.1f} s\nresults  {page}", soft_wrap=True)

@@ -186,13 +186,16 @@ def sweep_page(sweep: TrainSweep) -> Page:
     """The report of a sweep: where each spring floats, curves over speed, order maps, all numbers."""
     speeds_of = ("contact_loss_engine_speed", "rigid_engine_speed", "float_engine_speed")
     rows = np.array([[rpm(getattr(item, name)) for name in speeds_of] for item in sweep.series]).reshape(-1, 3)
+    lone = [", ".join(f"{rpm(speed):g}" for speed in item.lone_float_engine_speeds) or "–" for item in sweep.series]
     floats = table(
         ("springs", "", np.array([item.label for item in sweep.series], dtype=object)), ("contact first lost", "rpm", rows[:, 0]),
         ("by rigid theory", "rpm", rows[:, 1]), ("floats from", "rpm", rows[:, 2]),
+        ("floats at single speeds", "rpm", np.array(lone, dtype=object)),
     )  # fmt: skip
     lead = text(
-        "A dash means that control is kept over the whole sweep. Rigid theory: the speed at which inertia first exceeds the spring "
-        "force, no elasticity, no surge."
+        "A train floats from the speed at which it runs above its rigid lift there and at the next speed of the sweep; a resonance that "
+        "lets go at one speed only is named apart. A dash means that no speed of the sweep does so. Rigid theory: the speed at which "
+        "inertia first exceeds the spring force, no elasticity, no surge."
     )
     maps = tuple((item.label, (Figure(sweep_figures.order_chart(item, f"orders-{_slug(item.label)}")),)) for item in sweep.series)
     tables = tuple((item.label, (grid_of(sweep_figures.sweep_table(item)),)) for item in sweep.series)

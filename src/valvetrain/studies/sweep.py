@@ -61,6 +61,13 @@ class SweepSeries:
         return float(self.engine_speeds[lost[0]]) if len(lost) else float("nan")
 
     @property
+    def lone_float_engine_speeds(self) -> Array:
+        """Speeds (rad/s) below ``float_engine_speed`` at which the train floats at that speed of the sweep only: resonances that let go."""
+        lost = _floats(self.columns)
+        below = self.engine_speeds < self.float_engine_speed if np.isfinite(self.float_engine_speed) else np.ones(len(lost), dtype=bool)
+        return np.asarray(self.engine_speeds[lost & below])
+
+    @property
     def label(self) -> str:
         """``set, model``."""
         return f"{self.spring_set}, {self.spring_model}" if self.spring_set else self.spring_model
@@ -145,10 +152,15 @@ def float_engine_speed(engine_speeds: Array, columns: dict[str, Array]) -> float
     """Lowest speed (rad/s) from which the train floats: gap in the drive or lift above the rigid one beyond :data:`CONTROL_LOST_GAP`, at
     that speed and the next.
 
-    A single resonance that lets go and catches again does not count; the last point of a sweep may stand alone.
+    A single resonance that lets go and catches again does not count (:attr:`SweepSeries.lone_float_engine_speeds` names it); the last
+    point of a sweep may stand alone.
     """
-    lost = (columns["float_excess_lift"] > CONTROL_LOST_GAP) | np.isnan(columns["float_excess_lift"])
+    lost = _floats(columns)
     for place in np.flatnonzero(lost):
         if place + 1 == len(engine_speeds) or lost[place + 1]:
             return float(engine_speeds[place])
     return float("nan")
+
+
+def _floats(columns: dict[str, Array]) -> NDArray[np.bool_]:
+    return np.asarray((columns["float_excess_lift"] > CONTROL_LOST_GAP) | np.isnan(columns["float_excess_lift"]))

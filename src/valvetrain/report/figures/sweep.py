@@ -54,7 +54,8 @@ def sweep_chart(sweep: TrainSweep) -> Chart:
         rules = tuple(Rule("x", float(value), f"float {value}") for value in floats)
         panels.append(Panel("engine speed (rpm)", f"{words} ({unit})" if unit else words, tuple(layers), rules=rules))
     caption = (
-        "Steady state at every speed. Rules mark the speed from which the train floats: it runs more than 0.05 mm above its rigid lift."
+        "Steady state at each speed; where the motion does not repeat (status 'not-converged'), the last cycle computed. Rules mark the "
+        "speed from which the train floats: it runs more than 0.05 mm above its rigid lift."
     )
     return Chart("sweep", "Forces, seating and float over engine speed", caption, tuple(panels), columns=2, height=780)
 
