@@ -26,6 +26,8 @@ LARGE_SPRING = 2000
 """Unknowns beyond which a record keeps positions only."""
 SPRING_FRACTION = 0.8
 """Share of a spring's own stable step that is used where the springs decide."""
+SHORTEST_STEP = 2e-8
+"""Step (s) below which contacts and bodies are refused: a mode beyond some 5 MHz is a slip of units, and a cycle would take minutes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,7 +183,8 @@ def recorded_entries(spring: Any) -> int:
 def runner(system: TrainSystem, cam_speed: float, options: TrainOptions | None = None, cam_acceleration: float = 0.0) -> TrainRunner:
     """A train ready to run at ``cam_speed`` (rad/s; ``cam_acceleration`` rad/s2 for a run-up).
 
-    Raises :class:`InputError` for a speed that is not positive or a prescribed step that the contacts or springs cannot resolve.
+    Raises :class:`InputError` for a speed that is not positive, contacts too stiff for any sensible step, or a prescribed step that the
+    contacts or springs cannot resolve.
     """
     chosen = options or TrainOptions()
     if not (np.isfinite(cam_speed) and cam_speed > 0):
@@ -189,6 +192,11 @@ def runner(system: TrainSystem, cam_speed: float, options: TrainOptions | None =
     period = TURN / cam_speed
     if chosen.time_step is None:
         step = chosen.step_fraction * own_time_step(system)
+        if step < SHORTEST_STEP:
+            raise InputError(
+                f"the stiffest contact or link of train '{system.name}' asks for steps of {step:.1e} s; lower its stiffness (a contact of "
+                "steel parts has some 100 kN/mm) or raise the mass of what it moves; check their units"
+            )
         carried = springs_time_step(system, step)
         step = step if carried >= step else SPRING_FRACTION * carried
     else:

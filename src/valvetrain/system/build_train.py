@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from valvetrain.errors import InputError
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.contour import NODES, table_from_samples
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.train import GasLoad, TrainParameters
+from valvetrain.parameters.train import GasLoad, InstalledSpring, TrainParameters
 from valvetrain.system.spring_choice import build_springs
 from valvetrain.system.train_system import TrainSystem
 
@@ -24,7 +25,7 @@ def build_train(
 ) -> TrainSystem:
     """The train of a case with one spring model. ``train`` replaces the case's own parameters; ``options`` go to the springs.
 
-    Raises :class:`InputError` when the case holds no train or no lift law, and for everything the parts refuse.
+    Raises :class:`InputError` when the case holds no train or no lift law, for a spring that binds, and for everything the parts refuse.
     """
     parameters = train or case.train
     if parameters is None:
@@ -32,9 +33,24 @@ def build_train(
     if case.lift_law is None:
         raise InputError(f"case '{case.name}' holds no lift law; add a [lift_law] table")
     mechanism = build_mechanism(parameters, build_lift_law(case.lift_law), case.lift_law.lift_of)
+    check_room(parameters.spring_parts(spring_set), mechanism.kinematics.maximum_lift)
     springs = build_springs(parameters, spring_model, spring_set, **options)
     gas = None if parameters.gas is None else gas_table(parameters.gas)
     return TrainSystem(mechanism, springs, gas, case.name)
+
+
+def check_room(parts: Sequence[Any], maximum_lift: float) -> None:
+    """Raise :class:`InputError` for a spring that the rigid valve lift (m) would press beyond solid; cards tell it where they can."""
+    for part in parts:
+        solid = part.definition.solid_height if isinstance(part, InstalledSpring) else part.solid_height
+        if solid is None or part.installed_height is None:
+            continue
+        open_height = part.installed_height - maximum_lift
+        if open_height <= solid:
+            raise InputError(
+                f"spring '{part.name}' binds: {part.installed_height * 1e3:.4g} mm installed less {maximum_lift * 1e3:.4g} mm of valve lift "
+                f"leave {open_height * 1e3:.4g} mm, but it is solid at {solid * 1e3:.4g} mm; install it higher, lift less or take out coils"
+            )
 
 
 def gas_table(gas: GasLoad) -> Array:
