@@ -1,9 +1,10 @@
 """Compiled step of a chain of masses with unilateral coil contact. Free of allocation.
 
-``integers`` = [n inner masses, p contacts, r of them in the regular run, then p upper and p lower nodes]; nodes 0 = seat, n + 1 =
-retainer. In the run both nodes count up by one and the fraction is constant, so its overlaps are one vectorised loop.
+``integers`` = [n inner masses, p contacts, r of them in the regular run, e with a held end, then p upper and p lower nodes, then first
+node, length and place in the weights of the rows of those e, which are the last]; nodes 0 = seat, n + 1 = retainer. In the run both nodes
+count up by one and the fraction is constant, so its overlaps are one vectorised loop.
 ``parameters`` = [initial compression (m), mass damping (1/s), stiffness damping (s), contact damping time (s)],
-stiffness (n + 1), masses (n), inverse masses (n), then per contact gap, stiffness, fraction (p each).
+stiffness (n + 1), masses (n), inverse masses (n), then per contact gap, stiffness, fraction (p each), weights of the end rows.
 ``state`` = positions (n), velocities (n), dissipated energy, then scratch of all nodes (n + 2 each): forces, positions, velocities
 at the half step before, predicted velocities; then per contact (p each) overlap, damping impulse of the last step, list of the closed.
 
@@ -22,7 +23,7 @@ from typing import Any
 from numba import njit
 
 HEADER = 4
-INTEGER_HEADER = 3
+INTEGER_HEADER = 4
 #: Sums may be reordered (vectorised); nothing that hides a NaN.
 FAST = {"reassoc", "contract", "nsz"}
 #: No reference counting (nothing is allocated): a slice that lives across a call or a branch would pay for it atomically.
@@ -107,10 +108,23 @@ def _regular_overlaps(parameters, integers, state):
         depths[c] = upper[c] - (1.0 - share) * lower[c] - share * next_lower[c] - gaps[c]
 
 
+@njit(**LOOP)
+def _row_dot(parameters, state, weight, node, length):
+    """Product of an end row with the nodal values it spans."""
+    weights, values, total = parameters[weight : weight + length], state[node : node + length], 0.0
+    for i in range(length):
+        total += weights[i] * values[i]
+    return total
+
+
 @njit(**BRANCH)
 def _across(parameters, integers, state, at, c):
     """Difference across contact ``c`` of the nodal values at ``state[at:]``."""
-    p = integers[1]
+    p, end = integers[1], c - integers[1] + integers[3]
+    if end >= 0:
+        start, e = INTEGER_HEADER + 2 * p + end, integers[3]
+        weight = HEADER + 3 * integers[0] + 1 + 3 * p + integers[start + 2 * e]
+        return _row_dot(parameters, state, weight, at + integers[start], integers[start + e])
     lower, share = at + integers[INTEGER_HEADER + p + c], parameters[HEADER + 3 * integers[0] + 1 + 2 * p + c]
     return state[at + integers[INTEGER_HEADER + c]] - state[lower] - share * (state[lower + 1] - state[lower])
 
@@ -118,7 +132,13 @@ def _across(parameters, integers, state, at, c):
 @njit(**BRANCH)
 def _press(parameters, integers, state, c, force):
     """Contact ``c`` pushes its partners apart with ``force`` (N)."""
-    n, p = integers[0], integers[1]
+    n, p, end = integers[0], integers[1], c - integers[1] + integers[3]
+    if end >= 0:
+        start, e = INTEGER_HEADER + 2 * p + end, integers[3]
+        node, weight = 2 * n + 1 + integers[start], HEADER + 3 * n + 1 + 3 * p + integers[start + 2 * e]
+        for i in range(integers[start + e]):
+            state[node + i] -= parameters[weight + i] * force
+        return
     lower, share = 2 * n + 1 + integers[INTEGER_HEADER + p + c], parameters[HEADER + 3 * n + 1 + 2 * p + c]
     state[2 * n + 1 + integers[INTEGER_HEADER + c]] -= force
     state[lower] += (1.0 - share) * force

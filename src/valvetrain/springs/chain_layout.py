@@ -6,13 +6,15 @@ A section at coil number u moves by w(u) towards the seat, from the free state. 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.springs.chain_ends import wire_lift_row
 
 Array = NDArray[np.float64]
 
@@ -23,7 +25,8 @@ class CoilContacts:
 
     ``upper`` node meets the wire between nodes ``lower`` and ``lower + 1`` (share ``fraction`` towards the latter) when the free
     ``gap`` (m) is used up; ``stiffness`` in N/m; ``upper_coil`` is the coil number of the upper partner (0 for
-    contacts with the seat plane, the total turns for those with the retainer).
+    contacts with the seat plane, the total turns for those with the retainer). The last contacts of the list, as many as ``end_rows``
+    (e, N + 1) has rows, join the wire to a held end: there overlap is row . node positions less the gap (``springs.chain_ends``).
     """
 
     upper: NDArray[np.int64]
@@ -32,6 +35,20 @@ class CoilContacts:
     gap: Array
     stiffness: Array
     upper_coil: Array
+    end_rows: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+    @property
+    def ends(self) -> int:
+        """Number of contacts with a held end that have their own row."""
+        return len(self.end_rows)
+
+    def spans(self) -> tuple[NDArray[np.int64], Array]:
+        """The end rows without their zeros: first node, length and place in the weights (3 e,), weights."""
+        filled = [np.flatnonzero(row) for row in self.end_rows]
+        first = np.array([nodes[0] for nodes in filled], dtype=np.int64)
+        length = np.array([nodes[-1] + 1 for nodes in filled], dtype=np.int64) - first
+        weights = [row[a : a + n] for row, a, n in zip(self.end_rows, first, length, strict=True)]
+        return np.concatenate((first, length, np.cumsum(length) - length)), np.concatenate((np.zeros(0), *weights))
 
     @property
     def count(self) -> int:
@@ -158,7 +175,26 @@ def coil_contacts(spring: SpringDefinition, coil: Array, contact_stiffness: floa
     rows += [(i + 1, 0, 0.0, above[i], stiffness[i], 0.0) for i in np.flatnonzero(inner < 1.0)]
     # The retainer meets the section at inner node i + 1 from above.
     rows += [(last_node, i + 1, 0.0, below[i], stiffness[i], spring.total_coils) for i in np.flatnonzero(inner > spring.total_coils - 1)]
+    return _with_ends(spring, coil, rows)
+
+
+def _with_ends(spring: SpringDefinition, coil: Array, rows: Sequence[tuple[float, ...]]) -> CoilContacts:
+    """The contacts in order, those of a free wire with a held end last and with their own rows."""
     if not rows:
         return NO_CONTACTS
+    last = len(coil) - 1
     column = [np.array(values) for values in zip(*rows, strict=True)]
-    return CoilContacts(column[0].astype(np.int64), column[1].astype(np.int64), *(c.astype(float) for c in column[2:]))
+    upper, lower, fraction = column[0].astype(np.int64), column[1].astype(np.int64), column[2].astype(float)
+    gap, stiffness, upper_coil = (values.astype(float) for values in column[3:])
+    on_seat = (lower == 0) & (fraction == 0.0) & (upper < last)
+    under_retainer = (upper == last) & ~((lower == 0) & (fraction == 0.0))
+    order = np.argsort(on_seat | under_retainer, kind="stable")
+    free = coil[lower] + fraction * (coil[lower + 1] - coil[lower])
+    ends = [
+        wire_lift_row(spring, coil, float(coil[upper[i]] if on_seat[i] else free[i]), from_below=bool(on_seat[i]))
+        for i in order
+        if on_seat[i] or under_retainer[i]
+    ]
+    return CoilContacts(
+        upper[order], lower[order], fraction[order], gap[order], stiffness[order], upper_coil[order], np.array(ends).reshape(-1, last + 1)
+    )

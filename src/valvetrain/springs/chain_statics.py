@@ -11,7 +11,10 @@ from valvetrain.springs.chain_layout import Array, ChainLayout
 def contact_depths(layout: ChainLayout, nodes: Array) -> Array:
     """Overlap (m, negative when open) of every contact for node positions (N + 1,), compressive from the free state."""
     c = layout.contacts
-    return nodes[c.upper] - nodes[c.lower] * (1 - c.fraction) - nodes[c.lower + 1] * c.fraction - c.gap
+    depth = nodes[c.upper] - nodes[c.lower] * (1 - c.fraction) - nodes[c.lower + 1] * c.fraction - c.gap
+    if c.ends:
+        depth[-c.ends :] = c.end_rows @ nodes - c.gap[-c.ends :]
+    return depth
 
 
 def contact_rows(layout: ChainLayout) -> Array:
@@ -22,6 +25,8 @@ def contact_rows(layout: ChainLayout) -> Array:
     np.add.at(rows, (index, c.upper), 1.0)
     np.add.at(rows, (index, c.lower), -(1 - c.fraction))
     np.add.at(rows, (index, c.lower + 1), -c.fraction)
+    if c.ends:
+        rows[-c.ends :] = c.end_rows
     return rows
 
 

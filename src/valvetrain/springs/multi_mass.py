@@ -75,14 +75,16 @@ class MultiMassSpring:
     def _parameters(self) -> Array:
         c = self.layout.contacts
         head = [self.precompression, self.mass_damping, self.stiffness_damping, self.contact_damping_time]
-        return np.concatenate((head, self.layout.stiffness, self.layout.masses, 1 / self.layout.masses, c.gap, c.stiffness, c.fraction))
+        masses, weights = self.layout.masses, c.spans()[1]
+        return np.concatenate((head, self.layout.stiffness, masses, 1 / masses, c.gap, c.stiffness, c.fraction, weights))
 
     def parameters(self) -> Array:
         return self._parameters.copy()
 
     def integers(self) -> NDArray[np.int64]:
         c = self.layout.contacts
-        return np.concatenate(([self.unknowns, c.count, c.regular(self.unknowns)], c.upper, c.lower)).astype(np.int64)
+        head = [self.unknowns, c.count, c.regular(self.unknowns), c.ends]
+        return np.concatenate((head, c.upper, c.lower, c.spans()[0])).astype(np.int64)
 
     def with_time_step(self, time_step: float) -> MultiMassSpring:
         return self
