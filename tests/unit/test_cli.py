@@ -265,3 +265,41 @@ def test_the_time_left_is_what_the_share_done_leaves():
     assert time_left(10.0, 0.25) == "about 30 s left"
     assert time_left(300.0, 0.5) == "about 5 min left"
     assert time_left(1.0, 0.0) == time_left(1.0, 1.0) == ""
+
+
+BINDS = """
+[lift_law]
+kind = "polynomial"
+maximum_lift = "30 mm"
+opening_start = "110 deg"
+opening_end = "180 deg"
+closing_start = "180 deg"
+closing_end = "250 deg"
+[operation]
+engine_speeds = "3000 rpm"
+[spring]
+wire_diameter = "4 mm"
+mean_diameter = "24 mm"
+pitch = "7.5 mm"
+total_coils = 6
+ends = "open"
+material = "OTEVA 90 SC"
+[installation]
+precompression = "7 mm"
+"""
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_a_lift_that_presses_the_spring_solid_is_refused(tmp_path, command):
+    """Six open coils of 4 mm wire are solid at (7.5 - 4) 6 = 21 mm; 7 mm and 30 mm of lift ask for 37 mm."""
+    (tmp_path / "bind.toml").write_text(BINDS)
+    result = call(command, str(tmp_path / "bind.toml"))
+    assert result.exit_code == 2
+    assert "binds: 7 mm installed and 30 mm of lift compress it by more than the 21 mm" in result.stderr
+
+
+def test_check_puts_a_train_together():
+    result = call("check", "vaz-ohc", "--set", "train.lash=12 mm")
+    assert result.exit_code == 2 and "not smaller than the valve lift" in result.stderr
+    result = call("check", "vaz-ohc", "--set", "train.springs.nested.1.installed_height=21 mm")
+    assert result.exit_code == 2 and "spring 'inner' binds" in result.stderr

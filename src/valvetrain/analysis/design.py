@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from valvetrain.errors import InputError
+
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case, SpringCard
     from valvetrain.parameters.spring import SpringDefinition
@@ -61,3 +63,18 @@ def card_quantities(card: SpringCard) -> dict[str, float]:
         "card_surge_frequency": card.surge_frequency,
     }  # fmt: skip
     return {name: value for name, value in values.items() if value is not None}
+
+
+def check_room(case: Case) -> None:
+    """Raise :class:`InputError` when the lift presses the installed spring beyond solid; cases without spring or lift pass."""
+    if case.spring is None or case.lift_law is None:
+        return
+    from valvetrain.cam.build import build_lift_law
+
+    travel = case.spring.free_length - case.spring.solid_height
+    lift = float(np.max(build_lift_law(case.lift_law).lift(np.linspace(0.0, 2 * np.pi, 721))))
+    if case.installation.precompression + lift >= travel:
+        raise InputError(
+            f"the spring of case '{case.name}' binds: {case.installation.precompression * 1e3:.4g} mm installed and {lift * 1e3:.4g} mm of "
+            f"lift compress it by more than the {travel * 1e3:.4g} mm at which it is solid; lift less, install it higher or take out coils"
+        )

@@ -74,12 +74,25 @@ def check(
 
     chosen = choose_case(case, settings)
     quantities = design_quantities(chosen) | lift_quantities(chosen)
+    _check_parts(chosen)
     facts = case_facts(chosen)
     data = {
         "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(facts),
         "quantities": quantities_object(quantities),
     }  # fmt: skip
     deliver(Outcome(data, lambda console: _show_check(console, chosen, facts, quantities)), as_json)
+
+
+def _check_parts(case: Case) -> None:
+    """What only shows when the parts are put together: a spring that binds, a cam that cannot be made, a contact without a law."""
+    from valvetrain.analysis.design import check_room
+
+    check_room(case)
+    if case.train is not None and case.lift_law is not None:
+        from valvetrain.system.build_train import build_train
+
+        for spring_set in case.train.springs or ("",):
+            build_train(case, spring_set=spring_set, spring_model="massless")
 
 
 def _holds(case: Case) -> list[str]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from valvetrain.analysis.compare import compare, same_speed
+from valvetrain.analysis.design import check_room
 from valvetrain.analysis.quantities import study_quantities
 from valvetrain.analysis.quantity import Quantity, named
 from valvetrain.analysis.statics import natural_quantities
@@ -50,6 +51,8 @@ def run_spring_study(
     rod_speeds = case.operation.engine_speeds if engine_speeds is None else tuple(engine_speeds)
     if any(not speed > 0 for speed in rod_speeds):
         raise InputError("every engine speed must be positive; give it as '4200 rpm'")
+    if rod_speeds:
+        check_room(case)
     model = FiniteElementRod.from_case(case)
     tell = _Steps(progress, 2 + len(rod_speeds) * len(models))
     model.installed  # noqa: B018  the equilibrium all runs start from; solved once before the threads share it

@@ -48,7 +48,7 @@ def check_room(parts: Sequence[Any], maximum_lift: float) -> None:
         open_height = part.installed_height - maximum_lift
         if open_height <= solid:
             raise InputError(
-                f"spring '{part.name}' binds: {part.installed_height * 1e3:.4g} mm installed less {maximum_lift * 1e3:.4g} mm of valve lift "
+                f"spring '{part.name}' binds: {part.installed_height * 1e3:.4g} mm installed less {maximum_lift * 1e3:.4g} mm of lift "
                 f"leave {open_height * 1e3:.4g} mm, but it is solid at {solid * 1e3:.4g} mm; install it higher, lift less or take out coils"
             )
 
