@@ -171,5 +171,7 @@ class Case:
     def require_spring(self) -> SpringDefinition:
         """The spring definition. Raises :class:`InputError` when the case has none."""
         if self.spring is None:
+            if self.train is not None:
+                raise InputError(f"case '{self.name}' is a valvetrain; give a case whose [spring] table holds one of its wires")
             raise InputError(f"case '{self.name}' defines no spring; add a [spring] table to it")
         return self.spring

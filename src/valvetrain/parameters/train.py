@@ -240,8 +240,7 @@ class TrainVariant:
     """One of the runs that a case asks for: what differs from the train itself.
 
     ``spring_set`` and ``spring_model``: words, empty for the train's own. ``lash`` (m), ``valve_damping`` (N s/m, a damper on the valve),
-    ``contact_law`` (a word, for every contact that has the values it needs), ``without_preload``: springs at rest with the valve closed,
-    as one source computed them. ``note`` is printed beside the results.
+    ``without_preload``: springs at rest with the valve closed, as one source computed them. ``note`` is printed beside the results.
     """
 
     label: str
