@@ -8,7 +8,7 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON
 
-.PHONY: help run test validate bench identify lint pins clean environment-run environment-test parts
+.PHONY: help run test validate bench identify uncertainty lint pins clean environment-run environment-test parts
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
@@ -16,6 +16,7 @@ help:
 	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
 	@echo "make bench     measure the speed of the main parts"
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
+	@echo "make uncertainty  error bars of the published case anew; after make identify or a change of the rod"
 	@echo "make lint      style, format (ruff) and types (mypy)"
 	@echo "make pins      resolve the pinned versions anew (needs a network)"
 	@echo "make clean     remove the environment, caches and results"
@@ -43,6 +44,9 @@ bench: environment-run
 
 identify: environment-run
 	$(BIN)/python scripts/identify_beehive.py $(ARGS)
+
+uncertainty: environment-run
+	$(BIN)/python scripts/write_uncertainty.py $(CASE) $(ARGS)
 
 lint: environment-test
 	$(BIN)/ruff check .

@@ -34,7 +34,7 @@ class _Force:
     """Seat force of the reported cycle as finely as the run holds it: time (s), cam angle (rad), raw and filtered values (N)."""
 
     time: Array
-    angle: Array
+    cam_angle: Array
     raw: Array
     filtered: dict[float, Array]
     base: float
@@ -45,14 +45,14 @@ def find_clash_window(cycle: Cycle, surge_frequency: float, stages: Stages = Sta
     force = _force(cycle)
     if force is None:
         return None
-    late = np.flatnonzero((force.angle >= stages.second_end) & (force.angle < stages.bounds(3)[1]))
+    late = np.flatnonzero((force.cam_angle >= stages.second_end) & (force.cam_angle < stages.bounds(3)[1]))
     part = force.filtered[FINDING_BANDWIDTH][late]
     peaks = prominent_peaks(part, max(STAGE_3_SHARE * float(np.ptp(force.raw)), 1e-12))
     if len(peaks) == 0:
         return None
     height = part[peaks] - force.base
     main = peaks[int(np.flatnonzero(height >= MAIN_SHARE * np.max(height))[0])]
-    centre = float(force.angle[late][main])
+    centre = float(force.cam_angle[late][main])
     reach = WINDOW_SHARE * cycle.solution.engine_speed / 2 / surge_frequency
     window = ClashWindow(max(stages.second_end, centre - reach), min(stages.bounds(3)[1], centre + reach))
     return window if _touched(cycle, window) else None
@@ -75,13 +75,13 @@ def main_clash_quantities(cycle: Cycle, window: ClashWindow) -> dict[str, float]
     force = _force(cycle)
     if force is None:
         return {}
-    inside = np.flatnonzero((force.angle >= window.first) & (force.angle <= window.last))
+    inside = np.flatnonzero((force.cam_angle >= window.first) & (force.cam_angle <= window.last))
     if len(inside) < 5:
         return {}
     found = {"main_clash_peak_force": float(np.max(force.raw[inside]))}
     for bandwidth, values in force.filtered.items():
         found[f"main_clash_below_{bandwidth / 1e3:.0f}_khz_peak_force"] = float(np.max(values[inside]))
-    found["main_clash_cam_angle"] = _vertex(force.angle, force.filtered[FINDING_BANDWIDTH], inside)
+    found["main_clash_cam_angle"] = _vertex(force.cam_angle, force.filtered[FINDING_BANDWIDTH], inside)
     found["main_clash_impulse"] = _impulse(force, found["main_clash_cam_angle"])
     return found
 
@@ -120,6 +120,6 @@ def _impulse(force: _Force, place: float) -> float:
     steps = np.diff(force.time)
     above = force.raw - force.base
     summed = np.concatenate(([0.0], np.cumsum(0.5 * (above[1:] + above[:-1]) * steps)))
-    centre = float(np.interp(place, force.angle, force.time))
+    centre = float(np.interp(place, force.cam_angle, force.time))
     first, last = np.interp([centre - IMPULSE_TIME, centre + IMPULSE_TIME], force.time, summed)
     return float(last - first)
