@@ -64,12 +64,12 @@ def stress_chart(along: Table, over: Table, coil: float, engine_speed: float) ->
     dynamic, slow = theme.model_colour("finite-element"), theme.model_colour("massless")
     first: list[Layer] = []
     if "quasi-static" in along:
-        first.append(Line(along["coil number"], along["quasi-static"], "quasi-static, largest", slow, dash="dash"))
+        first.append(Line(along["coil number"], along["quasi-static"], "quasi-static", slow, dash="dash"))
     first.append(Line(along["coil number"], along["largest"], "shear, largest", dynamic))
     first.append(Line(along["coil number"], along["least"], "shear, least", theme.mix(dynamic, "#ffffff", 0.5)))
     second: list[Layer] = []
     if "quasi-static" in over:
-        second.append(Line(*thin(over["cam angle"], over["quasi-static"]), "quasi-static", slow, dash="dash"))
+        second.append(Line(*thin(over["cam angle"], over["quasi-static"]), "quasi-static", slow, dash="dash", in_legend=False))
     second.append(Line(*thin(over["cam angle"], over["shear"]), "shear", dynamic, in_legend=False))
     panels = (
         Panel("coil number from the seat", "shear stress at the inner fibre (MPa)", tuple(first), title="Over the wire"),
