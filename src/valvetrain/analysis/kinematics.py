@@ -41,7 +41,7 @@ def rigid_table(system: TrainSystem, train: TrainParameters, cam_speed: float, s
     angle = np.arange(samples) * 2 * np.pi / samples
     motion = system.mechanism.kinematics
     lift, velocity, acceleration, jerk = (motion.valve_lift(angle, n) * cam_speed**n for n in range(4))
-    poses = rigid_poses(system)
+    poses = _poses(system)
     inertia, spring = _inertia(poses, lift, velocity, acceleration), _spring(system, lift)
     moving = lift > 0
     demand = np.where(moving, inertia + spring - poses.weight(lift), 0.0)
@@ -63,7 +63,7 @@ def contact_loss_cam_speed(system: TrainSystem, samples: int = 1440) -> tuple[fl
     The contact force is (static part) + (inertia per speed squared) * cam_speed**2, so its first zero is a ratio.
     """
     angle = np.arange(samples) * 2 * np.pi / samples
-    motion, poses = system.mechanism.kinematics, rigid_poses(system)
+    motion, poses = system.mechanism.kinematics, _poses(system)
     lift, velocity, acceleration = (motion.valve_lift(angle, n) for n in range(3))
     per_speed = _inertia(poses, lift, velocity, acceleration)
     static = _spring(system, lift) - poses.weight(lift)
@@ -73,6 +73,14 @@ def contact_loss_cam_speed(system: TrainSystem, samples: int = 1440) -> tuple[fl
     squares = np.where(risky, -static / np.where(risky, per_speed, -1.0), np.inf)
     worst = int(np.argmin(squares))
     return float(np.sqrt(max(squares[worst], 0.0))), float(angle[worst])
+
+
+def _poses(system: TrainSystem) -> RigidPoses:
+    """Rigid poses of the train, found once: a sweep asks at every speed."""
+    if "rigid poses" not in system.known:
+        system.known["rigid poses"] = rigid_poses(system)
+    found: RigidPoses = system.known["rigid poses"]
+    return found
 
 
 def _inertia(poses: RigidPoses, lift: Array, velocity: Array, acceleration: Array) -> Array:
@@ -88,12 +96,17 @@ def _spring(system: TrainSystem, lift: Array) -> Array:
 
 def _cam_gradients(system: TrainSystem, poses: RigidPoses, angle: Array, lift: Array) -> tuple[Array, Array]:
     """Travel of the cam normal per valve travel (1) and per cam angle (m/rad) along the rigid motion."""
+    key = ("cam gradients", len(angle))
+    if key in system.known:
+        found: tuple[Array, Array] = system.known[key]
+        return found
     cam = system.mechanism.interaction_index("cam")
     positions, modes = poses.positions(lift), poses.mode(lift)
     along, slope = np.zeros(len(angle)), np.zeros(len(angle))
     for row, theta in enumerate(angle):
         _, gradients, slopes = gap_state(system, positions[row], float(theta))
         along[row], slope[row] = -gradients[cam] @ modes[row], slopes[cam]
+    system.known[key] = along, slope
     return along, slope
 
 

@@ -115,13 +115,16 @@ class TrainRunner:
 
     def initial_state(self) -> TrainState:
         """Static equilibrium at cam angle zero."""
-        q = static_equilibrium(self.system, 0.0)
+        known = self.system.known
+        if "rest" not in known:
+            known["rest"] = static_equilibrium(self.system, 0.0)
+        q = known["rest"].copy()
         lift = float(q[self.system.arrays.retainer])
         states = tuple(np.asarray(s.initial_state(lift), dtype=float) for s in self.springs)
         return TrainState(q, np.zeros_like(q), states, self.system.arrays.law_parameters.copy(), np.array([0.0, 0.0, 0.0, 0.0, lift]))
 
-    def cycle(self, state: TrainState) -> tuple[TrainState, CycleRecord]:
-        """Advance one cam cycle; the given state stays as it was."""
+    def cycle(self, state: TrainState, judged: bool = True) -> tuple[TrainState, CycleRecord]:
+        """Advance one cam cycle; the given state stays as it was. ``judged``: look whether the step resolved the contacts' stiffness."""
         from valvetrain.integrate.null_spring import no_spring
         from valvetrain.integrate.train_kernel import ready_train_kernel
 
@@ -147,7 +150,7 @@ class TrainRunner:
             arrays.friction, arrays.tables, arrays.body, arrays.gas, arrays.gas_coordinate, arrays.retainer, *slots[0][1:], *slots[1][1:],
             new.q, new.v, clock, counters, totals, motion, force, gap, ends, states[0], states[1],
         )  # fmt: skip
-        status = self._status(done, state.cam_angle, totals[4 : 4 + interactions])
+        status = self._status(done, state.cam_angle, totals[4 : 4 + interactions] if judged else np.zeros(0))
         end = replace(new, held=clock[4:9].copy(), cam_angle=state.cam_angle + TURN if self.cam_acceleration == 0 else float(clock[0]))
         record = CycleRecord(
             motion[:, 3 * count], motion[:, :count], motion[:, count : 2 * count], motion[:, 2 * count : 3 * count], force, gap,

@@ -58,7 +58,7 @@ def steady_train(
 
     def cycle(vector: Array) -> Array:
         begun = time.perf_counter()
-        end, record = searching.cycle(_unpack(vector, template[0], runner))
+        end, record = searching.cycle(_unpack(vector, template[0], runner), judged=False)
         times.append(time.perf_counter() - begun)
         template[0] = replace(end, cam_angle=0.0)
         return _pack(end, runner) if record.status.code != "diverged" or np.all(np.isfinite(record.q)) else np.full_like(vector, np.nan)

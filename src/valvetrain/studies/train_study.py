@@ -64,12 +64,27 @@ def train_of(case: Case) -> TrainParameters:
 
 def run_job(job: RunJob) -> TrainRun:
     """Steady state of one variant at one speed, with numbers, events and (where kept) traces."""
-    train = job.variant.apply(train_of(job.case))
-    chosen_set = train.spring_set or next(iter(train.springs), "")
-    system = build_train(job.case, train=train, spring_set=chosen_set, **job.spring_options)
+    train, chosen_set, system = _assembled(job)
     steady = settle(system, job.engine_speed, train.spring_model, job.options, job.method, job.cycles)
     table = rigid_table(system, train, job.engine_speed / 2, samples=720 if job.keep_traces else 360)
     return _named(job, steady, table, train, chosen_set)
+
+
+#: The last train assembled, with what it was assembled from: a sweep asks for the same one at every speed.
+_LAST: list[tuple[RunJob, tuple[TrainParameters, str, TrainSystem]]] = []
+
+
+def _assembled(job: RunJob) -> tuple[TrainParameters, str, TrainSystem]:
+    """The job's train, the name of its spring set and the system."""
+    if _LAST:
+        last, found = _LAST[0]
+        if last.case is job.case and last.variant == job.variant and last.spring_options == job.spring_options:
+            return found
+    train = job.variant.apply(train_of(job.case))
+    chosen_set = train.spring_set or next(iter(train.springs), "")
+    found = train, chosen_set, build_train(job.case, train=train, spring_set=chosen_set, **job.spring_options)
+    _LAST[:] = [(job, found)]
+    return found
 
 
 def run_train(
@@ -93,12 +108,11 @@ def settle(
     """Steady state of an assembled train (rad/s of the crank); a contact harder than the step resolves is run again with a finer one."""
     few, chosen = FEW_CYCLES.get(spring_model), options or TrainOptions(record_springs=True)
     for _ in range(FINER_STEPS + 1):
-        ready = runner(system, engine_speed / 2, chosen)
         if few is not None:
             ready = runner(system, engine_speed / 2, replace(chosen, samples=min(chosen.samples, LARGE_SAMPLES)))
             found = steady_train(ready, "repeat", cycles=min(few, cycles), tolerance=1e-3)
         else:
-            found = steady_train(ready, method, cycles=cycles)
+            found = steady_train(runner(system, engine_speed / 2, chosen), method, cycles=cycles)
         if found.record.status.completed or chosen.time_step is not None:
             break
         chosen = replace(chosen, step_fraction=chosen.step_fraction / 3)

@@ -81,7 +81,9 @@ def generalised_forces(system: TrainSystem, q: Array, cam_angle: float) -> Array
 
 def reference_force(system: TrainSystem) -> float:
     """Force level (N) at which contact stiffnesses are judged: four times the spring force at full lift."""
-    return max(4 * system.spring_force(_full_lift(system)), 100.0)
+    if "reference force" not in system.known:
+        system.known["reference force"] = max(4 * system.spring_force(_full_lift(system)), 100.0)
+    return float(system.known["reference force"])
 
 
 def _full_lift(system: TrainSystem) -> float:
