@@ -199,7 +199,7 @@ def test_a_run_without_speeds_gives_statics_and_modes(small):
         (("static", "uniform-spring", "--to", "-1 mm"), "is negative"),
         (("static", "uniform-spring", "--steps", "1"), "--steps: 1 lies outside"),
         (("static", "uniform-spring", "--csv", "."), "is a folder"),
-        (("static", "tdi-pushrod"), "add a [spring] table"),
+        (("static", "tdi-pushrod"), "give a case whose [spring] table"),
         (("modes", "uniform-spring", "--count", "0"), "--count: 0 lies outside"),
         (("modes", "uniform-spring", "--compression", "30 mm"), "the spring is solid at"),
         (("cases", "uniform"), "did you mean uniform-spring?"),
