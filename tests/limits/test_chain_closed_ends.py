@@ -50,3 +50,11 @@ def test_force_of_a_chain_with_closed_ends_settles_with_the_number_of_masses():
     forces = [static_curve(chain_from_definition(spring, round(3.8177 * n), 2e9), deep)[0] for n in (6, 12, 24, 48)]
     assert forces[0] == pytest.approx(forces[3], rel=5e-3)
     assert forces[2] == pytest.approx(forces[3], rel=1e-3)
+
+
+def test_a_static_curve_of_the_rod_is_its_states_of_rest_one_by_one():
+    installed = NESTED[1]
+    rod = FiniteElementRod(installed.definition, installed.precompression, elements_per_coil=12)
+    travels = np.array([-1e-5, 0.0, 3e-3, 9.7e-3])
+    alone = [rod.force(rod.initial_state(float(travel)), float(travel)).retainer for travel in travels]
+    assert rod.static_forces(travels) == pytest.approx(alone, rel=1e-6)

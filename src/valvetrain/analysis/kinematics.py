@@ -91,7 +91,10 @@ def _inertia(poses: RigidPoses, lift: Array, velocity: Array, acceleration: Arra
 def _spring(system: TrainSystem, lift: Array) -> Array:
     """Static spring force (N) over the lift, tabulated once."""
     grid = np.linspace(0.0, max(float(lift.max()), 1e-6), 33)
-    return np.interp(lift, grid, [system.spring_force(float(value)) for value in grid])
+    key = ("spring curve", float(grid[-1]))
+    if key not in system.known:
+        system.known[key] = system.spring_forces(grid)
+    return np.interp(lift, grid, system.known[key])
 
 
 def _cam_gradients(system: TrainSystem, poses: RigidPoses, angle: Array, lift: Array) -> tuple[Array, Array]:

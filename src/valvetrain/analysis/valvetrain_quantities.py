@@ -30,7 +30,7 @@ def cycle_data(steady: SteadyTrain, table: RigidTable) -> CycleData:
     }
     lift = record.q[:, retainer]
     grid = np.linspace(min(float(lift.min()), 0.0), float(lift.max()) + 1e-6, 33)
-    static = np.interp(lift, grid, [system.spring_force(float(value)) for value in grid])
+    static = np.interp(lift, grid, system.spring_forces(grid))
     names = system.interaction_names
     return CycleData(
         cam_angle=angle, cam_speed=record.cam_speed, valve_lift=record.q[:, valve], valve_velocity=record.v[:, valve],
@@ -63,6 +63,12 @@ def coil_contacts(steady: SteadyTrain, place: int) -> tuple[Array, Array]:
 
 def spring_outputs(steady: SteadyTrain, place: int) -> list:
     """:class:`SpringOutputs` of one spring at every sample. Needs ``record_springs``."""
+    if place not in steady.known:
+        steady.known[place] = _spring_outputs(steady, place)
+    return list(steady.known[place])
+
+
+def _spring_outputs(steady: SteadyTrain, place: int) -> list:
     from valvetrain.springs.finite_element_kernel import TRAVEL
 
     record, spring = steady.record, steady.runner.springs[place]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +29,11 @@ class SteadyTrain:
     start: TrainState
     record: CycleRecord
     wall_time_per_cycle: float = field(default=0.0, compare=False)
+
+    @cached_property
+    def known(self) -> dict[Any, Any]:
+        """What was found from the record, by question: outputs of springs serve events and traces alike."""
+        return {}
 
     @property
     def status(self) -> Status:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -21,6 +22,9 @@ from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOu
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
+
+
+_SCRATCH = threading.local()
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,12 +107,16 @@ class FiniteElementRod:
     def _step(self) -> float:
         return self.time_step or self.stable_time_step()
 
+    @cached_property
+    def _numbers(self) -> tuple[Array, NDArray[np.int64]]:
+        integers, numbers, places = march_numbers(self.mesh, self.dynamics, self._step)
+        return np.concatenate(([self.precompression], numbers, places.ravel())), integers
+
     def parameters(self) -> Array:
-        _, numbers, places = march_numbers(self.mesh, self.dynamics, self._step)
-        return np.concatenate(([self.precompression], numbers, places.ravel()))
+        return self._numbers[0].copy()
 
     def integers(self) -> NDArray[np.int64]:
-        return march_numbers(self.mesh, self.dynamics, self._step)[0]
+        return self._numbers[1].copy()
 
     def with_time_step(self, time_step: float) -> FiniteElementRod:
         """The rod for another step; the solved installed state is kept."""
@@ -120,6 +128,20 @@ class FiniteElementRod:
 
     def initial_state(self, retainer_displacement: float) -> Array:
         equilibrium = self.installed if retainer_displacement == 0.0 else self._equilibrium(retainer_displacement)
+        return self._filled(equilibrium, retainer_displacement)
+
+    def static_forces(self, retainer_displacements: Array) -> Array:
+        """Retainer force (N) at rest at each displacement (m), each from its neighbour's equilibrium: a third of the Newton steps."""
+        found, start = np.zeros(len(retainer_displacements)), self.installed.state
+        for place, displacement in enumerate(retainer_displacements.tolist()):
+            result = compress(self.statics, [self.precompression + displacement], start)[-1]
+            if not result.converged:
+                result = self._equilibrium(displacement)
+            start = result.state
+            found[place] = self.force(self._filled(result, displacement), displacement).retainer
+        return found
+
+    def _filled(self, equilibrium: Equilibrium, retainer_displacement: float) -> Array:
         state = np.zeros(stepping.STATE_SIZE)
         state[: stepping.TRAVEL] = fill_buffer(self.mesh, equilibrium.state, self.dynamics, self._step)
         state[stepping.TRAVEL] = self.precompression + retainer_displacement
@@ -161,8 +183,12 @@ class FiniteElementRod:
         return float(sum(row(state, name, self.mesh.vertices).sum() for name in ("LOSS", "LOSSb")))
 
     def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
-        work = state.copy()
-        return EndForces(*self.kernel(self.parameters(), self.integers(), work, retainer_displacement, retainer_velocity, 0.0))
+        # the state is over a megabyte: a fresh copy per call costs more in page faults than the forces do
+        work: Array | None = getattr(_SCRATCH, "state", None)
+        if work is None:
+            work = _SCRATCH.state = np.empty(stepping.STATE_SIZE)
+        np.copyto(work, state)
+        return EndForces(*self.kernel(*self._numbers, work, retainer_displacement, retainer_velocity, 0.0))
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
         matrix = self.statics.tangent(self.rod_state(state, retainer_displacement))

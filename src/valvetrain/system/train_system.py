@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,15 @@ Integers = NDArray[np.int64]
 
 LAW_COLUMNS = 8
 BILATERAL = -1
+
+
+@runtime_checkable
+class WithStaticCurve(Protocol):
+    """A spring that finds many states of rest faster together than one by one."""
+
+    def static_forces(self, retainer_displacements: Array) -> Array:
+        """Retainer force (N) at each displacement (m)."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -104,6 +113,16 @@ class TrainSystem:
         if key not in self.known:
             self.known[key] = float(sum(s.force(s.initial_state(displacement), displacement).retainer for s in self.springs))
         return float(self.known[key])
+
+    def spring_forces(self, displacements: Array) -> Array:
+        """Static force (N) of all springs at each retainer displacement (m) of a curve, shape kept."""
+        total = np.zeros(len(displacements))
+        for spring in self.springs:
+            if isinstance(spring, WithStaticCurve):
+                total += spring.static_forces(displacements)
+            else:
+                total += [spring.force(spring.initial_state(value), value).retainer for value in displacements.tolist()]
+        return total
 
 
 def law_row(law: Any) -> tuple[int, Array]:
