@@ -139,6 +139,11 @@ def dimension_of(unit: str) -> str | None:
     return next((name for name, dimension in DIMENSIONS.items() if _resolve(dimension.si_unit)[1] == powers), None)
 
 
+def dimension_powers(text: str) -> dict[str, float]:
+    """Powers of the base dimensions of a quantity: ``"2 N/mm"`` gives ``{"[mass]": 1.0, "[time]": -2.0}``; as :func:`parse_quantity`."""
+    return dict(_resolve(_split(text, None, "")[1])[1])
+
+
 def parse_quantity(text: Any, dimension: str | None, where: str = "") -> float:
     """Turn ``text`` ("4.0 mm") into an SI float.
 

@@ -6,6 +6,7 @@ import difflib
 from dataclasses import fields
 from typing import Any
 
+from valvetrain.contact.common_values import law_values
 from valvetrain.contact.flores import Flores
 from valvetrain.contact.hertz_line import HertzLine
 from valvetrain.contact.hertz_point import HertzPoint
@@ -28,18 +29,21 @@ LAWS: dict[str, type[Any]] = {
 }
 
 
-def build_contact_law(name: str, **values: float) -> ContactLaw:
-    """Law ``name`` from its own fields (SI). Raises :class:`InputError` for an unknown name, a missing or an unknown field."""
+def build_contact_law(name: str, *, stiffness_exponent: float | None = None, damping_unit: str = "", **values: float) -> ContactLaw:
+    """Law ``name`` from a contact table (SI), which may have been written for another law (``contact.common_values``).
+
+    ``stiffness_exponent`` n of the N/m**n of ``contact_stiffness`` and ``damping_unit`` (``N s/m``, ``s/m``): None and empty for the
+    law's own. Raises :class:`InputError` for an unknown name, no stiffness, and a value that no law has.
+    """
     if name not in LAWS:
         near = difflib.get_close_matches(name, LAWS, n=1)
         hint = f"did you mean '{near[0]}'?" if near else f"use one of {', '.join(LAWS)}"
         raise InputError(f"contact law '{name}' is unknown; {hint}")
     known = [item.name for item in fields(LAWS[name]) if item.init and item.name != "name"]
-    unknown = [key for key in values if key not in known]
-    if unknown:
-        raise InputError(f"contact law '{name}' has no value '{unknown[0]}'; it takes {', '.join(known)}")
+    every = {item.name for law in LAWS.values() for item in fields(law) if item.init and item.name != "name"}
+    chosen = law_values(name, LAWS[name], values, every, stiffness_exponent, damping_unit)
     try:
-        law: ContactLaw = LAWS[name](**values)
+        law: ContactLaw = LAWS[name](**chosen)
     except TypeError:
         raise InputError(f"contact law '{name}' needs {', '.join(known)} but got {', '.join(values) or 'nothing'}") from None
     return law

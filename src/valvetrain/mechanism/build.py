@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from valvetrain.contact.friction import CoulombFriction
+from valvetrain.contact.law import ContactLaw
 from valvetrain.contact.library import build_contact_law
 from valvetrain.errors import InputError
 from valvetrain.mechanism.direct import build_direct
@@ -15,7 +16,7 @@ from valvetrain.mechanism.lumped import build_lumped, build_single_mass
 from valvetrain.mechanism.parts import AssembledMechanism
 from valvetrain.mechanism.pushrod import build_pushrod
 from valvetrain.mechanism.sliding import SLIDING_KINDS
-from valvetrain.parameters.train import TrainParameters
+from valvetrain.parameters.train import ContactParameters, TrainParameters
 
 PLACES = {
     "direct": ("cam", "valve_tip", "seat"),
@@ -32,7 +33,7 @@ def build_mechanism(train: TrainParameters, law: Any, lift_of: str = "tappet") -
     nothing slides.
     """
     places = [place for place in PLACES[train.kind] if place != "tappet" or train.follower.mass > 0]
-    laws = {place: build_contact_law(train.contact(place).law, **train.contact(place).values) for place in places}
+    laws = {place: _contact_law(train.contact(place)) for place in places}
     if train.kind == "direct":
         planar = build_direct(train, law, laws)
     elif train.kind == "pushrod":
@@ -50,6 +51,11 @@ def build_mechanism(train: TrainParameters, law: Any, lift_of: str = "tappet") -
     if train.model == "single-mass":
         return build_single_mass(planar)
     return _with_friction(planar, train, rough) if rough else planar
+
+
+def _contact_law(contact: ContactParameters) -> ContactLaw:
+    units = {"stiffness_exponent": contact.stiffness_exponent, "damping_unit": contact.damping_unit}
+    return build_contact_law(contact.law, **{**contact.values, **units})
 
 
 def _with_friction(planar: AssembledMechanism, train: TrainParameters, coefficients: Mapping[str, float]) -> AssembledMechanism:

@@ -18,15 +18,19 @@ FollowerShape = Literal["flat", "domed", "roller", "knife"]
 
 @dataclass(frozen=True, slots=True)
 class ContactParameters:
-    """A contact law by its name and numbers (SI); ``values`` are the keyword arguments of that law in `valvetrain.contact`.
+    """A contact law by its name and numbers (SI); ``values`` are keyword arguments of laws in `valvetrain.contact`.
 
     ``friction_coefficient`` (0: none) of regularised Coulomb friction, which creeps below ``friction_velocity`` (m/s).
+    ``stiffness_exponent`` n of the N/m**n and ``damping_unit`` (``N s/m`` or ``s/m``) in which the values are given, so that another law
+    can be named over them; None and empty: the units of the law named.
     """
 
     law: str = "linear"
     values: Mapping[str, Any] = field(default_factory=FrozenMapping)
     friction_coefficient: float = 0.0
     friction_velocity: float = 0.01
+    stiffness_exponent: float | None = None
+    damping_unit: str = ""
 
     def __post_init__(self) -> None:
         _not_negative(self, "contact", "friction_coefficient")
@@ -37,7 +41,7 @@ class ContactParameters:
         """A copy with another ``law`` or with ``values`` changed."""
         law = changes.pop("law", self.law)
         values = changes.pop("values", self.values)
-        return ContactParameters(law, {**values, **changes}, self.friction_coefficient, self.friction_velocity)
+        return replace(self, law=law, values={**values, **changes})
 
 
 @dataclass(frozen=True, slots=True)

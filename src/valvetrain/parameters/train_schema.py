@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import PlainValidator
 
+from valvetrain.errors import InputError
 from valvetrain.parameters.schema_spring import SpringCardModel, SpringModel
 from valvetrain.parameters.schema_types import (
     Angle,
@@ -37,14 +38,14 @@ from valvetrain.parameters.train import (
     ValveParameters,
 )
 from valvetrain.parameters.train_units import Damping, Forces, Friction, Gravity, Inertia, NotNegativeMass, Pair, Torque
-from valvetrain.units import parse_quantity
+from valvetrain.units import dimension_powers, parse_quantity
 
 #: Dimension of the values of contact laws and spring options, by name; a name that is missing is a plain number.
 VALUE_DIMENSIONS: dict[str, str | None] = {
     "contact_stiffness": None, "damping": "damping", "full_damping_depth": "length", "mass_damping": "damping rate",
     "stiffness_damping": "time", "contact_damping_time": "time", "held_mass": "mass", "hysteresis_damping": None,
     "length": "length", "modulus": "modulus", "radius": "length", "damping_factor": None, "rubbing_force": "force",
-    "friction_velocity": "velocity",
+    "friction_velocity": "velocity", "reference_force": "force", "reference_velocity": "velocity",
 }  # fmt: skip
 
 
@@ -52,7 +53,7 @@ def _read_values(raw: Any) -> dict[str, Any]:
     """A table of named numbers with units, of which only the names differ from law to law."""
     if not isinstance(raw, dict):
         raise problem("a table of values is needed here")
-    special = {"damping": "s/m"} if raw.get("law") == "hunt-crossley" else {}
+    special = {"damping": None} if "law" in raw else {}  # N s/m or s/m: the unit tells which, whatever the law named
     return {key: _read_value(key, value, special.get(key, VALUE_DIMENSIONS.get(key, "ratio"))) for key, value in raw.items()}
 
 
@@ -71,8 +72,30 @@ def _read_contact(raw: Any) -> ContactParameters:
     if not isinstance(law, str):
         raise problem("a contact needs its law, such as law = 'impact'")
     friction = {key: values.pop(key) for key in ("friction_coefficient", "friction_velocity") if key in values}
-    built: ContactParameters = guarded(lambda: ContactParameters(law, values, **friction))
+    units = guarded(_written_for, raw)
+    built: ContactParameters = guarded(lambda: ContactParameters(law, values, **friction, **units))
     return built
+
+
+def _written_for(raw: dict[str, Any]) -> dict[str, Any]:
+    """The exponent of the stiffness and the kind of damping that the units of a contact table tell; refuses other units."""
+    found: dict[str, Any] = {}
+    if isinstance(text := raw.get("contact_stiffness"), str):
+        powers = dimension_powers(text)
+        exponent = 1 - powers.pop("[length]", 0.0)
+        if powers != {"[mass]": 1.0, "[time]": -2.0} or not 0.99 <= exponent <= 3:
+            raise InputError(f"'{text[:40]}' is no contact stiffness; write a force over a length, such as '100 kN/mm' or '1e5 N/mm^1.5'")
+        found["stiffness_exponent"] = exponent
+    if isinstance(text := raw.get("damping"), str):
+        powers = dimension_powers(text)
+        names = {(("[mass]", 1.0), ("[time]", -1.0)): "N s/m", (("[length]", -1.0), ("[time]", 1.0)): "s/m"}
+        unit = names.get(tuple(sorted(powers.items())))
+        if unit is None:
+            raise InputError(
+                f"'{text[:40]}' is no damping of a contact; write such as '300 N s/m', or '2 s/m' as factor of the elastic force"
+            )
+        found["damping_unit"] = unit
+    return found
 
 
 def _read_spring_set(raw: Any) -> tuple[Any, ...]:

@@ -72,7 +72,7 @@ def value_words(item: Any, key: str) -> str:
     if isinstance(item, str):
         return item
     if is_dataclass(item) and hasattr(item, "law") and hasattr(item, "values"):
-        return _contact_words(item.law, item.values)
+        return _contact_words(item)
     if is_dataclass(item) and type(item).__name__.endswith("Parameters") and not hasattr(item, "kind"):
         own = [(one.name, getattr(item, one.name)) for one in fields(item) if getattr(item, one.name) != _default(one)]
         return ", ".join(f"{name.replace('_', ' ')} {value_words(value, name)}" for name, value in own)
@@ -83,17 +83,18 @@ def _default(one: Field[Any]) -> Any:
     return None if one.default is MISSING else one.default
 
 
-def _contact_words(law: str, values: Mapping[str, Any]) -> str:
-    """A contact law with its numbers; the unit of K d^n depends on the exponent, that of the damping on the law."""
+def _contact_words(contact: Any) -> str:
+    """A contact law with its numbers as given; the unit of K d^n depends on the exponent, that of the damping on what it stands for."""
     from valvetrain.contact.library import LAWS
 
+    law, values = contact.law, contact.values
     defaults = {one.name: one.default for one in fields(LAWS[law])} if law in LAWS else {}
-    exponent = float(values.get("exponent", defaults.get("exponent", 1.0)))
+    exponent = contact.stiffness_exponent or float(values.get("exponent", defaults.get("exponent", 1.0)))
     words = [law]
     for key, value in values.items():
         if key == "contact_stiffness":
             shown = _number(value, "kN/mm") if exponent == 1.0 else f"{number(value)} N/m^{number(exponent, 3)}"
-        elif key == "damping" and law in _FACTOR_LAWS:
+        elif key == "damping" and (contact.damping_unit == "s/m" if contact.damping_unit else law in _FACTOR_LAWS):
             shown = f"{number(value)} s/m"
         else:
             shown = value_words(value, key)
