@@ -130,3 +130,10 @@ def test_a_fault_in_a_contact_law_turns_rows_red(monkeypatch):
     whole = HuntCrossley.force
     monkeypatch.setattr(HuntCrossley, "force", lambda self, depth, rate: whole(self, depth, 0.9 * rate))
     assert len(red(laws.restitution_by_drop())) == 3
+
+
+def test_a_fault_in_the_coil_contact_turns_rows_red(monkeypatch):
+    from valvetrain.rod import mesh
+
+    monkeypatch.setattr(mesh, "pair_coils", lambda coil, *more: mesh.no_contact(len(coil)))
+    assert "beehive with coil contact, force at 7 mm" in red(models.rod_against_solid_with_contact())
