@@ -157,10 +157,10 @@ def test_gaps_are_those_of_the_wire():
     pairs = (layout.contacts.upper_coil >= 1) & (layout.contacts.upper_coil < 6)
     inside = pairs & (layout.contacts.gap > 0)
     assert np.allclose(layout.contacts.gap[inside], 3.2e-3)
-    before, after, solid = static_curve(layout, np.array([0.98, 1.02, 1.1]) * 6 * 3.2e-3)[1]
+    before, after = static_curve(layout, np.array([0.98, 1.02]) * 6 * 3.2e-3)[1]
     assert before == pytest.approx(layout.rate)
-    # the end turns still twist a little between their contacts, less with every element; then nothing gives
-    assert after > 20 * before and solid > 200 * before
+    # solid but for the first and last turn, which still twist and bend between clamp and contact
+    assert after > 20 * before
 
 
 def test_conical_coils_nest_when_one_slips_inside_the_next():

@@ -3,7 +3,7 @@
 A chain knows the travel of a section's plane along the axis. The wire itself stands a radius R off the axis: a twist dtheta at phi lifts
 the wire at psi by R (1 - cos(psi - phi)) dtheta, not by R dtheta. Under uniform twist the wire rises from its clamp as psi - sin(psi), so
 within the first tenths of a turn hardly at all, while the chain's section rises as psi. Between free neighbours a turn apart the two agree.
-Bending by the contact forces is left out.
+A contact force also bends the wire out of its clamp; each contact feels its own bending, not that by the others.
 """
 
 from __future__ import annotations
@@ -28,3 +28,13 @@ def wire_lift_row(spring: SpringDefinition, coil: Array, place: float, *, from_b
     row[1:] += share
     row[:-1] -= share
     return row
+
+
+def bending_compliance(spring: SpringDefinition, place: Array, turns: Array) -> Array:
+    """Axial travel (m/N) of the wire at coil numbers ``place`` by its bending alone, ``turns`` off the clamp, under a force there.
+
+    The moment R sin(psi - phi) about the wire's normal: R**3 (psi/2 - sin(2 psi)/4) / (E I).
+    """
+    psi, radius = 2 * np.pi * turns, spring.mean_diameter.value(place) / 2
+    bending_stiffness = spring.material.youngs_modulus * np.pi / 64 * spring.wire_diameter.value(place) ** 4
+    return np.asarray(radius**3 * (psi / 2 - np.sin(2 * psi) / 4) / bending_stiffness)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.springs.chain_ends import wire_lift_row
+from valvetrain.springs.chain_ends import bending_compliance, wire_lift_row
 
 Array = NDArray[np.float64]
 
@@ -189,12 +189,11 @@ def _with_ends(spring: SpringDefinition, coil: Array, rows: Sequence[tuple[float
     on_seat = (lower == 0) & (fraction == 0.0) & (upper < last)
     under_retainer = (upper == last) & ~((lower == 0) & (fraction == 0.0))
     order = np.argsort(on_seat | under_retainer, kind="stable")
-    free = coil[lower] + fraction * (coil[lower + 1] - coil[lower])
-    ends = [
-        wire_lift_row(spring, coil, float(coil[upper[i]] if on_seat[i] else free[i]), from_below=bool(on_seat[i]))
-        for i in order
-        if on_seat[i] or under_retainer[i]
-    ]
+    free = np.where(on_seat, coil[upper], coil[lower] + fraction * (coil[lower + 1] - coil[lower]))
+    held = np.flatnonzero(on_seat | under_retainer)
+    ends = [wire_lift_row(spring, coil, float(free[i]), from_below=bool(on_seat[i])) for i in held]
+    bending = bending_compliance(spring, free[held], np.where(on_seat[held], free[held] - coil[0], coil[-1] - free[held]))
+    stiffness[held] = 1 / (1 / stiffness[held] + bending)
     return CoilContacts(
         upper[order], lower[order], fraction[order], gap[order], stiffness[order], upper_coil[order], np.array(ends).reshape(-1, last + 1)
     )
