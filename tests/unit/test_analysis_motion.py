@@ -10,7 +10,7 @@ import pytest
 from synthetic_spring import ENGINE_SPEED, bump, run
 from valvetrain.analysis.clash import ClashRule, clash_events, runs
 from valvetrain.analysis.collisions import bounce_quantities, collision_angles, mean_interval, separation_angle
-from valvetrain.analysis.compare import compare
+from valvetrain.analysis.compare import compare, pair_angles
 from valvetrain.analysis.cycle import reported_cycle
 from valvetrain.analysis.peaks import separate_spikes
 from valvetrain.analysis.quantities import run_quantities, study_quantities
@@ -248,3 +248,19 @@ def test_numbered_frequencies_are_named_only_where_asked_for():
     modes = ModalResult(0.0, np.array([393.0, 396.0, 463.0]), np.zeros((3, 2, 3)), np.arange(2.0), np.ones(3), (2,))
     assert natural_quantities(modes, []) == {}
     assert natural_quantities(modes, ["natural_3_frequency", "natural_9_frequency", "preload"]) == {"natural_3_frequency": 463.0}
+
+
+@pytest.mark.parametrize(
+    ("published", "computed", "partners"),
+    [
+        ((10, 30, 50), (10, 29, 30, 50), (10, 30, 50)),  # an extra one early on shifts nothing
+        ((10, 30, 50), (10, 50, 70), (10, None, 50)),  # one that did not come shifts nothing either
+        ((10, 30), (19,), (19, None)),  # never the same one twice
+        ((2, 30), (29, 359), (359, 29)),  # order is that round the circle
+        ((10, 30), (), (None, None)),
+        ((20,), (5, 48), (5,)),
+    ],
+)
+def test_counted_angles_meet_one_to_one_in_order(published, computed, partners):
+    found = pair_angles([angle * DEG for angle in published], [angle * DEG for angle in computed])
+    assert found == [None if angle is None else pytest.approx(angle * DEG) for angle in partners]

@@ -37,7 +37,7 @@ def whole():
 
 def test_force_figure_shows_its_table(whole):
     data, published = force.force_table(whole, SPEED), force.published_forces(whole, SPEED)
-    chart = force.force_chart(data, published, SPEED)
+    chart = force.force_chart(whole, data, SPEED)
     for model, name in (("finite-element", "finite-element rod"), ("modal", "modal model")):
         mine = data["run"] == model
         np.testing.assert_array_equal(_lines(chart)[name].x, data["cam angle"][mine])
@@ -63,7 +63,7 @@ def test_published_force_without_angle_borrows_one_and_says_whose(whole):
 def test_spike_figure_shows_all_that_was_recorded(whole):
     data = force.spike_table(whole, SPEED)
     assert (data["cam angle"].min(), data["cam angle"].max()) == pytest.approx((225, 320))
-    chart = force.spike_chart(data, force.published_forces(whole, SPEED), SPEED)
+    chart = force.spike_chart(whole, data, SPEED)
     rod = data["run"] == "finite-element"
     assert np.sum(rod) == 4 * (2 * (320 - 225) + 1) - 3  # four substeps a sample: the fine record
     np.testing.assert_array_equal(_lines(chart)["finite-element rod"].y, data["force"][rod])
@@ -110,7 +110,7 @@ def test_energy_spectrum_and_lift_figures_show_their_tables(whole):
     np.testing.assert_array_equal(_lines(energy.energy_chart(balance, SPEED))["work done"].y, balance["work done"])
     orders = energy.spectrum_table(whole, SPEED)
     drawn = _lines(energy.spectrum_chart(orders, np.array([630.0]), SPEED))["modal model"]
-    np.testing.assert_allclose(10**drawn.y, np.maximum(orders["amplitude"][orders["run"] == "modal"], 1e-2))
+    np.testing.assert_allclose(drawn.y, np.maximum(orders["amplitude"][orders["run"] == "modal"], 1e-2))
     lifted = lift.lift_table(run)
     np.testing.assert_array_equal(lift.lift_chart(lifted).panels[0].layers[0].y, lifted["lift"])
 
@@ -218,3 +218,15 @@ def test_empty_speeds_give_empty_tables(whole):
     none = SimpleNamespace(case=whole.case, solutions=(), modal_result=None)
     assert len(force.force_table(none, SPEED)) == 0
     assert len(energy.spectrum_table(none, SPEED)) == 0
+
+
+def test_order_spectrum_stands_on_a_logarithmic_axis_in_newtons(whole):
+    chart = energy.spectrum_chart(energy.spectrum_table(whole, SPEED), np.array([630.0]), SPEED)
+    (panel,) = chart.panels
+    low, high = visible_range(panel)[1]
+    assert panel.y_label == "amplitude (N, 0 to peak)" and low == pytest.approx(0.01)
+    assert np.log10(high) == pytest.approx(round(np.log10(high)))
+    axis = figure(chart)["layout"]["yaxis"]
+    assert axis["type"] == "log" and axis["range"] == pytest.approx([np.log10(low), np.log10(high)])
+    drawing = svg(chart)
+    assert ">0.01<" in drawing and ">1<" in drawing and ">100<" in drawing

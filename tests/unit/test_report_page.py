@@ -194,3 +194,25 @@ def test_no_page_text_names_a_place_on_disk(report):
     html = report.page.read_text()
     own = html[: html.index("plotly.js v")] + html[html.rindex("</script>\n<script>") :]
     assert not re.search(r"/(home|work|tmp|usr|root)/", own)
+
+
+def test_a_case_of_ones_own_has_cards_and_a_table_and_speaks_of_no_published_values():
+    own = replace(study(), case=study().case.replace(published=()), comparisons=())
+    summary = next(section for section in spring_page(own).sections if section.key == "summary")
+    cards = next(block for block in summary.blocks if block.kind == "cards")
+    words = [line for card in cards.cards for line in card.lines]
+    peak = next(value for key, value in own.quantities.items() if (key.name, key.model) == ("stage_2_peak_force", "finite-element"))
+    assert ("Stage II peak", f"{number(peak, 4)} N", "") in words
+    assert any("sampled every 0.5 cam degrees; highest instant" in note for _, _, note in words)
+    grids = [block for block in summary.blocks if block.kind == "grid"]
+    assert [grid.headers[0] for grid in grids] == ["statics and modes", "finite-element rod", "modal model"]
+    shown = {row[0].hint: row[1].words for row, _ in grids[1].rows}
+    assert shown["stage_2_peak_force"] == number(peak, 4)
+    figures = [block.chart for section in spring_page(own).sections for block in section.blocks if block.kind == "figure"]
+    assert not [chart.key for chart in figures if "ublished values" in chart.caption or "source" in chart.caption]
+
+
+def test_stage_three_heights_say_how_they_are_sampled():
+    blocks = [block for section in spring_page(study()).sections for block in section.blocks]
+    figures = {block.chart.key: block.chart for block in blocks if block.kind == "figure"}
+    assert "samples every 0.5 cam degrees, as the source sampled. The highest instant recorded is" in figures["spikes-5600"].caption

@@ -63,10 +63,14 @@ def _spike_angles(cycle: Cycle, separation: float) -> Array:
     return np.sort(cycle.cam_angle[separate_spikes(cycle.cam_angle, size, separation, SPIKE_SHARE * float(np.max(size)))])
 
 
-def collision_quantities(cycle: Cycle, separation: float, surge_frequency: float | None, stages: Stages = Stages()) -> dict[str, float]:
+def collision_quantities(
+    cycle: Cycle, separation: float, surge_frequency: float | None, stages: Stages | None = Stages()
+) -> dict[str, float]:
     """Angles of the collisions, their mean distance outside Stage II, that distance over the first mode's period, the bounce."""
     angles = collision_angles(cycle, separation)
     found = {f"clash_{number}_cam_angle": float(angle) for number, angle in enumerate(angles, start=1)}
+    if stages is None:
+        return found
     interval = mean_interval(angles, stages)
     if interval is not None:
         found["clash_interval_cam_angle"] = interval

@@ -84,12 +84,17 @@ def fine_filtered(solution: Solution, cutoff_frequency: float, channel: str = "s
         return None
 
 
-def bandwidth_quantities(cycle: Cycle, stages: Stages = Stages()) -> dict[str, float]:
-    """Height (N) of the Stage III spike below 10 and 20 kHz, where the run's samples allow it."""
-    found = {}
+def bandwidth_quantities(cycle: Cycle, stages: Stages | None = Stages()) -> dict[str, float]:
+    """Height (N) of the Stage III spike at the highest instant recorded and below 10 and 20 kHz, where the run's samples allow it."""
+    found: dict[str, float] = {}
+    if stages is None or not stages.covered(cycle, 3):
+        return found
+    if cycle.solution.has("seat_force_fine"):
+        highest = cycle.channel("seat_force_fine").max(axis=1)
+        found["stage_3_every_instant_peak_force"] = float(highest[spike_index(cycle, highest, stages)])
     for cutoff in BANDWIDTHS:
         force = filtered_force(cycle.solution, cutoff)
-        if force is not None and cycle.covers(*stages.bounds(3)):
+        if force is not None:
             part = force[cycle.samples]
             found[f"stage_3_below_{cutoff / 1e3:.0f}_khz_peak_force"] = float(part[spike_index(cycle, part, stages)])
     return found

@@ -40,10 +40,10 @@ class _Force:
     base: float
 
 
-def find_clash_window(cycle: Cycle, surge_frequency: float, stages: Stages = Stages()) -> ClashWindow | None:
+def find_clash_window(cycle: Cycle, surge_frequency: float, stages: Stages | None = Stages()) -> ClashWindow | None:
     """Window about the main clash of a run; None where no coil meets another or the samples are too coarse. ``surge_frequency`` in Hz."""
     force = _force(cycle)
-    if force is None:
+    if force is None or stages is None:
         return None
     late = np.flatnonzero((force.cam_angle >= stages.second_end) & (force.cam_angle < stages.bounds(3)[1]))
     part = force.filtered[FINDING_BANDWIDTH][late]

@@ -9,7 +9,7 @@ from valvetrain.analysis.peaks import separate_spikes
 from valvetrain.analysis.stages import Stages
 
 
-def displacement_quantities(cycle: Cycle, stages: Stages = Stages()) -> dict[str, float]:
+def displacement_quantities(cycle: Cycle, stages: Stages | None = Stages()) -> dict[str, float]:
     """Displacement of node 2, zero where coil 2 touches coil 1 (m), and the closing of these coils in Stage II."""
     found: dict[str, float] = {}
     lift_off = cycle.at_coil("coil_gap", 2.0)
@@ -17,26 +17,26 @@ def displacement_quantities(cycle: Cycle, stages: Stages = Stages()) -> dict[str
         top = int(np.argmax(lift_off))
         found["node_2_maximum_displacement"] = float(lift_off[top])
         found["node_2_maximum_displacement_cam_angle"] = float(cycle.cam_angle[top])
-        if cycle.covers(*stages.bounds(1)):
+        if stages is not None and stages.covered(cycle, 1):
             early = lift_off[cycle.window(*stages.bounds(1))]
             found["node_2_stage_1_maximum_displacement"] = float(np.max(early))
             found["node_2_stage_1_displacement_range"] = float(np.ptp(early))
     moved, force = cycle.at_coil("axial_displacement", 2.0), cycle.at_coil("coil_contact_force", 2.0)
-    if moved is not None and force is not None:
+    if stages is not None and moved is not None and force is not None:
         closing = np.flatnonzero(cycle.window(*stages.bounds(2)) & (force > 0))
         if len(closing):
             found["node_2_contact_displacement"] = float(-moved[closing[0]])
     return found
 
 
-def velocity_quantities(cycle: Cycle, stages: Stages = Stages()) -> dict[str, float]:
+def velocity_quantities(cycle: Cycle, stages: Stages | None = Stages()) -> dict[str, float]:
     """Extremes of the velocity of node 2 (m/s) by stage, its rebound after the main collision and what follows."""
     velocity = cycle.at_coil("axial_velocity", 2.0)
-    if velocity is None:
+    if velocity is None or stages is None:
         return {}
     found: dict[str, float] = {}
     for stage in (1, 2, 3):
-        if not cycle.covers(*stages.bounds(stage)):
+        if not stages.covered(cycle, stage):
             continue
         inside = np.flatnonzero(cycle.window(*stages.bounds(stage)))
         for word, pick in (("minimum", np.argmin), ("maximum", np.argmax)):

@@ -22,11 +22,11 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 
 
-def run_quantities(solution: Solution, *, surge_frequency: float | None = None, stages: Stages = Stages()) -> dict[Quantity, float]:
+def run_quantities(solution: Solution, *, surge_frequency: float | None = None, stages: Stages | None = Stages()) -> dict[Quantity, float]:
     """Every quantity that one spring run supports (docs/quantities.md); SI, angles in cam rad.
 
     ``surge_frequency`` (Hz): first axial natural frequency, which tells separate collisions from one. What the run does not
-    cover, because it lacks the channel or ended early, is absent.
+    cover, because it lacks the channel or ended early, is absent; so is what speaks of stages where ``stages`` is None.
     """
     if len(solution.time) < 3:
         return {}
@@ -47,7 +47,7 @@ def run_quantities(solution: Solution, *, surge_frequency: float | None = None, 
 
 def study_quantities(
     static_curve: StaticCurve | None, modal_result: ModalResult | None, solutions: Iterable[Solution], *,
-    precompression: float, stages: Stages = Stages(),
+    precompression: float, stages: Stages | None = Stages(),
 ) -> dict[Quantity, float]:  # fmt: skip
     """Quantities of a whole spring study; statics and modes carry no engine speed and no model."""
     found: dict[Quantity, float] = {}

@@ -1,4 +1,7 @@
-"""Forces of a cam cycle by its stages: range before the event, peaks and valley in it, spike after it."""
+"""Forces of a cam cycle by its stages: range before the event, peaks and valley in it, spike after it.
+
+The stages of a case follow from its lift law: see :func:`stages_of`.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,8 @@ import numpy as np
 
 from valvetrain.analysis.cycle import Array, Cycle
 from valvetrain.analysis.peaks import prominences, prominent_peaks
+from valvetrain.cam.build import build_lift_law
+from valvetrain.parameters.lift_law import LiftLawParameters
 
 #: A peak of Stage I stands out by this share of the stage's force range.
 STAGE_1_SHARE = 0.25
@@ -18,29 +23,77 @@ STAGE_2_SHARE = 0.05
 STAGE_3_SHARE = 0.01
 #: A second spike stands out by this share of the main one's height over the median force after it.
 SECOND_SPIKE_SHARE = 0.15
+#: Where a law does not say where its main event begins, it is where the lift passes this share of its largest value.
+EVENT_SHARE = 0.04
+_TURN = 2 * math.pi
 
 
 @dataclass(frozen=True, slots=True)
 class Stages:
-    """Cam angles (rad) at which Stage I ends and Stage II ends; Stage I starts at 0, Stage III ends at a whole turn."""
+    """Cam angles (rad) at which Stage I ends and Stage II ends; Stage I starts at 0, Stage III ends at a whole turn.
+
+    The defaults are those of the beehive's source (gu2021, section 3.3); :func:`stages_of` gives those of a case.
+    """
 
     first_end: float = math.radians(127.0)
     second_end: float = math.radians(233.0)
 
     def bounds(self, stage: int) -> tuple[float, float]:
         """First and last cam angle (rad) of stage 1, 2 or 3."""
-        return ((0.0, self.first_end), (self.first_end, self.second_end), (self.second_end, 2 * math.pi))[stage - 1]
+        return ((0.0, self.first_end), (self.first_end, self.second_end), (self.second_end, _TURN))[stage - 1]
+
+    def covered(self, cycle: Cycle, stage: int) -> bool:
+        """True when the run's cycle covers the stage with three samples or more."""
+        return int(np.sum(cycle.window(*self.bounds(stage)))) > 2 and cycle.covers(*self.bounds(stage))
 
 
-def stage_quantities(cycle: Cycle, separation: float, stages: Stages = Stages()) -> dict[str, float]:
-    """All force quantities of the stages that the run covers, by their names in docs/quantities.md; SI, angles rad."""
+def stages_of(parameters: LiftLawParameters | None) -> Stages | None:
+    """Stages of a lift law: Stage II is its main event; None without lift or where the event spans the zero of the cam angle.
+
+    The event is the law's own (``event_start`` with ``event_end`` or mirrored about ``nose``), else from where the lift first passes
+    4 % of its largest value to where it last does. Raises :class:`InputError` for parameters that make no law.
+    """
+    event = _main_event(parameters)
+    if event is None:
+        return None
+    first, length = event[0] % _TURN, event[1] - event[0]
+    # Whole cam degrees stay whole through sums of radians.
+    first, last = (math.radians(round(math.degrees(angle), 9)) for angle in (first, first + length))
+    return Stages(first, last) if last <= _TURN else None
+
+
+def _main_event(parameters: LiftLawParameters | None) -> tuple[float, float] | None:
+    """Begin and end (rad, end after begin) of the main event of a law."""
+    if parameters is None:
+        return None
+    law = build_lift_law(parameters)
+    values = parameters.values
+    if "event_start" in values and ("event_end" in values or "nose" in values):
+        start = float(values["event_start"])
+        return start, float(values["event_end"]) if "event_end" in values else 2 * float(values["nose"]) - start
+    angle = np.arange(7200) * _TURN / 7200
+    lift = law.lift(angle)
+    top, up = int(np.argmax(lift)), lift > EVENT_SHARE * float(np.max(lift))
+    if not np.max(lift) > 0 or np.all(up):
+        return None
+    # From the nose outward, round the circle, until the lift has gone under the share for good.
+    turned = np.roll(up, len(up) // 2 - top)
+    inside = np.flatnonzero(turned) - len(up) // 2 + top
+    step = _TURN / len(up)
+    return float(inside[0] * step), float((inside[-1] + 1) * step)
+
+
+def stage_quantities(cycle: Cycle, separation: float, stages: Stages | None = Stages()) -> dict[str, float]:
+    """All force quantities of the stages that the run covers, by their names in docs/quantities.md; SI, angles rad; none without stages."""
+    if stages is None:
+        return {}
     force = cycle.channel("seat_force")
     found: dict[str, float] = {}
-    if cycle.covers(*stages.bounds(1)):
+    if stages.covered(cycle, 1):
         found |= stage_1(cycle, force, stages)
-    if cycle.covers(*stages.bounds(2)):
+    if stages.covered(cycle, 2):
         found |= stage_2(cycle, force, stages)
-    if cycle.covers(*stages.bounds(3)):
+    if stages.covered(cycle, 3):
         found |= stage_3(cycle, force, separation, stages)
     return found
 

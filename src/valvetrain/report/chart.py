@@ -82,7 +82,7 @@ class Rule:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One pair of axes. Ranges are (low, high) or None for what the data need; labels carry the unit."""
+    """One pair of axes. Ranges are (low, high) or None for what the data need; labels carry the unit. ``y_log``: y in decades."""
 
     x_label: str
     y_label: str
@@ -93,6 +93,7 @@ class Panel:
     x_range: tuple[float, float] | None = None
     y_range: tuple[float, float] | None = None
     x_step: float | None = None
+    y_log: bool = False
 
 
 def rule_levels(panel: Panel) -> list[int]:
@@ -138,6 +139,10 @@ def visible_range(panel: Panel) -> tuple[tuple[float, float], tuple[float, float
         y = np.asarray(layer.y, dtype=float)
         y_values.append(y if isinstance(layer, HeatMap) else y[(x >= x_range[0]) & (x <= x_range[1])])
     maps = any(isinstance(layer, HeatMap) for layer in panel.layers)
+    if panel.y_log:
+        decades = [np.log10(y[y > 0]) for y in y_values]
+        below, above = _limits(decades, 0.0)
+        return x_range, (10.0 ** np.floor(below + 1e-9), 10.0 ** max(np.ceil(above - 1e-9), np.floor(below + 1e-9) + 1))
     low, high = _limits(y_values, 0.0 if maps else 0.07)
     worded = any(isinstance(layer, Marks) and any(layer.labels) for layer in panel.layers)
     return x_range, (low, high + 0.05 * (high - low) if worded else high)

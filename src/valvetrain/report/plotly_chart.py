@@ -104,6 +104,9 @@ def _add_axes(layout: dict[str, Any], chart: Chart, panel: Panel, index: int, su
         "showline": False,
         "title": title | {"text": panel.y_label},
     }
+    if panel.y_log:
+        decades = [float(np.log10(end)) for end in y_range]
+        layout[f"yaxis{suffix}"] |= {"type": "log", "range": decades, "dtick": 1, "exponentformat": "none"}
     _add_furniture(layout, panel, suffix, x_domain, y_domain)
 
 

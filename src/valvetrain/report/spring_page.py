@@ -6,26 +6,20 @@ from collections.abc import Callable
 
 import numpy as np
 
-from valvetrain.analysis.compare import same_speed
+from valvetrain.analysis.stages import stages_of
 from valvetrain.analysis.study import SpringStudy
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart
 from valvetrain.report.comparison_grid import comparison_grid, tone
 from valvetrain.report.figures import coils, energy, force, lift, modes, nodes, statics
-from valvetrain.report.page import Block, Card, Cards, Cell, Figure, Grid, Page, Section, Tabs, text
+from valvetrain.report.page import Block, Cards, Cell, Figure, Grid, Page, Section, Tabs, text
+from valvetrain.report.spring_summary import quantity_grid, speed_card
 from valvetrain.report.stress_section import stress_blocks
 from valvetrain.report.uncertainty_section import uncertainty_blocks
 from valvetrain.report.values import case_rows
-from valvetrain.report.words import in_unit, number, speed_words
+from valvetrain.report.words import number, speed_words
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.result import Solution
-
-#: Quantities on the cards of the summary.
-HEADLINES = {
-    "stage_2_peak_force": "Stage II peak",
-    "stage_2_second_peak_force": "Stage II second peak",
-    "stage_3_peak_force": "Stage III spike",
-}
 
 
 def spring_page(study: SpringStudy) -> Page:
@@ -71,8 +65,9 @@ def fe_runs(study: SpringStudy) -> list[Solution]:
 
 
 def _summary(study: SpringStudy) -> tuple[Block, ...]:
-    cards = [_card(study, speed) for speed in study.engine_speeds]
+    cards = [speed_card(study, speed) for speed in study.engine_speeds]
     blocks: list[Block] = [Cards(tuple(card for card in cards if card.lines))] if any(card.lines for card in cards) else []
+    blocks += quantity_grid(study)
     decided = [row for row in study.comparisons if tone(row) in ("good", "bad")]
     missing = sum(row.computed is None for row in study.comparisons)
     if study.comparisons:
@@ -101,23 +96,12 @@ def _prediction_words(rows: tuple[Comparison, ...]) -> str:
     )
 
 
-def _card(study: SpringStudy, engine_speed: float) -> Card:
-    lines = []
-    for name, words in HEADLINES.items():
-        rows = [row for row in study.comparisons if row.quantity == name and same_speed(row.engine_speed, engine_speed)]
-        rod = next((row.computed for row in rows if row.model == "finite-element" and row.computed is not None), None)
-        if rod is not None:
-            beside = ", ".join(f"{theme.origin_style(row.origin)[0]} {number(in_unit(row.published, row.unit))}" for row in rows)
-            lines.append((words, f"{number(rod, 4)} N", f"published {beside}"))
-    return Card(speed_words(engine_speed), tuple(lines))
-
-
 def _force(study: SpringStudy) -> tuple[Block, ...]:
     blocks = []
     for speed in study.engine_speeds:
         data = force.force_table(study, speed)
         if len(data):
-            blocks.append(Figure(force.force_chart(data, force.published_forces(study, speed), speed)))
+            blocks.append(Figure(force.force_chart(study, data, speed)))
     return tuple(blocks)
 
 
@@ -126,7 +110,7 @@ def _spikes(study: SpringStudy) -> tuple[Block, ...]:
     for speed in study.engine_speeds:
         data = force.spike_table(study, speed)
         if len(data):
-            blocks.append(Figure(force.spike_chart(data, force.published_forces(study, speed), speed)))
+            blocks.append(Figure(force.spike_chart(study, data, speed)))
     return tuple(blocks)
 
 
@@ -164,7 +148,8 @@ def motion_charts(study: SpringStudy, run: Solution) -> list[Chart]:
     if clashes is not None:
         found.append(coils.clash_chart(*clashes, run.engine_speed))
     if motion is not None:
-        found.append(nodes.node_chart(motion, nodes.published_motion(study, run.engine_speed), run.engine_speed))
+        published, stages = nodes.published_motion(study, run.engine_speed), stages_of(study.case.lift_law)
+        found.append(nodes.node_chart(motion, published, run.engine_speed, stages))
     return found
 
 

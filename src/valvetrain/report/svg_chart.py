@@ -37,7 +37,10 @@ class _Frame:
 
     def y(self, value: Array | float) -> Array:
         low, high = self.y_range
-        return self.top + self.high - (np.asarray(value, dtype=float) - low) / (high - low) * self.high
+        level = np.asarray(value, dtype=float)
+        if self.panel.y_log:
+            low, high, level = np.log10(low), np.log10(high), np.log10(np.maximum(level, 1e-300))
+        return self.top + self.high - (level - low) / (high - low) * self.high
 
 
 def svg(chart: Chart) -> str:
@@ -112,10 +115,10 @@ def _text(
 
 def _grid(frame: _Frame, x_named: bool) -> str:
     parts, base = [], frame.top + frame.high
-    values, decimals = ticks(*frame.y_range, count=max(3, int(frame.high / 45)))
-    for value, place in zip(values, frame.y(values), strict=True):
+    for value, words in _y_ticks(frame):
+        place = float(frame.y(value))
         parts.append(f'<path d="M{frame.left:.1f} {place:.1f}h{frame.wide:.1f}" stroke="{theme.GRID}"/>')
-        parts.append(_text(frame.left - 7, place + 4, f"{value + 0.0:.{decimals}f}", colour=theme.MUTED, anchor="end"))
+        parts.append(_text(frame.left - 7, place + 4, words, colour=theme.MUTED, anchor="end"))
     values, decimals = ticks(*frame.x_range, count=max(3, int(frame.wide / 75)), step=frame.panel.x_step)
     for value, place in zip(values, frame.x(values), strict=True):
         parts.append(f'<path d="M{place:.1f} {base:.1f}v4" stroke="{theme.RULE}"/>')
@@ -127,6 +130,15 @@ def _grid(frame: _Frame, x_named: bool) -> str:
     middle = frame.top + frame.high / 2
     parts.append(_text(frame.left - 48, middle, frame.panel.y_label, colour=theme.MUTED, anchor="middle", size=12, turn=True))
     return "".join(parts)
+
+
+def _y_ticks(frame: _Frame) -> list[tuple[float, str]]:
+    """Values and words of the ticks up the side; whole decades on a logarithmic axis."""
+    if frame.panel.y_log:
+        low, high = (round(float(np.log10(end))) for end in frame.y_range)
+        return [(10.0**power, f"{10.0**power:g}") for power in range(low, high + 1)]
+    values, decimals = ticks(*frame.y_range, count=max(3, int(frame.high / 45)))
+    return [(float(value), f"{value + 0.0:.{decimals}f}") for value in values]
 
 
 def _bands(frame: _Frame) -> str:

@@ -13,6 +13,7 @@ from valvetrain.analysis.compare import compare, same_speed
 from valvetrain.analysis.design import check_room
 from valvetrain.analysis.quantities import study_quantities
 from valvetrain.analysis.quantity import Quantity, named
+from valvetrain.analysis.stages import Stages, stages_of
 from valvetrain.analysis.statics import natural_quantities
 from valvetrain.analysis.stress import StaticStress, stress_quantities
 from valvetrain.analysis.study import SpringStudy
@@ -81,17 +82,25 @@ def assemble_study(
     stress: StaticStress | None = None,
 ) -> SpringStudy:  # fmt: skip
     """Join results with their named quantities and the case's published values."""
-    quantities = study_quantities(curve, modes, solutions, precompression=case.installation.precompression)
+    stages = stages_of(case.lift_law)
+    quantities = study_quantities(curve, modes, solutions, precompression=case.installation.precompression, stages=stages)
     for solution in solutions:
         quantities |= _stress_quantities(case, solution, stress)
     if modes is not None:
         quantities |= named(natural_quantities(modes, [value.quantity for value in case.published]), None, "")
-    told = (*spread_sentences(case, load_spread(case)), *_firmness(case, quantities))
+    told = (*spread_sentences(case, load_spread(case)), *_firmness(case, quantities), *_stage_words(case, solutions, stages))
     return SpringStudy(
         case=case, static_curve=curve, modal_result=modes, solutions=tuple(solutions), quantities=quantities,
         comparisons=compare(case.published, quantities), notes=(*case.remarks, *told),
         provenance=_provenance(case, "spring study", 0.0, created_at), static_stress=stress,
     )  # fmt: skip
+
+
+def _stage_words(case: Case, solutions: Sequence[Solution], stages: Stages | None) -> tuple[str, ...]:
+    """Why there are no quantities by stage, where there is a lift."""
+    if stages is not None or not any(len(run.time) and np.max(run.channel("valve_lift")) > 0 for run in solutions):
+        return ()
+    return ("The lift event spans the zero of the cam angle, so the cycle has no stages before and after it; move the event to have them.",)
 
 
 def _firmness(case: Case, quantities: Mapping[Quantity, float]) -> tuple[str, ...]:

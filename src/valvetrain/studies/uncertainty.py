@@ -11,6 +11,7 @@ import numpy as np
 from valvetrain.analysis.cycle import reported_cycle
 from valvetrain.analysis.main_clash import ClashWindow, find_clash_window, main_clash_quantities
 from valvetrain.analysis.quantities import run_quantities
+from valvetrain.analysis.stages import stages_of
 from valvetrain.analysis.statics import modal_quantities
 from valvetrain.analysis.stress import stress_quantities
 from valvetrain.errors import InputError
@@ -102,7 +103,7 @@ def uncertainty_study(
             tell(f"statics and modes, {name}")
         surge = values["mesh 1"][None].get("mode_1_frequency")
         bases = list(pool.map(lambda speed: _run(case, variants["mesh 1"], speed), speeds))
-        windows = {speed: _window(base, surge) for speed, base in zip(speeds, bases, strict=True)}
+        windows = {speed: _window(case, base, surge) for speed, base in zip(speeds, bases, strict=True)}
         tell("runs on the case's own mesh")
         own = dict(zip(speeds, bases, strict=True))
 
@@ -144,16 +145,17 @@ def _run(case: Case, model: FiniteElementRod, engine_speed: float) -> Solution:
     return run_finite_element(case, model, engine_speed, Provenance(case.name, model.name, engine_speed=engine_speed))
 
 
-def _window(solution: Solution, surge_frequency: float | None) -> ClashWindow | None:
+def _window(case: Case, solution: Solution, surge_frequency: float | None) -> ClashWindow | None:
     if surge_frequency is None or len(solution.time) < 3:
         return None
-    return find_clash_window(reported_cycle(solution), surge_frequency)
+    return find_clash_window(reported_cycle(solution), surge_frequency, stages_of(case.lift_law))
 
 
 def _moving(case: Case, solution: Solution, surge_frequency: float | None, window: ClashWindow | None) -> dict[str, float]:
     if not solution.status.completed:
         return {}
-    found = {key.name: value for key, value in run_quantities(solution, surge_frequency=surge_frequency).items()}
+    stages = stages_of(case.lift_law)
+    found = {key.name: value for key, value in run_quantities(solution, surge_frequency=surge_frequency, stages=stages).items()}
     if window is not None:
         found |= main_clash_quantities(reported_cycle(solution), window)
     found |= stress_quantities(with_stress(solution, case.require_spring()))

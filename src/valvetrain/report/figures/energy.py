@@ -68,17 +68,17 @@ def spectrum_table(study: SpringStudy, engine_speed: float) -> Table:
 
 
 def spectrum_chart(data: Table, axial_frequencies: np.ndarray, engine_speed: float) -> Chart:
-    """Amplitude by cam order, decades as powers of ten; the orders of the axial modes ruled."""
+    """Amplitude by cam order on a logarithmic axis; the orders of the axial modes ruled."""
     lines = []
     for model in dict.fromkeys(data["run"].tolist()):
         mine = data["run"] == model
-        level = np.log10(np.maximum(data["amplitude"][mine], 1e-2))
+        level = np.maximum(data["amplitude"][mine], 1e-2)
         lines.append(Line(data["order"][mine], level, theme.model_words(model), theme.model_colour(model), width=1.4))
     lines.sort(key=lambda line: line.colour == theme.model_colour("finite-element"))
     orders = [surge_order(float(value), engine_speed) for value in axial_frequencies[:3]]
     rules = tuple(Rule("x", order, f"mode {index}") for index, order in enumerate(orders, start=1) if order < LARGEST_ORDER)
-    x_label, y_label = "order (oscillations per cam revolution)", "log₁₀ of the amplitude in N, 0 to peak"
-    panel = Panel(x_label, y_label, tuple(lines), rules=rules, x_range=(0, LARGEST_ORDER))
+    x_label, y_label = "order (oscillations per cam revolution)", "amplitude (N, 0 to peak)"
+    panel = Panel(x_label, y_label, tuple(lines), rules=rules, x_range=(0, LARGEST_ORDER), y_log=True)
     speed = speed_words(engine_speed)
     caption = f"Order spectrum of the seat force at {speed}. Coil clash fills the orders above those of the lift law and the first modes."
     return Chart(f"orders-{rpm(engine_speed):g}", f"Order spectrum at {speed}", caption, (panel,), height=340)

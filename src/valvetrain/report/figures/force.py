@@ -9,7 +9,7 @@ import numpy as np
 from valvetrain.analysis.compare import same_speed
 from valvetrain.analysis.cycle import reported_cycle
 from valvetrain.analysis.filters import fine_filtered, fine_series
-from valvetrain.analysis.stages import Stages
+from valvetrain.analysis.stages import Stages, stages_of
 from valvetrain.analysis.study import SpringStudy
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, thin
@@ -19,7 +19,14 @@ from valvetrain.solution.result import Solution
 
 ANGLE_LABEL = "cam angle (cam degrees)"
 SPIKE_BANDWIDTH = 10e3
-SPIKE_WINDOW = (225.0, 320.0)
+#: The close-up begins this far (cam deg) before the end of Stage II and ends this far after it.
+SPIKE_REACH = (8.0, 87.0)
+
+
+def spike_window(stages: Stages) -> tuple[float, float]:
+    """First and last cam angle (deg) of the close-up of Stage III."""
+    end = float(np.degrees(stages.second_end))
+    return round(end - SPIKE_REACH[0], 6), min(round(end + SPIKE_REACH[1], 6), 360.0)
 
 
 def runs_at(study: SpringStudy, engine_speed: float) -> list[Solution]:
@@ -38,11 +45,14 @@ def force_table(study: SpringStudy, engine_speed: float) -> Table:
     return table(("run", "", np.array(models, dtype=object)), ("cam angle", "deg", _joined(angles)), ("force", "N", _joined(forces)))
 
 
-def spike_table(study: SpringStudy, engine_speed: float, window: tuple[float, float] = SPIKE_WINDOW) -> Table:
-    """As :func:`force_table` within ``window`` (deg), as finely as the runs hold it, with ``below 10 kHz`` (N).
+def spike_table(study: SpringStudy, engine_speed: float) -> Table:
+    """As :func:`force_table` about the end of Stage II, as finely as the runs hold it, with ``below 10 kHz`` (N).
 
     The last column is nan where the samples do not allow it and for models without coils to clash.
+    A case without stages has no rows.
     """
+    stages = stages_of(study.case.lift_law)
+    window = (0.0, -1.0) if stages is None else spike_window(stages)
     models, angles, forces, smooth = [], [], [], []
     for run in runs_at(study, engine_speed):
         cycle = reported_cycle(run)
@@ -73,14 +83,15 @@ def published_forces(study: SpringStudy, engine_speed: float) -> Table:
     values = [value for value in study.case.published if same_speed(value.engine_speed, engine_speed)]
     angles = {(value.model, value.quantity): value.value for value in values if value.quantity.endswith("_cam_angle")}
     rows = []
+    stages = stages_of(study.case.lift_law)
     for value in values:
         if not value.quantity.startswith("stage_") or not value.quantity.endswith("_force"):
             continue
         wanted = value.quantity.removesuffix("_force") + "_cam_angle"
         whose = [value.model, *(model for model, name in angles if name == wanted)]
         angle = next(((angles[model, wanted], model) for model in whose if (model, wanted) in angles), None)
-        if value.quantity == "stage_2_end_force":
-            angle = (Stages().second_end, "the stage")
+        if value.quantity == "stage_2_end_force" and stages is not None:
+            angle = (stages.second_end, "the stage")
         if angle is not None:
             rows.append((value.model, value.quantity, float(np.degrees(angle[0])), value.value, angle[1]))
     columns = list(zip(*rows, strict=True)) or [(), (), (), (), ()]
@@ -91,8 +102,10 @@ def published_forces(study: SpringStudy, engine_speed: float) -> Table:
     )  # fmt: skip
 
 
-def stage_bands(stages: Stages = Stages()) -> tuple[Band, ...]:
-    """The three stages as bands of a panel over the cam angle."""
+def stage_bands(stages: Stages | None = Stages()) -> tuple[Band, ...]:
+    """The three stages as bands of a panel over the cam angle; nothing without stages."""
+    if stages is None:
+        return ()
     names = {1: "Stage I", 2: "Stage II", 3: "Stage III"}
     edges = {stage: np.degrees(stages.bounds(stage)) for stage in names}
     return tuple(Band(float(edges[stage][0]), float(edges[stage][1]), names[stage], shaded=stage == 2) for stage in names)
@@ -121,28 +134,61 @@ def published_marks(published: Table, with_words: bool = True) -> list[Layer]:
     return marks
 
 
-def force_chart(data: Table, published: Table, engine_speed: float) -> Chart:
+def sampling_words(study: SpringStudy, engine_speed: float) -> str:
+    """How densely the runs at a speed are sampled: ``every 0.5 cam degrees``; empty without runs."""
+    steps = [float(np.degrees(np.median(np.diff(run.cam_angle)))) for run in runs_at(study, engine_speed)]
+    return f"every {number(min(steps), 3)} cam degrees" if steps else ""
+
+
+def force_chart(study: SpringStudy, data: Table, engine_speed: float) -> Chart:
     """Force of every model over one cam cycle with the published values."""
+    published = published_forces(study, engine_speed)
     layers = (*model_lines(data, "force"), *published_marks(published))
-    panel = Panel(ANGLE_LABEL, "force on the lower seat (N)", layers, bands=stage_bands(), x_range=(0, 360), x_step=30)
+    bands = stage_bands(stages_of(study.case.lift_law))
+    panel = Panel(ANGLE_LABEL, "force on the lower seat (N)", layers, bands=bands, x_range=(0, 360), x_step=30)
     speed = speed_words(engine_speed)
-    caption = (
-        f"Force on the lower seat over the reported cam cycle at {speed} (crank), cam speed half of it. Open marks are published values: "
-        "FE solid finite elements, AN analytical modal model, EX engine head test."
-    )
+    caption = f"Force on the lower seat over the reported cam cycle at {speed} (crank), cam speed half of it, drawn from its samples "
+    caption += f"{sampling_words(study, engine_speed)}." + _origin_words(published)
     return Chart(f"force-{rpm(engine_speed):g}", f"Spring force at {speed}", caption, (panel,), height=430)
 
 
-def spike_chart(data: Table, published: Table, engine_speed: float, window: tuple[float, float] = SPIKE_WINDOW) -> Chart:
-    """The same force close up after the event, raw and below 10 kHz."""
+def _origin_words(published: Table) -> str:
+    """What the open marks are, where there are any."""
+    origins = dict.fromkeys(published["origin"].tolist())
+    known = {"FE": "FE solid finite elements", "AN": "AN analytical modal model", "EX": "EX engine head test"}
+    signs = [theme.origin_style(origin)[0] for origin in origins]
+    return f" Open marks are published values: {', '.join(known.get(sign, sign) for sign in signs)}." if signs else ""
+
+
+def spike_chart(study: SpringStudy, data: Table, engine_speed: float) -> Chart:
+    """The same force close up after the event, raw and below 10 kHz; for a case with stages."""
+    stages = stages_of(study.case.lift_law) or Stages()
     # Darker than the raw line, so that the two part where they lie on each other.
     filtered = model_lines(data, "below 10 kHz", ", below 10 kHz")
     smooth = [replace(line, colour=theme.mix(line.colour, theme.INK, 0.75), dash="dash") for line in filtered]
-    layers = (*model_lines(data, "force"), *smooth, *published_marks(published))
-    panel = Panel(ANGLE_LABEL, "force on the lower seat (N)", layers, x_range=window, x_step=5)
+    layers = (*model_lines(data, "force"), *smooth, *published_marks(published_forces(study, engine_speed)))
+    panel = Panel(ANGLE_LABEL, "force on the lower seat (N)", layers, x_range=spike_window(stages), x_step=5)
     speed = speed_words(engine_speed)
     caption = (
         f"Stage III at {speed} close up. A spike's height depends on the bandwidth it is seen in: the dashed line is the rod's force "
         "through a zero-phase low-pass (6 dB down at 10 kHz), the solid one is as computed, at every instant recorded."
     )
-    return Chart(f"spikes-{rpm(engine_speed):g}", f"Stage III at {speed}", caption, (panel,), height=400)
+    return Chart(
+        f"spikes-{rpm(engine_speed):g}", f"Stage III at {speed}", caption + _spike_words(study, engine_speed), (panel,), height=400
+    )
+
+
+def _spike_words(study: SpringStudy, engine_speed: float) -> str:
+    """The two heights of the rod's spike and which sampling each is from."""
+    sampled, highest = (rod_quantity(study, f"stage_3_{word}peak_force", engine_speed) for word in ("", "every_instant_"))
+    if sampled is None:
+        return ""
+    words = f" The Stage III spike of cards and tables, {number(sampled, 4)} N, is the largest of the samples "
+    words += sampling_words(study, engine_speed) + (", as the source sampled." if study.case.published else ".")
+    return words + (f" The highest instant recorded is {number(highest, 4)} N." if highest is not None else "")
+
+
+def rod_quantity(study: SpringStudy, name: str, engine_speed: float) -> float | None:
+    """A named quantity of the rod model at an engine speed (rad/s), SI, or None."""
+    rod = ((key, value) for key, value in study.quantities.items() if key.name == name and key.model == "finite-element")
+    return next((value for key, value in rod if same_speed(key.engine_speed, engine_speed)), None)

@@ -6,6 +6,7 @@ import numpy as np
 
 from valvetrain.analysis.compare import same_speed
 from valvetrain.analysis.cycle import reported_cycle
+from valvetrain.analysis.stages import Stages
 from valvetrain.analysis.study import SpringStudy
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, thin
@@ -58,9 +59,10 @@ def published_motion(study: SpringStudy, engine_speed: float) -> Table:
     )  # fmt: skip
 
 
-def node_chart(data: Table, published: Table, engine_speed: float) -> Chart:
+def node_chart(data: Table, published: Table, engine_speed: float, stages: Stages | None = Stages()) -> Chart:
     """Three panels over one cam angle axis; published extremes marked."""
     panels: list[Panel] = []
+    worded = stage_bands(stages)
     for word, _, _, label in _MOTIONS.values():
         layers: list[Layer] = []
         for node in (1, 2):
@@ -74,7 +76,7 @@ def node_chart(data: Table, published: Table, engine_speed: float) -> Chart:
             if np.any(mine):
                 layers.append(Marks(published["cam angle"][mine], published["value"][mine], words, colour, symbol, labels))
         if layers:
-            bands = stage_bands() if not panels else tuple(type(band)(band.first, band.last, "", band.shaded) for band in stage_bands())
+            bands = worded if not panels else tuple(type(band)(band.first, band.last, "", band.shaded) for band in worded)
             panels.append(Panel(ANGLE_LABEL, label, tuple(layers), bands=bands, x_range=(0, 360), x_step=30))
     speed = speed_words(engine_speed)
     caption = (
