@@ -78,7 +78,7 @@ def test_sweep_tells_where_contact_is_lost(folder):
 def test_run_prints_a_table_for_people(folder):
     words = ("run", "tdi-pushrod", "--no-report", "--workers", "1", "--output", str(folder / "run"))
     printed = call(*words).stdout
-    assert "Nose cam contact" in " ".join(printed.split())
+    assert "Cam force at the" in " ".join(printed.split())
     assert "seat load" in printed
     assert not (folder / "run" / "report.html").exists()
 
@@ -100,3 +100,23 @@ def test_wrong_input_is_one_sentence_and_exit_code_two(words, sentence, tmp_path
     assert sentence in result.stderr
     assert result.stderr.count("\n") == 1 and result.stderr.startswith("error: ")
     assert not list(tmp_path.rglob("*.html"))
+
+
+def test_what_does_not_settle_exits_with_one_and_names_a_key_that_helps(folder):
+    words = ("compare", "tdi-pushrod", "--springs", "massless", "--output", str(folder / "short"), "--no-report", *QUICK)
+    elastic = [word for place in ("cam", "rocker", "valve_tip", "seat") for word in ("--set", f'train.contacts.{place}.law="hertz-point"')]
+    result = call(*words, *elastic, "--set", "train.cycles=100", code=1)  # nothing damps this train
+    data = json.loads(result.stdout)
+    (run,) = data["runs"]
+    assert not data["completed"] and run["status"]["code"] == "not-converged"
+    assert "the motion does not repeat" in result.stderr and "set cycles in [train] above 100 (" in result.stderr
+    assert run["quantities"]["steady_tolerance_ratio"]["value"] == 1e-5 < run["quantities"]["steady_residual_ratio"]["value"]
+
+
+def test_a_second_run_leaves_no_files_of_other_engine_speeds(folder):
+    target = folder / "twice"
+    words = ("compare", "tdi-pushrod", "--springs", "massless", "--output", str(target), "--no-report", *QUICK)
+    call(*words, "--engine-speed", "3000 rpm")
+    (target / "mine-3000rpm.csv").write_text("kept")
+    call(*words, "--engine-speed", "3500 rpm")
+    assert sorted(path.name for path in target.glob("*rpm.*")) == ["massless-3500rpm.csv", "massless-3500rpm.nc", "mine-3000rpm.csv"]

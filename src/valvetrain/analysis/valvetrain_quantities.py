@@ -99,7 +99,7 @@ def cycle_quantities(steady: SteadyTrain, data: CycleData, table: RigidTable, ev
         "cycle_work_energy": float(record.work[0]), "cycle_dissipated_energy": float(record.work[2]),
         "spring_dissipated_energy": float(record.work[3]), "contact_friction_dissipated_energy": record.friction_loss,
         "steady_cycles_count": float(steady.search.cycles), "steady_residual_ratio": float(steady.search.residuals[-1]),
-        "motion_period_count": float(steady.search.period),
+        "steady_tolerance_ratio": steady.tolerance, "motion_period_count": float(steady.search.period),
         "time_step_duration": record.time_step, "steps_per_cycle_count": float(steady.runner.steps),
     }  # fmt: skip
     values |= _event_numbers(events)

@@ -81,6 +81,7 @@ def write_files(study: SpringStudy, folder: Path, report: bool) -> tuple[list[Pa
     """The data files and, with ``report``, the page; what a failed run computed is written too."""
     from valvetrain.cli.progress import busy
     from valvetrain.report.comparison_grid import comparison_table
+    from valvetrain.report.earlier_files import remove_earlier
     from valvetrain.report.write import write_report, write_solution, write_statics
     from valvetrain.solution.atomic import write_text
 
@@ -91,6 +92,7 @@ def write_files(study: SpringStudy, folder: Path, report: bool) -> tuple[list[Pa
         data = [path for solution in study.solutions for path in write_solution(solution, folder)] + write_statics(study, folder)
         if study.comparisons:
             data.append(write_text(folder / "comparison.csv", comparison_table(study.comparisons).csv()))
+        remove_earlier(folder, "report", data)
         return data, None
 
 

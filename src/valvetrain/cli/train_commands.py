@@ -142,7 +142,7 @@ def _study_outcome(command: str, request: RunRequest, models: tuple[str, ...]) -
         )  # fmt: skip
     with busy("writing files"):
         files = write_train_report(study, request.output, request.report)
-    failures = tuple(f"{run.label}: {run.status.sentence()}" for run in study.runs if run.status.code not in ("completed", "not-converged"))
+    failures = tuple(f"{run.label}: {run.status.sentence()}" for run in study.runs if not run.status.completed)
     data = _study_object(command, study)
     data |= {
         "completed": not failures, "folder": str(request.output), "files": [str(path) for path in (*files.data, *files.figures)],

@@ -29,6 +29,7 @@ class SteadyTrain:
     start: TrainState
     record: CycleRecord
     wall_time_per_cycle: float = field(default=0.0, compare=False)
+    tolerance: float = TOLERANCE
 
     @cached_property
     def known(self) -> dict[Any, Any]:
@@ -43,11 +44,13 @@ class SteadyTrain:
         if self.search.converged:
             return self.record.status
         period = self.search.period
-        words = f"repeats every {period} cycles (sub-harmonic)" if period > 1 else "repeats after no number of cycles up to 8"
+        words = f"repeats only every {period} cycles (sub-harmonic)" if period > 1 else "does not repeat, not over up to 8 cycles either"
+        cycles, last = self.search.cycles, self.search.residuals[-1]
+        change = f"after {cycles} cycles it still changes by {last:.1e} of its size (accepted: {self.tolerance:.0e})"
         reached = self.search.cycles * self.runner.steps * self.runner.time_step
         return Status(
-            "not-converged", f"the motion {words}; last change {self.search.residuals[-1]:.1e}", reached, "train",
-            "bounce or float at this speed is real if a smaller step shows it too; raise the number of cycles otherwise",
+            "not-converged", f"the motion {words}; {change}", reached, "",
+            f"set cycles in [train] above {cycles} (--set train.cycles=...), or lower the speed if the train floats or bounces there",
         )  # fmt: skip
 
 
@@ -76,7 +79,7 @@ def steady_train(
     finite = bool(np.all(np.isfinite(search.state)))
     first = _unpack(search.state, template[0], runner) if finite else (start or runner.initial_state())
     _, record = runner.cycle(first)
-    return SteadyTrain(runner, search, first, record, float(np.median(times)))
+    return SteadyTrain(runner, search, first, record, float(np.median(times)), tolerance)
 
 
 def _split(state: TrainState, runner: TrainRunner) -> list[tuple[Array, int]]:

@@ -287,7 +287,8 @@ class TrainParameters:
     ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and ``rocker``. ``springs``: sets of
     springs by name, each a tuple of one or two :class:`InstalledSpring` or :class:`SpringCard` (outer first); ``spring_set`` is the one
     in use and ``spring_model`` the word for its fidelity. ``variants``: the runs a case asks for (none: one run as it stands).
-    ``spring_options``: keyword arguments of spring models (damping, masses). ``gravity``: vector (m/s2).
+    ``spring_options``: keyword arguments of spring models (damping, masses). ``gravity``: vector (m/s2). ``cycles``: most cam turns run
+    until the motion repeats; None for the usual number.
     """
 
     kind: TrainKind
@@ -308,6 +309,7 @@ class TrainParameters:
     gravity: tuple[float, float] = (0.0, -9.80665)
     model: TrainModel = "planar"
     variants: tuple[TrainVariant, ...] = ()
+    cycles: int | None = None
 
     def __post_init__(self) -> None:
         for name in ("contacts", "springs", "spring_options"):
@@ -316,6 +318,8 @@ class TrainParameters:
             raise InputError(f"train kind '{self.kind}' is unknown; use direct, finger, rocker or pushrod")
         if self.model not in ("planar", "lumped", "single-mass"):
             raise InputError(f"train model '{self.model}' is unknown; use planar, lumped or single-mass")
+        if self.cycles is not None and not 1 <= self.cycles <= 10_000:
+            raise InputError(f"cycles of the train must be a whole number from 1 to 10000; it is {self.cycles}")
         if self.lash < 0:
             raise InputError(f"the lash must be zero or positive; it is {self.lash * 1e3:g} mm")
         if self.kind != "direct" and self.lever is None:

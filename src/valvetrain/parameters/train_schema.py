@@ -88,7 +88,10 @@ def _written_for(raw: dict[str, Any]) -> dict[str, Any]:
         found["stiffness_exponent"] = exponent
     if isinstance(text := raw.get("damping"), str):
         powers = dimension_powers(text)
-        names = {(("[mass]", 1.0), ("[time]", -1.0)): "N s/m", (("[length]", -1.0), ("[time]", 1.0)): "s/m"}
+        names: dict[tuple[tuple[str, float], ...], str] = {
+            (("[mass]", 1.0), ("[time]", -1.0)): "N s/m",
+            (("[length]", -1.0), ("[time]", 1.0)): "s/m",
+        }
         unit = names.get(tuple(sorted(powers.items())))
         if unit is None:
             raise InputError(
@@ -278,6 +281,7 @@ class TrainModel(StrictModel):
     lash: Length = 0.0
     gravity: Gravity = (0.0, -9.80665)
     variants: list[VariantModel] = []  # noqa: RUF012
+    cycles: int | None = None
 
     def build(self) -> TrainParameters:
         """The frozen parameters; raises a located problem."""
@@ -288,7 +292,8 @@ class TrainModel(StrictModel):
         }
         if len(self.gravity) != 2:
             raise problem("gravity is a vector in the plane of motion, two accelerations", ("gravity",))
-        plain = {name: getattr(self, name) for name in ("kind", "model", "spring_set", "spring_model", "spring_options", "lash", "gravity")}
+        names = ("kind", "model", "spring_set", "spring_model", "spring_options", "lash", "gravity", "cycles")
+        plain = {name: getattr(self, name) for name in names}
         variants = tuple(variant.build() for variant in self.variants)
         for place, variant in enumerate(variants):
             if variant.spring_set and variant.spring_set not in self.springs:

@@ -11,6 +11,7 @@ import numpy as np
 from valvetrain.analysis.valvetrain_study import TrainRun, TrainStudy
 from valvetrain.analysis.valvetrain_traces import channels
 from valvetrain.report.comparison_grid import comparison_grid, comparison_table
+from valvetrain.report.earlier_files import remove_earlier
 from valvetrain.report.figures import sweep as sweep_figures
 from valvetrain.report.figures import train as train_figures
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, Tabs, text
@@ -32,8 +33,23 @@ SUMMARY: dict[str, tuple[str, float]] = {
     "seating_velocity": ("m/s", 1.0),
     "bounce_height": ("mm", 1e3), "loft_gap": ("mm", 1e3), "peak_lever_speed": ("deg/s", 180 / np.pi),
     "outer_mean_peak_section_displacement": ("mm", 1e3), "minimum_piston_clearance_gap": ("mm", 1e3), "clash_count": ("", 1.0),
-    "steady_cycles_count": ("", 1.0), "steady_residual_ratio": ("", 1.0), "motion_period_count": ("", 1.0),
-    "time_step_duration": ("us", 1e6), "steps_per_cycle_count": ("", 1.0),
+    "steady_cycles_count": ("", 1.0), "steady_residual_ratio": ("", 1.0), "steady_tolerance_ratio": ("", 1.0),
+    "motion_period_count": ("", 1.0),
+    "time_step_duration": ("µs", 1e6), "steps_per_cycle_count": ("", 1.0),
+}  # fmt: skip
+#: Names of the summary in the words people use; the rest are told by `quantity_words`.
+SUMMARY_WORDS = {
+    "nose_cam_contact_force": "Cam force at the nose", "peak_open_cam_contact_force": "Peak cam force",
+    "minimum_cam_contact_force": "Least cam force",
+    "peak_open_valve_tip_contact_force": "Peak force on the valve tip", "peak_seat_contact_force": "Peak seat force",
+    "peak_retainer_force": "Peak spring force", "minimum_retainer_force": "Least spring force",
+    "lift_loss_displacement": "Lift lost (rigid less computed)", "loft_gap": "Loft", "peak_lever_speed": "Peak lever rotation speed",
+    "outer_mean_peak_section_displacement": "Outer spring, mean peak motion of the coils",
+    "minimum_piston_clearance_gap": "Least clearance to the piston",
+    "clash_count": "Coil clashes", "steady_cycles_count": "Cycles run until settled",
+    "steady_residual_ratio": "Last change per cycle", "steady_tolerance_ratio": "Change accepted as settled",
+    "motion_period_count": "Cycles per repetition (0: never repeats)",
+    "time_step_duration": "Time step", "steps_per_cycle_count": "Steps per cycle",
 }  # fmt: skip
 
 
@@ -48,7 +64,7 @@ def solution_of(study: TrainStudy, run: TrainRun) -> Solution:
 def summary_table(runs: Sequence[TrainRun]) -> Table:
     """One column per run, one row per headline number, in the units shown."""
     names = [name for name in SUMMARY if any(name in run.quantities for run in runs)]
-    words = np.array([quantity_words(name) for name in names], dtype=object)
+    words = np.array([SUMMARY_WORDS.get(name) or quantity_words(name) for name in names], dtype=object)
     units = np.array([SUMMARY[name][0] for name in names], dtype=object)
     columns = [("quantity", "", words), ("unit", "", units)]
     for run in runs:
@@ -179,6 +195,7 @@ def write_train_report(study: TrainStudy, folder: str | os.PathLike[str], page: 
     if study.comparisons:
         data.append(write_text(target / "comparison.csv", comparison_table(study.comparisons).csv()))
     written, figures = write_page(train_page(study), target) if page else (target / "report.html", ())
+    remove_earlier(target, "report", (*data, *figures, *((written,) if page else ())))
     return ReportFiles(target, written, tuple(data), figures)
 
 
@@ -224,6 +241,7 @@ def write_sweep_report(sweep: TrainSweep, folder: str | os.PathLike[str], page: 
         data.append(write_text(target / f"sweep-{_slug(series.label)}.csv", sweep_figures.sweep_table(series).csv()))
         data.append(write_text(target / f"orders-{_slug(series.label)}.csv", sweep_figures.order_table(series).csv()))
     written, figures = write_page(sweep_page(sweep), target, "sweep.html") if page else (target / "sweep.html", ())
+    remove_earlier(target, "sweep", (*data, *figures, *((written,) if page else ())))
     return ReportFiles(target, written, tuple(data), figures)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from valvetrain.analysis.study import SpringStudy
 from valvetrain.report.comparison_grid import comparison_table
+from valvetrain.report.earlier_files import remove_earlier
 from valvetrain.report.figures import modes, statics
 from valvetrain.report.page import Page, charts, render
 from valvetrain.report.spring_page import spring_page
@@ -46,6 +47,7 @@ def write_report(study: SpringStudy, folder: str | os.PathLike[str]) -> ReportFi
     if study.comparisons:
         data.append(write_text(target / "comparison.csv", comparison_table(study.comparisons).csv()))
     page, figures = write_page(spring_page(study), target)
+    remove_earlier(target, "report", (*data, *figures, page))
     return ReportFiles(target, page, tuple(data), figures)
 
 

@@ -29,6 +29,8 @@ from valvetrain.system.train_system import TrainSystem
 
 #: The finite-element spring costs seconds per cycle and its state (frames among it) does not mix; few plain cycles serve.
 FEW_CYCLES = {"finite-element": 3}
+#: Change per cycle at which they count as settled; every other spring meets `valvetrain.integrate.train_steady.TOLERANCE`.
+FEW_CYCLES_TOLERANCE = 1e-3
 CARD_WIRE_NOTE = (
     "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils are "
     "assumed, and its coils "
@@ -65,7 +67,7 @@ def train_of(case: Case) -> TrainParameters:
 def run_job(job: RunJob) -> TrainRun:
     """Steady state of one variant at one speed, with numbers, events and (where kept) traces."""
     train, chosen_set, system = _assembled(job)
-    steady = settle(system, job.engine_speed, train.spring_model, job.options, job.method, job.cycles)
+    steady = settle(system, job.engine_speed, train.spring_model, job.options, job.method, job.cycles, train.cycles)
     table = rigid_table(system, train, job.engine_speed / 2, samples=720 if job.keep_traces else 360)
     return _named(job, steady, table, train, chosen_set)
 
@@ -104,15 +106,19 @@ def settle(
     options: TrainOptions | None = None,
     method: str = "anderson",
     cycles: int = 60,
+    most: int | None = None,
 ) -> SteadyTrain:
-    """Steady state of an assembled train (rad/s of the crank); a contact harder than the step resolves is run again with a finer one."""
+    """Steady state of an assembled train (rad/s of the crank); a contact harder than the step resolves is run again with a finer one.
+
+    ``cycles`` bounds the search, for springs of :data:`FEW_CYCLES` no further than theirs; ``most`` (a case's wish) replaces both.
+    """
     few, chosen = FEW_CYCLES.get(spring_model), options or TrainOptions(record_springs=True)
     for _ in range(FINER_STEPS + 1):
         if few is not None:
             ready = runner(system, engine_speed / 2, replace(chosen, samples=min(chosen.samples, LARGE_SAMPLES)))
-            found = steady_train(ready, "repeat", cycles=min(few, cycles), tolerance=1e-3)
+            found = steady_train(ready, "repeat", FEW_CYCLES_TOLERANCE, most or min(few, cycles))
         else:
-            found = steady_train(runner(system, engine_speed / 2, chosen), method, cycles=cycles)
+            found = steady_train(runner(system, engine_speed / 2, chosen), method, cycles=most or cycles)
         if found.record.status.completed or chosen.time_step is not None:
             break
         chosen = replace(chosen, step_fraction=chosen.step_fraction / 3)

@@ -30,8 +30,9 @@ PANELS = (
 def sweep_table(series: SweepSeries) -> Table:
     """All columns of one series over the engine speed."""
     columns = [("engine speed", "rpm", np.array([rpm(speed) for speed in series.engine_speeds]))]
+    columns += [("status", "", np.array([status.code for status in series.statuses], dtype=object))]
     columns += [(SHOWN[name][0], SHOWN[name][1], values * SHOWN[name][2]) for name, values in series.columns.items()]
-    return table(*columns, ("status", "", np.array([status.code for status in series.statuses], dtype=object)))
+    return table(*columns)
 
 
 def order_table(series: SweepSeries) -> Table:
