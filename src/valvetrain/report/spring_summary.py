@@ -6,7 +6,7 @@ from valvetrain.analysis.compare import same_speed
 from valvetrain.analysis.quantity import Quantity, unit_of
 from valvetrain.analysis.study import SpringStudy
 from valvetrain.report import theme
-from valvetrain.report.figures.force import rod_quantity, sampling_words
+from valvetrain.report.figures.force import rod_quantity, sampling_words, source_sampled_so
 from valvetrain.report.page import Card, Cell, Grid
 from valvetrain.report.words import in_unit, number, quantity_words, speed_words
 
@@ -45,7 +45,7 @@ def speed_card(study: SpringStudy, engine_speed: float) -> Card:
 
 def _sampling(study: SpringStudy, engine_speed: float) -> list[str]:
     highest = rod_quantity(study, "stage_3_every_instant_peak_force", engine_speed)
-    words = [f"sampled {sampling_words(study, engine_speed)}" + (" as in the source" if study.case.published else "")]
+    words = [f"sampled {sampling_words(study, engine_speed)}" + (" as in the source" if source_sampled_so(study) else "")]
     return words + ([f"highest instant {number(highest, 4)} N"] if highest is not None else [])
 
 

@@ -140,6 +140,11 @@ def sampling_words(study: SpringStudy, engine_speed: float) -> str:
     return f"every {number(min(steps), 3)} cam degrees" if steps else ""
 
 
+def source_sampled_so(study: SpringStudy) -> bool:
+    """Whether the published values come from records known to be sampled every 0.5 cam degrees (gu2021)."""
+    return any(value.source.startswith("gu2021") for value in study.case.published)
+
+
 def force_chart(study: SpringStudy, data: Table, engine_speed: float) -> Chart:
     """Force of every model over one cam cycle with the published values."""
     published = published_forces(study, engine_speed)
@@ -184,7 +189,7 @@ def _spike_words(study: SpringStudy, engine_speed: float) -> str:
     if sampled is None:
         return ""
     words = f" The Stage III spike of cards and tables, {number(sampled, 4)} N, is the largest of the samples "
-    words += sampling_words(study, engine_speed) + (", as the source sampled." if study.case.published else ".")
+    words += sampling_words(study, engine_speed) + (", as the source sampled." if source_sampled_so(study) else ".")
     return words + (f" The highest instant recorded is {number(highest, 4)} N." if highest is not None else "")
 
 
