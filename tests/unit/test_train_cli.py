@@ -120,3 +120,13 @@ def test_a_second_run_leaves_no_files_of_other_engine_speeds(folder):
     (target / "mine-3000rpm.csv").write_text("kept")
     call(*words, "--engine-speed", "3500 rpm")
     assert sorted(path.name for path in target.glob("*rpm.*")) == ["massless-3500rpm.csv", "massless-3500rpm.nc", "mine-3000rpm.csv"]
+
+
+def test_a_train_that_floats_at_the_nose_is_still_reported(folder):
+    words = ("run", "tdi-pushrod", "--engine-speed", "9500 rpm", "--output", str(folder / "float"), *QUICK)
+    result = CliRunner().invoke(app, list(words))
+    data = json.loads(result.stdout)
+    unsettled = [run for run in data["runs"] if run["status"]["code"] != "completed"]
+    page = (folder / "float" / "report.html").read_text()
+    assert result.exit_code == (1 if unsettled else 0) and data["completed"] is not bool(unsettled)
+    assert f"{len(data['runs']) - len(unsettled)} of {len(data['runs'])} completed" in page

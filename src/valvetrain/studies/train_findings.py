@@ -46,7 +46,7 @@ def derived_quantities(case: Case, runs: Sequence[TrainRun]) -> dict[Quantity, f
     values = {
         "stock_nose_cam_contact_force": _number(stock, "nose_cam_contact_force"),
         "performance_nose_cam_contact_force": _number(performance, "nose_cam_contact_force"),
-        "contact_force_rise_ratio": _number(performance, "nose_cam_contact_force") / _number(stock, "nose_cam_contact_force") - 1,
+        "contact_force_rise_ratio": _rise(_number(performance, "nose_cam_contact_force"), _number(stock, "nose_cam_contact_force")),
         "stock_peak_valve_lift": _number(stock, "peak_valve_lift"),
         "performance_lift_difference_displacement": _number(stock, "peak_valve_lift") - _number(performance, "peak_valve_lift"),
         "peak_lever_speed": _number(performance, "peak_lever_speed"),
@@ -56,6 +56,11 @@ def derived_quantities(case: Case, runs: Sequence[TrainRun]) -> dict[Quantity, f
     if damped is not None:
         values["performance_damped_nose_cam_contact_force"] = _number(damped, "nose_cam_contact_force")
     return named(values, stock.engine_speed, "") | named(_closed_forms(case.train), None, "")
+
+
+def _rise(after: float, before: float) -> float:
+    """Share by which a force rises; NaN where there was none (a train that floats carries nothing at the nose)."""
+    return after / before - 1 if before > 0 else math.nan
 
 
 def _number(run: TrainRun, name: str) -> float:
@@ -90,7 +95,7 @@ def _pushrod_findings(runs: dict[str, TrainRun]) -> list[Finding]:
     if {"stock", "performance"} <= set(runs):
         stock, performance = runs["stock"], runs["performance"]
         forces = [_number(run, "nose_cam_contact_force") for run in (stock, performance)]
-        rise = forces[1] / forces[0] - 1
+        rise = _rise(forces[1], forces[0])
         words = f"with the seat load {forces[0]:.0f} N and {forces[1]:.0f} N, up {rise:.0%}"
         verdict = "the sign holds; with the seat load the rise is that of the whole spring force, not of the rate alone"
         found.append(Finding("section 7", "contact force up about 40 % with the stiffer spring, peak at the cam nose", words, verdict))
@@ -107,8 +112,8 @@ def _pushrod_findings(runs: dict[str, TrainRun]) -> list[Finding]:
             f"{peaks[2]:.0f} N at zeta 0, 0.5, 1"
         )
         verdict = (
-            f"at the nose up {nose[2] / nose[0] - 1:.1%} (source 3 %), but the true peak moves to the opening flank and rises "
-            f"{peaks[2] / peaks[0] - 1:.0%}"
+            f"at the nose up {_rise(nose[2], nose[0]):.1%} (source 3 %), but the true peak moves to the opening flank and rises "
+            f"{_rise(peaks[2], peaks[0]):.0%}"
         )
         found.append(Finding("section 6", "damping raises the peak contact force slightly (400 to 412 N)", words, verdict))
     return found
