@@ -129,4 +129,4 @@ def test_a_train_that_floats_at_the_nose_is_still_reported(folder):
     unsettled = [run for run in data["runs"] if run["status"]["code"] != "completed"]
     page = (folder / "float" / "report.html").read_text()
     assert result.exit_code == (1 if unsettled else 0) and data["completed"] is not bool(unsettled)
-    assert f"{len(data['runs']) - len(unsettled)} of {len(data['runs'])} completed" in page
+    assert f"{len(data['runs']) - len(unsettled)} of {len(data['runs'])} completed" in page and "nan%" not in page
