@@ -12,7 +12,7 @@ from valvetrain.rod.static import RodStatics, compress
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.equivalent_rod import EquivalentRod
 from valvetrain.springs.multi_mass import MultiMassSpring
-from valvetrain.studies.book.row import Row, book_case
+from valvetrain.studies.book.row import Kind, Row, book_case
 from valvetrain.studies.book.springs import STEEL, mesh
 
 RATE, PRELOAD, MASS = 30e3, 250.0, 0.05
@@ -146,7 +146,8 @@ def rod_against_solid_with_contact() -> list[Row]:
     below, above = SOLID_BEEHIVE.values()
     what, travel = "wire 3.867, D 22.47 to 17.31 mm, 7 coils", 1.4
     rate, found = (above - below) / travel, (whole - half) / travel
-    why, kind = "asked for: 1.5 %", "independent computation"
+    why = "asked for: 1.5 %"
+    kind: Kind = "independent computation"
     return [
         Row("models", "beehive with coil contact, force at 7 mm", "", what, above, whole, "N", 0.015 * above, why, kind),
         Row("models", "beehive with coil contact, stiffness 5.6 to 7 mm", "", what, rate, found, "N/mm", 0.015 * rate, why, kind),
