@@ -17,8 +17,8 @@ from valvetrain.parameters.lift_law import LiftLawParameters
 
 #: A peak of Stage I stands out by this share of the stage's force range.
 STAGE_1_SHARE = 0.25
-#: The two maxima of Stage II stand out by this share of the stage's force range.
-STAGE_2_SHARE = 0.05
+#: The two maxima of Stage II stand out by this share of the stage's force range; ripples of coil contact stay below a third of it.
+STAGE_2_SHARE = 0.02
 #: The spike of Stage III stands out by this share of the cycle's force range, so a ripple on the falling flank is none.
 STAGE_3_SHARE = 0.01
 #: A second spike stands out by this share of the main one's height over the median force after it.
