@@ -51,7 +51,7 @@ def job_transient(job: str, per_coil: int, damping: str, repeats: int) -> dict:
 
 def job_static(per_coil: int, repeats: int) -> dict:
     """S: 24 steps to 12 mm."""
-    from valvetrain.rod.static import RodStatics, compress
+    from valvetrain.cosserat.static import RodStatics, compress
 
     mesh, _, _ = rod(spring_t(), per_coil, "mass", False)
     wall, cpu, path = timed(lambda: compress(RodStatics(mesh), np.linspace(0.5e-3, 12e-3, 24).tolist()), repeats)
@@ -60,9 +60,9 @@ def job_static(per_coil: int, repeats: int) -> dict:
 
 def job_modes(per_coil: int, repeats: int) -> dict:
     """M: first six frequencies at 0 and at 7 mm."""
-    from valvetrain.rod.modes import natural_modes
-    from valvetrain.rod.state import free_state
-    from valvetrain.rod.static import RodStatics
+    from valvetrain.cosserat.modes import natural_modes
+    from valvetrain.cosserat.state import free_state
+    from valvetrain.cosserat.static import RodStatics
 
     mesh, _, installed = rod(spring_t(), per_coil, "mass", False)
 
@@ -75,8 +75,8 @@ def job_modes(per_coil: int, repeats: int) -> dict:
 
 def job_batch(per_coil: int, variants: int, workers: int) -> dict:
     """B: CPU seconds per variant, side by side and one by one, and the wall time over ``workers`` threads."""
-    from valvetrain.rod.batch import simulate_batch
-    from valvetrain.rod.buffer import stable_time_step
+    from valvetrain.cosserat.batch import simulate_batch
+    from valvetrain.cosserat.buffer import stable_time_step
 
     built = [rod(spring_c(factor), per_coil, "stiffness", True) for factor in 1 + 0.02 * np.linspace(-1, 1, variants)]
     meshes, starts, dynamics = [item[0] for item in built], [item[2] for item in built], built[0][1]
@@ -125,14 +125,14 @@ def job_chain(repeats: int) -> dict:
     kernel = model.kernel
 
     @njit
-    def march(parameters, integers, state, place, velocity, dt, forces):
+    def integrate_in_time(parameters, integers, state, place, velocity, dt, forces):
         for n in range(len(place)):
             forces[n] = kernel(parameters, integers, state, place[n], velocity[n], dt)[1]
 
     parameters, integers, forces = model.parameters(), model.integers(), np.zeros(steps + 1)
 
     def whole():
-        march(parameters, integers, model.initial_state(0.0), place, velocity, duration / steps, forces)
+        integrate_in_time(parameters, integers, model.initial_state(0.0), place, velocity, duration / steps, forces)
         return forces
 
     wall, cpu, trace = timed(whole, repeats)

@@ -10,13 +10,13 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from solid_reference import BEEHIVE_LEVELS, LARGE, LEVELS, SMALL, SPRINGS, STORE, STRESS_LEVELS, beehive, richardson, summary
 
+from valvetrain.cosserat.buffer import RodDynamics
+from valvetrain.cosserat.mesh import mesh_spring
+from valvetrain.cosserat.modes import natural_modes
+from valvetrain.cosserat.state import free_state
+from valvetrain.cosserat.static import RodStatics, compress
+from valvetrain.cosserat.transient import simulate
 from valvetrain.parameters.loading import load_case
-from valvetrain.rod.buffer import RodDynamics
-from valvetrain.rod.mesh import mesh_spring
-from valvetrain.rod.modes import natural_modes
-from valvetrain.rod.state import free_state
-from valvetrain.rod.static import RodStatics, compress
-from valvetrain.rod.transient import simulate
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.result import Solution
@@ -43,7 +43,7 @@ so that the rod is checked against them in every test run without the solver.
 From the command line
 
     valvetrain compare gu2021-beehive --springs finite-element,modal,solid
-    valvetrain compare gu2021-beehive --springs finite-element,solid --solid-ride '85:100 deg' --engine-speed '8000 rpm'
+    valvetrain compare gu2021-beehive --springs finite-element,solid --solid-motion '85:100 deg' --engine-speed '8000 rpm'
 
 sets static curve and modes about the installed state side by side, in one page with its data files (`--json` for programs). The solid is
 the one the others are set against. What it will take is told before it begins; `--solid-elements-per-coil`, `--solid-core` and
@@ -211,7 +211,7 @@ def ride_section() -> str:
         f"{data['elements']} elements\n({data['unknowns']} unknowns), increments of 40 us, mass damping only, contact 1e4 MPa/mm: "
         f"{1e3 * solid.time[-1]:.2f} ms in {data['wall_time']:.0f} s on one core.\nEnd of the run: {solid.status.sentence()}.\n\n"
     )
-    rod_retainer, rod_seat = rod_ride(solid)
+    rod_retainer, rod_seat = rod_motion(solid)
     retainer, seat, degrees = solid.channel("retainer_force"), solid.channel("seat_force"), np.degrees(solid.cam_angle)
     rows = [
         [f"{degrees[i]:.1f}", f"{retainer[i]:.0f}", f"{rod_retainer[i]:.0f}", f"{seat[i]:.0f}", f"{rod_seat[i]:.0f}"]
@@ -222,7 +222,7 @@ def ride_section() -> str:
     return text + f"\nRoot mean square of the difference: {rms[0]:.1f} N at the retainer, {rms[1]:.1f} N at the seat.\n"
 
 
-def rod_ride(solid: Solution) -> tuple[np.ndarray, np.ndarray]:
+def rod_motion(solid: Solution) -> tuple[np.ndarray, np.ndarray]:
     """Retainer and seat force of the rod on the lift that ``solid`` rode, means over its increments."""
     time = solid.time
     lift = CubicSpline(time, solid.channel("valve_lift"))

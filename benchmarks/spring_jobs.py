@@ -52,7 +52,7 @@ def _filtered(job: str, trace: list[float], reference: np.ndarray) -> str:
 
 def _low_pass(values: np.ndarray) -> np.ndarray:
     from benchmarks.standard import INTERVAL
-    from valvetrain.analysis.filters import low_pass
+    from valvetrain.quantities.filters import low_pass
 
     return low_pass(INTERVAL * np.arange(len(values)), values, BANDWIDTH)
 
@@ -124,7 +124,7 @@ def growth() -> list[Row]:
 
     def cpu(mesh, dynamics, start, step: float, samples: int) -> float:
         from benchmarks.standard import INTERVAL, motion
-        from valvetrain.rod.transient import simulate
+        from valvetrain.cosserat.transient import simulate
 
         best = np.inf
         for _ in range(3):

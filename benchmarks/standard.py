@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.cosserat.buffer import RodDynamics
+from valvetrain.cosserat.mesh import RodMesh, mesh_spring
+from valvetrain.cosserat.state import RodState
+from valvetrain.cosserat.static import RodStatics, compress
+from valvetrain.cosserat.transient import RodTransient, simulate
 from valvetrain.parameters.constructors import cylindrical, variable_pitch
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.rod.buffer import RodDynamics
-from valvetrain.rod.mesh import RodMesh, mesh_spring
-from valvetrain.rod.state import RodState
-from valvetrain.rod.static import RodStatics, compress
-from valvetrain.rod.transient import RodTransient, simulate
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from benchmarks.rows import Row, rusage_of
 #: Everything that the main job compiles, run once at the smallest size that reaches every kernel.
 MAIN_JOB = "from valvetrain.studies.spring_study import run_spring_study as r; from valvetrain.parameters.loading import load_case as l; " \
     "c = l('gu2021-beehive'); r(c, engine_speeds=[800.0], workers=1)"  # fmt: skip
-BATCH = "from benchmarks.standard import *; from valvetrain.rod.batch import simulate_batch as s; " \
+BATCH = "from benchmarks.standard import *; from valvetrain.cosserat.batch import simulate_batch as s; " \
     "m, d, e = rod(spring_c(), 12, 'stiffness', True); s([m], [e], motion, INTERVAL, 2, d)"  # fmt: skip
 TRAIN = "from valvetrain.studies.train_study import *; from valvetrain.parameters.loading import load_case as l; " \
     "from valvetrain.system.build_train import build_train as b; from valvetrain.integrate.train_run import runner; " \

@@ -15,9 +15,11 @@ from importlib import resources
 
 import numpy as np
 
-from valvetrain.analysis.statics import slope_change
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.shaped import Shaped
+from valvetrain.cosserat.buffer import RodDynamics
+from valvetrain.cosserat.modes import natural_modes
+from valvetrain.cosserat.static import compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.damping import DampingParameters
@@ -26,14 +28,12 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
 from valvetrain.parameters.writing import write_case_values
-from valvetrain.rod.buffer import RodDynamics
-from valvetrain.rod.modes import natural_modes
-from valvetrain.rod.static import compress
+from valvetrain.quantities.statics import slope_change
 from valvetrain.solution.atomic import write_text
 from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.springs.modal_varied import ModalVariedStiffness
+from valvetrain.springs.modal_varied import ModalVaried
 from valvetrain.studies.identification import Identified, Target, Unknown, identify
-from valvetrain.studies.spring_runs import march_case
+from valvetrain.studies.spring_runs import integrate_case
 from valvetrain.studies.spring_study import run_spring_study
 
 PRECOMPRESSION = 7e-3
@@ -50,8 +50,8 @@ UNKNOWNS = (
     Unknown("clearance_at_coil_2", 1.0e-3, 3.6e-3, 2.1e-3, 0.4e-3),
     Unknown("clearance_at_coil_3", 4.0e-3, 6.5e-3, 5.2e-3, 0.5e-3),
     Unknown("clearance_at_coil_7", 0.3e-3, 3.5e-3, 1.5e-3, 0.5e-3),
-    Unknown("lower_held_coils", 0.50, 0.98, 0.78, 0.08),
-    Unknown("upper_held_coils", 0.50, 0.98, 0.78, 0.08),
+    Unknown("lower_inactive_coils", 0.50, 0.98, 0.78, 0.08),
+    Unknown("upper_inactive_coils", 0.50, 0.98, 0.78, 0.08),
     Unknown("stiffness_share", 0.40, 1.00, 0.80, 0.15),
     Unknown("maximum_lift", 8.6e-3, 9.8e-3, 9.2e-3, 0.2e-3),
     Unknown("ramp_lift", 0.15e-3, 0.60e-3, 0.35e-3, 0.08e-3),
@@ -90,8 +90,8 @@ def spring_of(p: dict[str, float]) -> SpringDefinition:
         mean_diameter=PiecewiseLinear((0.0, 4.0, 7.0), (p["mean_diameter"], p["mean_diameter"], p["top_mean_diameter"])),
         pitch=PiecewiseLinear((0.0, 1 - step, 1 + step, 2.0, 3.0, 6.0, 7.0), tuple(p["wire_diameter"] + c for c in clearances)),
         total_coils=7.0, material=OTEVA_90_SC, name="beehive",
-        lower_end=EndCoil("closed-ground", p["lower_held_coils"], p["lower_held_coils"]),
-        upper_end=EndCoil("closed-ground", p["upper_held_coils"], p["upper_held_coils"]),
+        lower_end=EndCoil("closed-ground", p["lower_inactive_coils"], p["lower_inactive_coils"]),
+        upper_end=EndCoil("closed-ground", p["upper_inactive_coils"], p["upper_inactive_coils"]),
     )  # fmt: skip
 
 
@@ -121,10 +121,10 @@ def evaluate(elements_per_coil: int, vector: np.ndarray) -> dict[str, float] | N
         model.__dict__["installed"] = path[-1]
         modes = natural_modes(model.statics, path[-1].state, 24)
         axial = modes.natural_frequency[modes.axial_modes(3)]
-        classical = ModalVariedStiffness(
+        classical = ModalVaried(
             tuple(axial), 0.016, tuple(e.state.compression for e in whole), tuple(e.retainer_force for e in whole), PRECOMPRESSION
         ).solve(law.lift, ENGINE_SPEED / 2, 720)
-        run = march_case(model, law, ENGINE_SPEED, 2, np.radians(0.5))
+        run = integrate_case(model, law, ENGINE_SPEED, 2, np.radians(0.5))
     except (InputError, ValueError, np.linalg.LinAlgError, RuntimeError):
         return None
     if not run.completed or len(axial) < 3:
@@ -202,7 +202,7 @@ def library_values() -> np.ndarray:
         "top_mean_diameter": float(spring.mean_diameter.value(7.0)),
         "clearance_at_coil_1": (clearance[1 + step] - step * at_2) / (1 - step), "clearance_at_coil_2": at_2,
         "clearance_at_coil_3": clearance[3.0], "clearance_at_coil_7": clearance[7.0],
-        "lower_held_coils": spring.lower_end.held_coils, "upper_held_coils": spring.upper_end.held_coils,
+        "lower_inactive_coils": spring.lower_end.inactive_coils, "upper_inactive_coils": spring.upper_end.inactive_coils,
         "stiffness_share": case.damping.stiffness_share, "maximum_lift": law.maximum_lift, "ramp_lift": law.ramp_lift,
         "flank_start": start, "flank_end": end, "nose_start": -first / -last, "nose_middle": -second / -last,
     }  # fmt: skip
@@ -247,10 +247,10 @@ def case_values(p: dict[str, float]) -> dict[str, object]:
         "spring.mean_diameter.values": ", ".join(f"{diameter:.4f}" for diameter in diameters) + " mm",
         "spring.pitch.coils": [float(coil) for coil in pitch.coils],
         "spring.pitch.clearances": f"{clearances} mm",
-        "spring.lower_end.held_coils": round(p["lower_held_coils"], 4),
-        "spring.lower_end.ground_coils": round(p["lower_held_coils"], 4),
-        "spring.upper_end.held_coils": round(p["upper_held_coils"], 4),
-        "spring.upper_end.ground_coils": round(p["upper_held_coils"], 4),
+        "spring.lower_end.inactive_coils": round(p["lower_inactive_coils"], 4),
+        "spring.lower_end.ground_coils": round(p["lower_inactive_coils"], 4),
+        "spring.upper_end.inactive_coils": round(p["upper_inactive_coils"], 4),
+        "spring.upper_end.ground_coils": round(p["upper_inactive_coils"], 4),
         "damping.stiffness_share": round(p["stiffness_share"], 4),
         "lift_law.maximum_lift": f"{1e3 * p['maximum_lift']:.4f} mm",
         "lift_law.ramp_lift": f"{1e3 * p['ramp_lift']:.4f} mm",

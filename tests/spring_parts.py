@@ -8,18 +8,18 @@ from numba import njit
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.equivalent import EquivalentSpring
-from valvetrain.springs.equivalent_rod import EquivalentRod
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.massless import MasslessSpring, MasslessTable
-from valvetrain.springs.modal import ModalSpring
+from valvetrain.springs.modal_uniform import ModalUniform
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.nested import NestedSprings, RadialRubbing
-from valvetrain.springs.rod_with_clash import EquivalentRodWithClash
+from valvetrain.springs.wave_rod import WaveRod
+from valvetrain.springs.wave_rod_clash import WaveRodWithClash
 
 PRECOMPRESSION = 7e-3
 CLOSED_ENDS = cylindrical(3.8e-3, 22e-3, 7e-3, 8.0)
 OPEN_SPRING = cylindrical(3.8e-3, 22e-3, 7e-3, 6.0, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END)
-UNIFORM = EquivalentSpring(rate=30e3, preload=250.0, active_mass=0.04, held_mass=0.004)
+UNIFORM = EquivalentSpring(rate=30e3, preload=250.0, active_mass=0.04, inactive_mass=0.004)
 SLIM = EquivalentSpring(rate=14e3, preload=136.0, active_mass=0.02)
 
 
@@ -34,21 +34,21 @@ def build_models() -> dict:
         "chain-7-per-coil": MultiMassSpring.from_definition(CLOSED_ENDS.replace(total_coils=7.93), PRECOMPRESSION, masses_per_coil=7),
         "chain-card": MultiMassSpring.from_card(30e3, 250.0, 0.04, elements=5),
         "chain-one-mass": MultiMassSpring.from_card(30e3, 250.0, 0.04, elements=2),
-        "rod": EquivalentRod(UNIFORM),
-        "rod-damped": EquivalentRod(UNIFORM, friction=30.0),
-        "rod-with-clash": EquivalentRodWithClash.from_definition(CLOSED_ENDS, PRECOMPRESSION, cells=150),
-        "modal": ModalSpring(UNIFORM, 6),
-        "modal-damped": ModalSpring(UNIFORM, 3, (430.0, 800.0, 1200.0), damping_ratio=0.016, mass_damping=20.0),
+        "wave-rod": WaveRod(UNIFORM),
+        "rod-damped": WaveRod(UNIFORM, friction=30.0),
+        "wave-rod-clash": WaveRodWithClash.from_definition(CLOSED_ENDS, PRECOMPRESSION, cells=150),
+        "modal-uniform": ModalUniform(UNIFORM, 6),
+        "modal-damped": ModalUniform(UNIFORM, 3, (430.0, 800.0, 1200.0), damping_ratio=0.016, mass_damping=20.0),
         "finite-element": FiniteElementRod(CLOSED_ENDS, PRECOMPRESSION, elements_per_coil=24),
-        "nested": NestedSprings(MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION), EquivalentRod(SLIM, 100)),
+        "nested": NestedSprings(MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION), WaveRod(SLIM, 100)),
         "nested-rubbing": NestedSprings(
-            MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION), EquivalentRod(SLIM, 100), RadialRubbing(0.12, 60.0)
+            MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION), WaveRod(SLIM, 100), RadialRubbing(0.12, 60.0)
         ),
     }
 
 
 MODELS = build_models()
-LINEAR_RATE = dict.fromkeys(("massless", "chain-card", "chain-one-mass", "rod", "rod-damped", "modal", "modal-damped"), 30e3)
+LINEAR_RATE = dict.fromkeys(("massless", "chain-card", "chain-one-mass", "wave-rod", "rod-damped", "modal-uniform", "modal-damped"), 30e3)
 
 
 @njit

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from synthetic_spring import ENGINE_SPEED, bump
-from valvetrain.analysis.clash import clash_events
-from valvetrain.analysis.compare import compare
-from valvetrain.analysis.quantities import study_quantities
-from valvetrain.analysis.study import SpringStudy
 from valvetrain.parameters.loading import load_case
+from valvetrain.quantities.clash import clash_events
+from valvetrain.quantities.compare import compare
+from valvetrain.quantities.evaluate import study_quantities
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Provenance
@@ -50,7 +50,7 @@ def modal_run(engine_speed: float = SPEED, samples: int = 720) -> Solution:
     angle = np.arange(samples) * 2 * np.pi / samples
     values = {"valve_lift": 9e-3 * bump(np.degrees(angle), 180, 106), "seat_force": 300 + 500 * bump(np.degrees(angle), 180, 106)}
     channels = spring_channels(angle / (engine_speed / 2), angle, values)
-    return Solution(channels, provenance=Provenance("gu2021-beehive", "modal", engine_speed))
+    return Solution(channels, provenance=Provenance("gu2021-beehive", "modal-varied", engine_speed))
 
 
 def study(solutions: tuple[Solution, ...] | None = None) -> SpringStudy:

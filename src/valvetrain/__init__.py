@@ -1,4 +1,4 @@
-"""case file -> parameters -> parts (cam, mechanism, contacts, springs) -> System -> integrate -> Solution -> analysis -> report
+"""case file -> parameters -> parts (cam, mechanism, contacts, springs) -> System -> integrate -> Solution -> quantities -> report
 
 Dynamics of valve springs and valvetrains. The names below load their rooms on first use, so that
 ``import valvetrain`` itself costs next to nothing.
@@ -40,27 +40,27 @@ _HOMES = {
     "MasslessSpring": "springs.massless",
     "MasslessTable": "springs.massless",
     "MultiMassSpring": "springs.multi_mass",
-    "ModalSpring": "springs.modal",
-    "ModalVariedStiffness": "springs.modal_varied",
-    "EquivalentRod": "springs.equivalent_rod",
-    "EquivalentRodWithClash": "springs.rod_with_clash",
+    "ModalUniform": "springs.modal_uniform",
+    "ModalVaried": "springs.modal_varied",
+    "WaveRod": "springs.wave_rod",
+    "WaveRodWithClash": "springs.wave_rod_clash",
     "NestedSprings": "springs.nested",
     "FiniteElementRod": "springs.finite_element",
     "SolidSpring": "springs.solid.jobs",
     # studies
     "run_spring_study": "studies.spring_study",
-    "SpringStudy": "analysis.study",
+    "SpringStudy": "quantities.study",
     "run_train": "studies.train_study",
     "run_train_study": "studies.train_study",
-    "TrainRun": "analysis.valvetrain_study",
-    "TrainStudy": "analysis.valvetrain_study",
+    "TrainRun": "quantities.valvetrain_study",
+    "TrainStudy": "quantities.valvetrain_study",
     "run_sweep": "studies.sweep",
     "TrainSweep": "studies.sweep",
     "run_solid_comparison": "studies.solid_comparison",
     "SolidChoice": "studies.solid_comparison",
-    "SpringComparison": "analysis.spring_comparison",
-    "simulate_batch": "rod.batch",
-    "RodBatch": "rod.batch",
+    "SpringComparison": "quantities.spring_comparison",
+    "simulate_batch": "cosserat.batch",
+    "RodBatch": "cosserat.batch",
     "map_cases": "studies.batch",
     # results
     "Solution": "solution.result",
@@ -69,7 +69,7 @@ _HOMES = {
     "StaticCurve": "solution.static",
     "ModalResult": "solution.modal",
     "Comparison": "solution.comparison",
-    "Quantity": "analysis.quantity",
+    "Quantity": "quantities.quantity",
     "save_netcdf": "solution.netcdf",
     "load_netcdf": "solution.netcdf",
     "save_csv": "solution.textfile",

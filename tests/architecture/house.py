@@ -11,7 +11,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "valvetrain"
-DATA_FLOW = "case file -> parameters -> parts (cam, mechanism, contacts, springs) -> System -> integrate -> Solution -> analysis -> report"
+DATA_FLOW = (
+    "case file -> parameters -> parts (cam, mechanism, contacts, springs) -> System -> integrate -> Solution -> quantities -> report"
+)
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ def tree_of(path: Path) -> ast.Module:
 
 
 def room_of(module: str) -> str:
-    """Room of a dotted module: ``valvetrain.rod.mesh`` -> ``rod``; empty for the package itself."""
+    """Room of a dotted module: ``valvetrain.cam.zero`` -> ``cam``; empty for the package itself."""
     parts = module.split(".")
     return parts[1] if len(parts) > 1 else ""
 
@@ -43,7 +45,7 @@ def room_of(module: str) -> str:
 def imports_of(module: str, tree: ast.Module, is_package: bool) -> Iterator[Import]:
     """Every import of a module, inside functions and under TYPE_CHECKING too; relative ones made absolute.
 
-    ``from valvetrain import rod`` counts as ``valvetrain.rod``, ``from valvetrain.rod import mesh`` as ``valvetrain.rod.mesh``.
+    ``from valvetrain import cam`` counts as ``valvetrain.cam``, ``from valvetrain.cam import zero`` as ``valvetrain.cam.zero``.
     """
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):

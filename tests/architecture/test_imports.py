@@ -37,21 +37,21 @@ def violations(module: str, tree: ast.Module, is_package: bool = False) -> list[
 def test_the_drawing_is_read_as_it_is_meant():
     assert levels()["errors"] == 0
     assert levels()["units"] == levels()["solution"] == 1
-    assert levels()["rod"] == levels()["cam"] < levels()["springs"] < levels()["system"] < levels()["integrate"]
+    assert levels()["cosserat"] == levels()["cam"] < levels()["springs"] < levels()["system"] < levels()["integrate"]
     assert levels()["report"] < levels()["cli"] == levels()["web"] == max(levels().values())
 
 
 @pytest.mark.parametrize(
     ("module", "statement", "broken"),
     [
-        ("valvetrain.rod.mesh", "def f():\n    from valvetrain.springs import contract", True),
-        ("valvetrain.rod.mesh", "from valvetrain.cam import profile", True),
-        ("valvetrain.rod.mesh", "from ..springs import contract", True),
-        ("valvetrain.rod.mesh", "from valvetrain import springs", True),
-        ("valvetrain.rod.mesh", "from valvetrain import load_case", True),
-        ("valvetrain.rod.mesh", "import matplotlib.pyplot as plt", True),
-        ("valvetrain.rod.mesh", "if TYPE_CHECKING:\n    import valvetrain.cli.main", True),
-        ("valvetrain.rod.mesh", "from valvetrain.errors import InputError\nfrom . import section\nimport numba", False),
+        ("valvetrain.cosserat.mesh", "def f():\n    from valvetrain.springs import contract", True),
+        ("valvetrain.cosserat.mesh", "from valvetrain.cam import profile", True),
+        ("valvetrain.cosserat.mesh", "from ..springs import contract", True),
+        ("valvetrain.cosserat.mesh", "from valvetrain import springs", True),
+        ("valvetrain.cosserat.mesh", "from valvetrain import load_case", True),
+        ("valvetrain.cosserat.mesh", "import matplotlib.pyplot as plt", True),
+        ("valvetrain.cosserat.mesh", "if TYPE_CHECKING:\n    import valvetrain.cli.main", True),
+        ("valvetrain.cosserat.mesh", "from valvetrain.errors import InputError\nfrom . import section\nimport numba", False),
         ("valvetrain.report.page", "import plotly\nfrom valvetrain import __version__", False),
     ],
 )
@@ -97,7 +97,7 @@ def test_no_modules_import_each_other_not_even_on_first_use():
         name: {found.module for found in imports_of(name, tree_of(path), path.name == "__init__.py")} & set(files) - {name}
         for name, path in files.items()
     }
-    assert "valvetrain.springs.modal_kernels" in graph["valvetrain.springs.modal"]
+    assert "valvetrain.springs.modal_kernels" in graph["valvetrain.springs.modal_uniform"]
     assert not loops(graph)
 
 

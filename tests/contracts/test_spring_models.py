@@ -7,7 +7,7 @@ import pytest
 from numba import njit, types
 
 from spring_parts import LINEAR_RATE, MODELS, build_models, drive, raised_cosine
-from valvetrain.rod.layout import row
+from valvetrain.cosserat.layout import row
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.finite_element import FiniteElementRod
 
@@ -167,13 +167,13 @@ def test_energy_balance(name, lift, duration):
     assert end.dissipated >= -1e-12
     if name in ("chain-damped", "rod-damped", "modal-damped", "nested-rubbing"):
         assert end.dissipated > 1e-4 * turnover
-    if name in ("rod", "modal", "chain-card", "chain-no-clash"):
+    if name in ("wave-rod", "modal-uniform", "chain-card", "chain-no-clash"):
         assert end.dissipated == 0.0
 
 
 def test_clash_happens_in_the_clashing_event_and_costs_energy():
     """The battery's contact cases do touch: otherwise its balances would prove nothing."""
-    for name in ("chain", "chain-7-per-coil", "rod-with-clash", "nested"):
+    for name in ("chain", "chain-7-per-coil", "wave-rod-clash", "nested"):
         model = MODELS[name]
         time_step = 0.5 * model.stable_time_step()
         displacement, velocity = raised_cosine(9e-3, 5e-3, time_step, rest=3e-3)
@@ -213,7 +213,7 @@ _FIRST_CLASS = types.FunctionType(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ["massless", "massless-table", "chain", "rod", "modal", "nested-rubbing"])
+@pytest.mark.parametrize("name", ["massless", "massless-table", "chain", "wave-rod", "modal-uniform", "nested-rubbing"])
 def test_kernel_fits_a_loop_compiled_once_for_all_models(name):
     model = MODELS[name]
 

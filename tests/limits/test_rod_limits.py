@@ -8,13 +8,13 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 
 from twins.rod_cases import STEEL, uniform_spring
+from valvetrain.cosserat.buffer import RodDynamics, inertia_of
+from valvetrain.cosserat.mesh import mesh_spring
+from valvetrain.cosserat.section import shear_factor
+from valvetrain.cosserat.state import free_state
+from valvetrain.cosserat.static import RodStatics, compress
+from valvetrain.cosserat.transient import simulate
 from valvetrain.parameters.curves import Constant
-from valvetrain.rod.buffer import RodDynamics, inertia_of
-from valvetrain.rod.mesh import mesh_spring
-from valvetrain.rod.section import shear_factor
-from valvetrain.rod.state import free_state
-from valvetrain.rod.static import RodStatics, compress
-from valvetrain.rod.transient import simulate
 
 
 def rate_error(index: float, lead: float) -> float:

@@ -11,10 +11,10 @@ from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.chain_layout import chain_from_definition
 from valvetrain.springs.chain_statics import static_curve
 from valvetrain.springs.equivalent import EquivalentSpring
-from valvetrain.springs.equivalent_rod import EquivalentRod
-from valvetrain.springs.modal import ModalSpring
-from valvetrain.springs.modal_varied import ModalVariedStiffness
+from valvetrain.springs.modal_uniform import ModalUniform
+from valvetrain.springs.modal_varied import ModalVaried
 from valvetrain.springs.multi_mass import MultiMassSpring
+from valvetrain.springs.wave_rod import WaveRod
 
 RATE, MASS = UNIFORM.rate, UNIFORM.active_mass
 SPEED, IMPEDANCE = np.sqrt(RATE / MASS), np.sqrt(RATE * MASS)
@@ -37,7 +37,7 @@ def test_chain_force_converges_to_the_rod_at_order_two():
     """Whole transient, seat force: chain of N masses against a rod of 640 cells, damped alike."""
     time_step = 1 / (SPEED * 640)
     displacement, velocity = raised_cosine(5e-3, 5e-3, time_step, rest=3e-3)
-    rod = EquivalentRod(UNIFORM, 640, friction=25.0)
+    rod = WaveRod(UNIFORM, 640, friction=25.0)
     reference = drive(rod, rod.initial_state(0.0), displacement, velocity, time_step)[:, 1]
     errors = []
     for elements in (10, 20, 40):
@@ -53,7 +53,7 @@ def test_rod_standing_wave_is_exact_inside_and_order_two_at_the_end():
     omega, amplitude = beta * SPEED, 1e-3
     drive_errors, transfer_errors = [], []
     for cells in (40, 80, 160):
-        rod = EquivalentRod(UNIFORM, cells)
+        rod = WaveRod(UNIFORM, cells)
         time_step = rod.stable_time_step()
         shape = amplitude * np.sin(beta * np.arange(1, cells) / cells) / np.sin(beta)
         state = rod.initial_state(0.0)
@@ -72,7 +72,7 @@ def test_rod_standing_wave_is_exact_inside_and_order_two_at_the_end():
     assert drive_errors[-1] < 1e-3 and transfer_errors[-1] < 1e-3
 
 
-def impact(rod: EquivalentRod, time_step: float, travels: float, speed: float = 1.0) -> np.ndarray:
+def impact(rod: WaveRod, time_step: float, travels: float, speed: float = 1.0) -> np.ndarray:
     """End forces above preload, over v sqrt(k m), after the retainer starts at ``speed`` (m/s) at once."""
     steps = int(travels / (SPEED * time_step))
     time = np.arange(steps) * time_step
@@ -82,7 +82,7 @@ def impact(rod: EquivalentRod, time_step: float, travels: float, speed: float = 
 def test_step_change_travels_undistorted():
     """End impact force v sqrt(k m), doubled at the fixed end after one travel, tripled at the retainer after two."""
     cells = 250
-    rod = EquivalentRod(UNIFORM, cells)
+    rod = WaveRod(UNIFORM, cells)
     force = impact(rod, rod.stable_time_step(), 2.9)
     assert np.allclose(force[1 : 2 * cells, 0], 1.0, atol=1e-9)
     assert np.allclose(force[2 * cells + 1 :, 0], 3.0, atol=1e-9)
@@ -94,7 +94,7 @@ def test_step_change_travels_undistorted():
 def test_dispersion_at_a_step_that_whole_cells_do_not_fit(cells, overshoot, front):
     """The worst train step for the grid (half a cell off): how far the front overshoots and smears at the seat is stated here."""
     time_step = 1 / (SPEED * (cells + 0.5))
-    rod = EquivalentRod(UNIFORM).with_time_step(time_step)
+    rod = WaveRod(UNIFORM).with_time_step(time_step)
     assert rod.cells == cells
     seat = impact(rod, time_step, 2.5)[:, 1]
     risen = np.flatnonzero(seat > 1.9)[0] - np.flatnonzero(seat > 0.1)[0]
@@ -106,7 +106,7 @@ def test_dispersion_at_a_step_that_whole_cells_do_not_fit(cells, overshoot, fron
 
 def test_a_chain_or_a_low_courant_number_does_distort_a_step():
     """The same grid at half the step: the property tested above is the scheme's, not the grid's."""
-    rod = EquivalentRod(UNIFORM, 250)
+    rod = WaveRod(UNIFORM, 250)
     seat = impact(rod, rod.stable_time_step() / 2, 1.9)[:, 1]
     assert np.max(seat) / 2 - 1 > 0.1
 
@@ -115,14 +115,14 @@ def test_front_decays_by_the_friction_alone():
     """Telegraph equation: the jump of a front falls as exp(-mu t), mu = 60 1/s; the grid shows half the jump at the instant of arrival."""
     friction, errors = 60.0, []
     for cells in (100, 200, 400):
-        rod = EquivalentRod(UNIFORM, cells, friction=friction)
+        rod = WaveRod(UNIFORM, cells, friction=friction)
         seat = impact(rod, rod.stable_time_step(), 1.1)[:, 1]
         errors.append(abs(seat[cells] / np.exp(-friction / SPEED) - 1))
         assert errors[-1] < 1.01 * friction / (SPEED * cells)
     assert np.all(np.abs(order(errors) - 1) < 0.05)
 
 
-def dynamic_stiffness(model: ModalSpring, omega: float) -> float:
+def dynamic_stiffness(model: ModalUniform, omega: float) -> float:
     kappa, share, own = model.modal_stiffness, model.shares, model.circular_frequencies
     moving = kappa * share**2
     return model.spring.rate + np.sum(moving - moving * own**2 / (own**2 - omega**2)) - model.retainer_mass() * omega**2
@@ -131,13 +131,13 @@ def dynamic_stiffness(model: ModalSpring, omega: float) -> float:
 def test_modes_converge_to_the_exact_wave_solution_at_order_three():
     beta, bare = 2.2, EquivalentSpring(RATE, 250.0, MASS)
     exact = RATE * beta / np.tan(beta)
-    errors = [abs(dynamic_stiffness(ModalSpring(bare, n), beta * SPEED) - exact) for n in (10, 20, 40, 80)]
+    errors = [abs(dynamic_stiffness(ModalUniform(bare, n), beta * SPEED) - exact) for n in (10, 20, 40, 80)]
     assert np.all(np.abs(order(errors) - 3) < 0.2)
 
 
 def test_modal_oscillator_rings_exactly_at_any_step():
     """Free damped decay sampled at a coarse step against its closed form."""
-    model = ModalSpring(UNIFORM, 1, damping_ratio=0.05)
+    model = ModalUniform(UNIFORM, 1, damping_ratio=0.05)
     omega, zeta = model.circular_frequencies[0], 0.05
     damped, time_step = omega * np.sqrt(1 - zeta**2), 0.35 * 2 / omega
     exact = lambda t: 1e-4 * np.exp(-zeta * omega * t) * np.cos(damped * t)  # noqa: E731
@@ -172,9 +172,9 @@ def test_open_cylinder_reduces_to_the_closed_forms_of_rate_and_surge():
     assert equivalent.surge_frequency == pytest.approx(flat / stretched, rel=1e-4)
 
 
-def varied(modes: int, damping_ratio: float = 0.0) -> ModalVariedStiffness:
+def varied(modes: int, damping_ratio: float = 0.0) -> ModalVaried:
     frequencies = tuple(np.arange(1, modes + 1) * SPEED / 2)
-    return ModalVariedStiffness(frequencies, damping_ratio, (0.0, 40e-3), (0.0, 40e-3 * RATE), 8e-3)
+    return ModalVaried(frequencies, damping_ratio, (0.0, 40e-3), (0.0, 40e-3 * RATE), 8e-3)
 
 
 @pytest.mark.parametrize("harmonic", [3, 9, 21])

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from train_parts import KINDS, LAW, PLACES, contacts, direct, finger, system
-from valvetrain.analysis.kinematics import rigid_table
 from valvetrain.contact.linear import LinearContact
 from valvetrain.contact.restitution import rebound
 from valvetrain.errors import InputError
@@ -16,6 +15,7 @@ from valvetrain.integrate.train_run import TrainOptions, TrainState, runner
 from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, ElasticLink, Interaction
 from valvetrain.parameters.train import ContactParameters
+from valvetrain.quantities.kinematics import rigid_table
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.system.train_system import TrainSystem
@@ -27,7 +27,7 @@ def mass_on(law, mass=0.1, force=0.0) -> TrainSystem:
     return TrainSystem(AssembledMechanism("drop", (coordinate,), (floor,), {}, "valve", "valve"))
 
 
-def march(built, position, velocity, duration, steps):
+def integrate_in_time(built, position, velocity, duration, steps):
     """State after ``duration`` from rest-frame values, the half-step velocity taken as given."""
     ready = runner(built, 2 * np.pi / duration, TrainOptions(samples=steps, time_step=duration / steps))
     start = TrainState(np.array([position]), np.array([velocity]), (), built.arrays.law_parameters.copy(), np.zeros(5))
@@ -64,7 +64,7 @@ def test_an_undamped_mass_keeps_its_energy_and_its_frequency():
         h = duration / steps
         built = mass_on(ElasticLink(stiffness), mass)
         start = 1e-3 * math.cos(omega * -h / 2), -1e-3 * omega * math.sin(omega * -h / 2)
-        _, _, record = march(built, 1e-3, start[1], duration, steps)
+        _, _, record = integrate_in_time(built, 1e-3, start[1], duration, steps)
         time = np.arange(steps) * h
         errors.append(np.max(np.abs(record.q[:, 0] - 1e-3 * np.cos(omega * time))))
         energy = 0.5 * mass * record.v[:, 0] ** 2 + 0.5 * stiffness * record.q[:, 0] ** 2
@@ -83,12 +83,12 @@ def test_damping_is_second_order_and_never_limits_the_step():
         exact = lambda t, decay=0.3 * omega, w=beat: np.exp(-decay * t) * (np.cos(w * t) + decay / w * np.sin(w * t))  # noqa: E731
         h = duration / steps
         slope = (exact(1e-7 - h / 2) - exact(-1e-7 - h / 2)) / 2e-7
-        _, _, record = march(mass_on(ElasticLink(stiffness, damping), mass), 1.0e-3, 1e-3 * slope, duration, steps)
+        _, _, record = integrate_in_time(mass_on(ElasticLink(stiffness, damping), mass), 1.0e-3, 1e-3 * slope, duration, steps)
         errors.append(np.max(np.abs(record.q[:, 0] - 1e-3 * exact(np.arange(steps) * h))))
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.15)
     # thirty times critical at a step near the elastic limit: creeps back without ringing or growth
     heavy = mass_on(ElasticLink(stiffness, 60 * mass * omega), mass)
-    _, _, record = march(heavy, 1e-3, 0.0, 40 / omega, 40)
+    _, _, record = integrate_in_time(heavy, 1e-3, 0.0, 40 / omega, 40)
     assert np.all(np.diff(record.q[:, 0]) <= 1e-12) and np.all(record.q[:, 0] > 0)
 
 
@@ -97,7 +97,7 @@ def test_a_dropped_mass_rebounds_as_hunt_and_crossley_say(q):
     from valvetrain.contact.hunt_crossley import HuntCrossley
 
     speed = 0.5
-    _, end, record = march(mass_on(HuntCrossley(1e9, q)), 1e-6, -speed, 2e-3, 8000)
+    _, end, record = integrate_in_time(mass_on(HuntCrossley(1e9, q)), 1e-6, -speed, 2e-3, 8000)
     assert record.q[-1, 0] > 0
     assert float(end.v[0]) / speed == pytest.approx(rebound(q * speed), rel=2e-3)
     assert record.work[2] == pytest.approx(0.5 * 0.1 * (speed**2 - float(end.v[0]) ** 2), rel=2e-3)

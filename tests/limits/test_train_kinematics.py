@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from train_parts import KINDS, LAW, direct, finger, pushrod, system
-from valvetrain.analysis.kinematics import contact_loss_cam_speed, rigid_table
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.contour import curvature_radius_flat, curvature_radius_round, lift_table, pitch_from_support
 from valvetrain.mechanism.crank import piston_clearance, piston_travel
 from valvetrain.mechanism.lumped import equivalent_mass
 from valvetrain.mechanism.rigid import RatioCurve
 from valvetrain.parameters.train import CamParameters, CrankParameters, FollowerParameters
+from valvetrain.quantities.kinematics import contact_loss_cam_speed, rigid_table
 from valvetrain.system.train_forces import gap_state
 
 RADIUS, OFFSET, ROLLER = 0.02, 0.004, 0.01  # an eccentric circle as a cam: everything is known of it

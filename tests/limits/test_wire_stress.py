@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from valvetrain.analysis.stress import SHEAR, StaticStress, stress_quantities
+from valvetrain.cosserat.static import compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.rod.static import compress
+from valvetrain.quantities.stress import SHEAR, StaticStress, stress_quantities
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution

@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from valvetrain.analysis.cycle import reported_cycle
-from valvetrain.analysis.main_clash import IMPULSE_TIME, find_clash_window, main_clash_quantities
 from valvetrain.parameters.loading import load_case
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.main_clash import IMPULSE_TIME, find_clash_window, main_clash_quantities
 from valvetrain.solution.provenance import Provenance
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.studies.spring_runs import run_finite_element

@@ -9,10 +9,10 @@ import pytest
 from scipy.signal import butter, sosfiltfilt
 
 from valvetrain.cam.build import build_lift_law
+from valvetrain.cosserat.transient import RodTransient
 from valvetrain.parameters.loading import load_case
-from valvetrain.rod.transient import RodTransient
 from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.studies.spring_runs import march_case
+from valvetrain.studies.spring_runs import integrate_case
 
 
 @cache
@@ -20,7 +20,7 @@ def job_c(per_coil: int) -> RodTransient:
     """Second cycle of standard job C."""
     case = load_case("job-c")
     model = FiniteElementRod.from_case(case, elements_per_coil=per_coil)
-    return march_case(model, build_lift_law(case.lift_law), case.operation.engine_speeds[0], 2, np.radians(0.5))
+    return integrate_case(model, build_lift_law(case.lift_law), case.operation.engine_speeds[0], 2, np.radians(0.5))
 
 
 def difference(coarse: RodTransient, fine: RodTransient) -> float:
@@ -56,7 +56,7 @@ def beehive(per_coil: int) -> tuple[RodTransient, float]:
     case = load_case("gu2021-beehive")
     model = FiniteElementRod.from_case(case, elements_per_coil=per_coil)
     speed = case.operation.engine_speeds[-1]
-    return march_case(model, build_lift_law(case.lift_law), speed, 2, np.radians(0.5)), speed / 2
+    return integrate_case(model, build_lift_law(case.lift_law), speed, 2, np.radians(0.5)), speed / 2
 
 
 def spike(per_coil: int, cutoff: float) -> tuple[float, float, float]:

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from twins.rod_cases import uniform_spring
-from valvetrain.rod.buffer import RodDynamics
-from valvetrain.rod.mesh import mesh_spring
-from valvetrain.rod.modes import natural_modes
-from valvetrain.rod.static import RodStatics, compress
-from valvetrain.rod.transient import simulate
+from valvetrain.cosserat.buffer import RodDynamics
+from valvetrain.cosserat.mesh import mesh_spring
+from valvetrain.cosserat.modes import natural_modes
+from valvetrain.cosserat.static import RodStatics, compress
+from valvetrain.cosserat.transient import simulate
 
 SPRING = uniform_spring(coils=3.0)
 DYNAMICS = RodDynamics(mass_damping=200.0, stiffness_damping=4e-6)

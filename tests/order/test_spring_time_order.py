@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from spring_parts import UNIFORM, drive
-from valvetrain.springs.equivalent_rod import EquivalentRod
-from valvetrain.springs.modal import ModalSpring
+from valvetrain.springs.modal_uniform import ModalUniform
 from valvetrain.springs.multi_mass import MultiMassSpring
+from valvetrain.springs.wave_rod import WaveRod
 
 
 def chain(**damping) -> MultiMassSpring:
@@ -22,10 +22,10 @@ DECLARED = {
     "chain": (chain(), 2),
     "chain, mass damping": (chain(mass_damping=200.0), 2),
     "chain, stiffness damping": (chain(stiffness_damping=4e-6), 2),
-    "rod": (EquivalentRod(UNIFORM, 24, friction=100.0), 2),
-    "modal": (ModalSpring(UNIFORM, 4), 2),
-    "modal, damped": (ModalSpring(UNIFORM, 4, damping_ratio=0.03), 2),
-    "modal, mass damping": (ModalSpring(UNIFORM, 4, mass_damping=100.0), 2),
+    "wave-rod": (WaveRod(UNIFORM, 24, friction=100.0), 2),
+    "modal-uniform": (ModalUniform(UNIFORM, 4), 2),
+    "modal, damped": (ModalUniform(UNIFORM, 4, damping_ratio=0.03), 2),
+    "modal, mass damping": (ModalUniform(UNIFORM, 4, mass_damping=100.0), 2),
 }
 
 

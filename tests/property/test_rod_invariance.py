@@ -10,15 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from twins.rod_cases import random_state, small_mesh, small_spring
+from valvetrain.cosserat import quaternion as quat
+from valvetrain.cosserat.buffer import RodDynamics
+from valvetrain.cosserat.mesh import mesh_spring
+from valvetrain.cosserat.modes import natural_modes
+from valvetrain.cosserat.state import RodState, free_state
+from valvetrain.cosserat.static import RodStatics, compress
+from valvetrain.cosserat.transient import simulate
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.material import Material
-from valvetrain.rod import quaternion as quat
-from valvetrain.rod.buffer import RodDynamics
-from valvetrain.rod.mesh import mesh_spring
-from valvetrain.rod.modes import natural_modes
-from valvetrain.rod.state import RodState, free_state
-from valvetrain.rod.static import RodStatics, compress
-from valvetrain.rod.transient import simulate
 
 EXAMPLES = settings(max_examples=20, deadline=None)
 

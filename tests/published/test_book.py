@@ -48,7 +48,7 @@ def test_quick_run_leaves_out_the_studies_of_whole_sources(monkeypatch):
 
 
 def test_a_fault_in_the_sections_torsion_turns_rows_red(monkeypatch):
-    from valvetrain.rod import mesh, section
+    from valvetrain.cosserat import mesh, section
 
     def soft(*arguments):
         found = section.round_section(*arguments)
@@ -61,14 +61,14 @@ def test_a_fault_in_the_sections_torsion_turns_rows_red(monkeypatch):
 
 
 def test_the_chord_in_place_of_the_arc_length_turns_rows_red(monkeypatch):
-    from valvetrain.rod import mesh
+    from valvetrain.cosserat import mesh
 
     monkeypatch.setattr(mesh, "_arc_length", lambda curve, start, end: 0.99 * np.abs(end - start) * curve.line_speed((start + end) / 2))
     assert red(springs.trial_spring())
 
 
 def test_a_fault_in_the_rods_bending_turns_rows_red(monkeypatch):
-    from valvetrain.rod import energy_kernels
+    from valvetrain.cosserat import energy_kernels
 
     whole = energy_kernels.bend_terms
     monkeypatch.setattr(energy_kernels, "bend_terms", lambda f, n, q, k, rest, *more: whole(f, n, q, k, 0.99 * rest, *more))
@@ -76,13 +76,13 @@ def test_a_fault_in_the_rods_bending_turns_rows_red(monkeypatch):
 
 
 def test_a_fault_in_the_time_march_turns_rows_red(monkeypatch):
-    from valvetrain.rod import transient
+    from valvetrain.cosserat import transient
 
     whole = transient.fill_buffer
 
     def heavy(mesh, state, dynamics, time_step):
         buffer = whole(mesh, state, dynamics, time_step)
-        from valvetrain.rod.layout import row
+        from valvetrain.cosserat.layout import row
 
         row(buffer, "IM", mesh.vertices)[:] *= 0.9
         return buffer
@@ -107,10 +107,10 @@ def test_a_fault_in_the_chain_turns_rows_red(monkeypatch):
 
 
 def test_a_fault_in_the_wave_rod_turns_rows_red(monkeypatch):
-    from valvetrain.springs.equivalent_rod import EquivalentRod
+    from valvetrain.springs.wave_rod import WaveRod
 
-    whole = EquivalentRod.parameters
-    monkeypatch.setattr(EquivalentRod, "parameters", lambda self: whole(self) * [1, 1, 1.1, 1])
+    whole = WaveRod.parameters
+    monkeypatch.setattr(WaveRod, "parameters", lambda self: whole(self) * [1, 1, 1.1, 1])
     assert red(models.wave_rod_impact())
 
 
@@ -133,7 +133,7 @@ def test_a_fault_in_a_contact_law_turns_rows_red(monkeypatch):
 
 
 def test_a_fault_in_the_coil_contact_turns_rows_red(monkeypatch):
-    from valvetrain.rod import mesh
+    from valvetrain.cosserat import mesh
 
     monkeypatch.setattr(mesh, "pair_coils", lambda coil, *more: mesh.no_contact(len(coil)))
     assert "beehive with coil contact, force at 7 mm" in red(models.rod_against_solid_with_contact())

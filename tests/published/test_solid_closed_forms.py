@@ -138,7 +138,7 @@ def test_closing_coils_stiffen_the_spring_and_carry_its_force():
     spring = SpringDefinition(
         wire_diameter=Constant(3e-3), mean_diameter=Constant(30e-3),
         pitch=PiecewiseLinear((0.0, 1.25, 1.75, 4.0), (3.15e-3, 3.15e-3, 6e-3, 6e-3)),
-        total_coils=4.0, material=STEEL, lower_end=EndCoil(held_coils=0.75), upper_end=EndCoil(held_coils=0.75),
+        total_coils=4.0, material=STEEL, lower_end=EndCoil(inactive_coils=0.75), upper_end=EndCoil(inactive_coils=0.75),
     )  # fmt: skip
     model = SolidSpring(spring, MeshOptions(10, 1, 1, ends="held"), SolidContact())
     curve = model.static_curve(2e-3, points=5)

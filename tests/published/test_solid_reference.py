@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from valvetrain.cosserat.mesh import mesh_spring
+from valvetrain.cosserat.modes import natural_modes
+from valvetrain.cosserat.state import free_state
+from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
-from valvetrain.rod.mesh import mesh_spring
-from valvetrain.rod.modes import natural_modes
-from valvetrain.rod.state import free_state
-from valvetrain.rod.static import RodStatics, compress
 from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.springs.solid.layout import MeshOptions
 

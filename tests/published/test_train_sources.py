@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from valvetrain.analysis.kinematics import contact_loss_cam_speed, rigid_table
 from valvetrain.parameters.loading import load_case
+from valvetrain.quantities.kinematics import contact_loss_cam_speed, rigid_table
 from valvetrain.studies.sweep import run_sweep
 from valvetrain.studies.train_study import case_variants, run_train, run_train_study
 from valvetrain.system.build_train import build_train
@@ -105,7 +105,7 @@ def test_lash_is_taken_from_the_lift(valve_gear):
 def test_rod_and_chain_of_many_masses_are_the_same_spring():
     """In a train, too, the chain runs into the rod as its masses multiply."""
     case = load_case("vaz-ohc")
-    rod = run_train(case, spring_model="rod", spring_set="nested-cards")
+    rod = run_train(case, spring_model="wave-rod", spring_set="nested-cards")
     gaps = []
     for elements in (5, 20, 80):
         chain = run_train(case, spring_model="multi-mass", spring_set="nested-cards", elements=elements)
@@ -129,12 +129,12 @@ def test_contact_is_lost_at_the_speed_of_rigid_theory_and_later_with_the_stiffer
 
 def test_a_case_changes_spring_and_contact_by_one_word():
     case = load_case("tdi-pushrod")
-    assert [item.spring_model for item in case_variants(case, ("rod", "modal"))] == ["rod", "modal"]
+    assert [item.spring_model for item in case_variants(case, ("wave-rod", "modal-uniform"))] == ["wave-rod", "modal-uniform"]
     flores = case.train.contact("cam").replace(law="hertz-point", values={"contact_stiffness": 3.16e9})
     changed = case.replace(train=replace(case.train, contacts={**case.train.contacts, "cam": flores}))
     table = rigid_table(build_train(changed, spring_model="massless"), changed.train, 2000 * RPM)
     assert table["contact_force"].max() == pytest.approx(588, rel=0.03)
-    one = run_train(changed, spring_model="rod")
+    one = run_train(changed, spring_model="wave-rod")
     assert one.status.completed
 
 

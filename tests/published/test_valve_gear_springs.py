@@ -31,14 +31,14 @@ def test_a_finite_element_spring_runs_in_the_train_beside_the_cheap_ones():
 
     case = load_case("vaz-ohc")
     lifts = {}
-    for model, options in (("rod", {}), ("finite-element", {"elements_per_coil": 8})):
+    for model, options in (("wave-rod", {}), ("finite-element", {"elements_per_coil": 8})):
         built = build_train(case, spring_model=model, spring_set="nested", **options)
         ready = runner(built, case.operation.cam_speeds[0], TrainOptions(samples=720))
         _, record = ready.cycle(ready.initial_state())
         assert record.status.completed
         lifts[model] = record.q[:, built.mechanism.index("valve")]
     # the train's stiffness hides the spring: lifts agree to its elasticity, forces need not
-    assert lifts["finite-element"] == pytest.approx(lifts["rod"], abs=8e-5)
+    assert lifts["finite-element"] == pytest.approx(lifts["wave-rod"], abs=8e-5)
 
 
 @pytest.mark.parametrize("name", ["stock", "performance"])

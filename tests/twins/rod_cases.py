@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.cosserat import quaternion as quat
+from valvetrain.cosserat.mesh import RodMesh, mesh_spring
+from valvetrain.cosserat.state import RodState
 from valvetrain.parameters.constructors import variable_pitch
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
-from valvetrain.rod import quaternion as quat
-from valvetrain.rod.mesh import RodMesh, mesh_spring
-from valvetrain.rod.state import RodState
 
 STEEL = Material("steel", 206e9, 79.6e9, 7850.0)
 

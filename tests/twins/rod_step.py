@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from twins.rod_energy import conjugate, product, rotation_matrix
-from valvetrain.rod.layout import row
+from valvetrain.cosserat.layout import row
 
 
 def rows(b, names, count):

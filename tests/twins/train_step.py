@@ -9,7 +9,7 @@ from valvetrain.contact.kernels import contact_force
 from valvetrain.system.train_forces import gap_state, sliding_state
 
 
-def march(runner, state, steps):
+def integrate_in_time(runner, state, steps):
     """Positions and velocities after ``steps`` steps, and the forces of the last one. Massless springs and no restitution laws."""
     system, arrays = runner.system, runner.system.arrays
     q, v, h = state.q.copy(), state.v.copy(), runner.time_step

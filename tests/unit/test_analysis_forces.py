@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from synthetic_spring import ENGINE_SPEED, bump, run
-from valvetrain.analysis.cycle import reported_cycle
-from valvetrain.analysis.energy import energy_balance
-from valvetrain.analysis.filters import filtered_force, low_pass
-from valvetrain.analysis.spectrum import order_spectrum, surge_order
-from valvetrain.analysis.stages import stage_quantities
 from valvetrain.errors import InputError
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.energy import energy_balance
+from valvetrain.quantities.filters import filtered_force, low_pass
+from valvetrain.quantities.spectrum import order_spectrum, surge_order
+from valvetrain.quantities.stages import stage_quantities
 
 DEG = np.pi / 180
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from synthetic_spring import bump, run
-from valvetrain.analysis.cycle import reported_cycle
-from valvetrain.analysis.filters import bandwidth_quantities
-from valvetrain.analysis.quantities import run_quantities
-from valvetrain.analysis.stages import Stages, stage_quantities, stages_of
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import load_case
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.evaluate import run_quantities
+from valvetrain.quantities.filters import bandwidth_quantities
+from valvetrain.quantities.stages import Stages, stage_quantities, stages_of
 
 DEG = np.pi / 180
 

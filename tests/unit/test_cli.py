@@ -79,9 +79,9 @@ def test_check_prints_what_follows_from_the_definition_by_hand():
 
 
 def test_the_estimated_rate_of_a_conical_spring_is_the_closed_form():
-    from valvetrain.analysis.design import definition_quantities
     from valvetrain.parameters.constructors import conical
     from valvetrain.parameters.spring import OPEN_END
+    from valvetrain.quantities.design import definition_quantities
 
     ends = {"lower_end": OPEN_END, "upper_end": OPEN_END}
     spring = conical(3e-3, 30e-3, 18e-3, 8e-3, 6, closed_coils=0.0, **ends)
@@ -144,21 +144,22 @@ def test_run_prints_computed_beside_published_and_writes_its_folder(small):
     assert "9000 rpm (prediction: not used to identify the case)" in result.stdout
     assert "prediction: 3 published values, 0 of 1 stated tolerances met, 1 not computed" in result.stdout
     written = {path.name for path in (small / "runs" / "small").iterdir()}
-    assert {"report.html", "finite-element-9000rpm.nc", "modal-9000rpm.csv", "static.csv", "modes.nc", "comparison.csv"} <= written
+    assert {"report.html", "finite-element-9000rpm.nc", "modal-varied-9000rpm.csv", "static.csv", "modes.nc", "comparison.csv"} <= written
 
 
 def test_run_options_change_speeds_models_folder_and_values(small):
     result = call(
-        "run", "small.toml", "--engine-speed", "7000, 9000 rpm", "--spring", "modal", "--no-report", "--output", "here", "--workers", "1",
+        "run", "small.toml", "--engine-speed", "7000, 9000 rpm", "--spring", "modal-varied", "--no-report", "--output", "here",
+        "--workers", "1",
         "--set", "spring.total_coils=4", "--set", "lift_law.maximum_lift=3 mm", "--json",
     )  # fmt: skip
     assert result.exit_code == 0, result.stderr
     found = json.loads(result.stdout)
-    assert [(run["model"], run["engine_speed"]["value"]) for run in found["runs"]] == [("modal", 7000.0), ("modal", 9000.0)]
-    assert found["page"] is None and not (small / "here" / "report.html").exists() and (small / "here" / "modal-7000rpm.nc").exists()
+    assert [(run["model"], run["engine_speed"]["value"]) for run in found["runs"]] == [("modal-varied", 7000.0), ("modal-varied", 9000.0)]
+    assert found["page"] is None and not (small / "here" / "report.html").exists() and (small / "here" / "modal-varied-7000rpm.nc").exists()
     from valvetrain.solution.netcdf import load_netcdf
 
-    assert float(load_netcdf(small / "here" / "modal-7000rpm.nc").channel("valve_lift").max()) == pytest.approx(3e-3, rel=1e-6)
+    assert float(load_netcdf(small / "here" / "modal-varied-7000rpm.nc").channel("valve_lift").max()) == pytest.approx(3e-3, rel=1e-6)
 
 
 def test_a_run_without_speeds_gives_statics_and_modes(small):
@@ -180,7 +181,7 @@ def test_a_run_without_speeds_gives_statics_and_modes(small):
         (("run", "job-c", "--engine-speed", "-5 rpm"), "is not positive"),
         (("run", "job-c", "--engine-speed", "9:1:1 rpm"), "rising"),
         (("run", "job-c", "--engine-speed", "1:2:1e-9 rpm"), "larger step"),
-        (("run", "job-c", "--spring", "modul"), "did you mean modal?"),
+        (("run", "job-c", "--spring", "modul"), "valid names are finite-element, modal-varied"),
         (("run", "uniform-spring", "--engine-speed", "1 rpm"), "has no lift law"),
         (("run", "job-c", "--workers", "0"), "--workers: 0 lies outside"),
         (("run", "job-c", "--set", "spring"), "sets nothing; write a key path"),

@@ -117,13 +117,13 @@ def test_compilation_is_announced_once(tmp_path):
     from valvetrain.cli import compilation
 
     code = (
-        "from valvetrain.cli.compilation import seconds_to_compile as s; print(s('statics'), s('statics', 'march'));"
-        "from valvetrain.cli.progress import announce_compilation as a; a('statics', 'march')"
+        "from valvetrain.cli.compilation import seconds_to_compile as s; print(s('statics'), s('statics', 'transient'));"
+        "from valvetrain.cli.progress import announce_compilation as a; a('statics', 'transient')"
     )
     command = [sys.executable, "-c", code]
     empty = process_environment(NUMBA_CACHE_DIR=str(tmp_path / "empty"))
     fresh = subprocess.run(command, capture_output=True, text=True, check=True, env=empty)
-    total = sum(compilation.KERNELS[kind][2] for kind in ("statics", "march"))
+    total = sum(compilation.KERNELS[kind][2] for kind in ("statics", "transient"))
     assert [float(text) for text in fresh.stdout.split()] == [compilation.KERNELS["statics"][2], total]
     assert fresh.stderr == f"compiling kernels, once, about {total:.0f} s\n"
     process("modes", "uniform-spring", "--elements-per-coil", "8", "--count", "2", folder=tmp_path)  # leaves its kernels in the usual cache

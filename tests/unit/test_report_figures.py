@@ -38,7 +38,7 @@ def whole():
 def test_force_figure_shows_its_table(whole):
     data, published = force.force_table(whole, SPEED), force.published_forces(whole, SPEED)
     chart = force.force_chart(whole, data, SPEED)
-    for model, name in (("finite-element", "finite-element rod"), ("modal", "modal model")):
+    for model, name in (("finite-element", "finite-element rod"), ("modal-varied", "modal model with varied stiffness")):
         mine = data["run"] == model
         np.testing.assert_array_equal(_lines(chart)[name].x, data["cam angle"][mine])
         np.testing.assert_array_equal(_lines(chart)[name].y, data["force"][mine])
@@ -49,8 +49,8 @@ def test_force_figure_shows_its_table(whole):
 
 def test_force_table_is_the_reported_cycle(whole):
     data = force.force_table(whole, SPEED)
-    run = next(run for run in whole.solutions if run.model == "modal")
-    np.testing.assert_array_equal(data["force"][data["run"] == "modal"], run.channel("seat_force")[-720:])
+    run = next(run for run in whole.solutions if run.model == "modal-varied")
+    np.testing.assert_array_equal(data["force"][data["run"] == "modal-varied"], run.channel("seat_force")[-720:])
 
 
 def test_published_force_without_angle_borrows_one_and_says_whose(whole):
@@ -68,7 +68,7 @@ def test_spike_figure_shows_all_that_was_recorded(whole):
     assert np.sum(rod) == 4 * (2 * (320 - 225) + 1) - 3  # four substeps a sample: the fine record
     np.testing.assert_array_equal(_lines(chart)["finite-element rod"].y, data["force"][rod])
     np.testing.assert_array_equal(_lines(chart)["finite-element rod, below 10 kHz"].y, data["below 10 kHz"][rod])
-    assert np.all(np.isnan(data["below 10 kHz"][data["run"] == "modal"]))
+    assert np.all(np.isnan(data["below 10 kHz"][data["run"] == "modal-varied"]))
 
 
 def test_static_and_mode_figures_show_their_tables(whole):
@@ -109,8 +109,8 @@ def test_energy_spectrum_and_lift_figures_show_their_tables(whole):
     balance = energy.energy_table(run)
     np.testing.assert_array_equal(_lines(energy.energy_chart(balance, SPEED))["work done"].y, balance["work done"])
     orders = energy.spectrum_table(whole, SPEED)
-    drawn = _lines(energy.spectrum_chart(orders, np.array([630.0]), SPEED))["modal model"]
-    np.testing.assert_allclose(drawn.y, np.maximum(orders["amplitude"][orders["run"] == "modal"], 1e-2))
+    drawn = _lines(energy.spectrum_chart(orders, np.array([630.0]), SPEED))["modal model with varied stiffness"]
+    np.testing.assert_allclose(drawn.y, np.maximum(orders["amplitude"][orders["run"] == "modal-varied"], 1e-2))
     lifted = lift.lift_table(run)
     np.testing.assert_array_equal(lift.lift_chart(lifted).panels[0].layers[0].y, lifted["lift"])
 

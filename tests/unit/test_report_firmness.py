@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from synthetic_study import study as synthetic
-from valvetrain.analysis.quantity import Quantity
-from valvetrain.analysis.study import SpringStudy
 from valvetrain.parameters.loading import load_case
+from valvetrain.quantities.quantity import Quantity
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.report.figures import stress
 from valvetrain.report.page import Figure, Grid
 from valvetrain.report.stress_section import stress_blocks

@@ -85,7 +85,15 @@ def test_page_stays_small_beside_its_library(report):
 
 def test_report_files_are_read_back(report):
     names = {path.name for path in report.data}
-    assert {"finite-element-5600rpm.nc", "modal-5600rpm.csv", "static.nc", "static.csv", "modes.nc", "modes.csv", "comparison.csv"} <= names
+    assert {
+        "finite-element-5600rpm.nc",
+        "modal-varied-5600rpm.csv",
+        "static.nc",
+        "static.csv",
+        "modes.nc",
+        "modes.csv",
+        "comparison.csv",
+    } <= names
     assert load_netcdf(report.folder / "finite-element-5600rpm.nc").identical(rod_run())
     few = load_csv(report.folder / "finite-element-5600rpm.csv")
     np.testing.assert_array_equal(few.channel("seat_force"), rod_run().channel("seat_force"))
@@ -205,7 +213,7 @@ def test_a_case_of_ones_own_has_cards_and_a_table_and_speaks_of_no_published_val
     assert ("Stage II peak", f"{number(peak, 4)} N", "") in words
     assert any("sampled every 0.5 cam degrees; highest instant" in note for _, _, note in words)
     grids = [block for block in summary.blocks if block.kind == "grid"]
-    assert [grid.headers[0] for grid in grids] == ["statics and modes", "finite-element rod", "modal model"]
+    assert [grid.headers[0] for grid in grids] == ["statics and modes", "finite-element rod", "modal model with varied stiffness"]
     shown = {row[0].hint: row[1].words for row, _ in grids[1].rows}
     assert shown["stage_2_peak_force"] == number(peak, 4)
     figures = [block.chart for section in spring_page(own).sections for block in section.blocks if block.kind == "figure"]

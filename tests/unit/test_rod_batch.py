@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from valvetrain.cosserat.batch import simulate_batch
+from valvetrain.cosserat.buffer import RodDynamics
+from valvetrain.cosserat.lanes import LANES
+from valvetrain.cosserat.mesh import mesh_spring
+from valvetrain.cosserat.static import RodStatics, compress
+from valvetrain.cosserat.transient import simulate
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
-from valvetrain.rod.batch import simulate_batch
-from valvetrain.rod.buffer import RodDynamics
-from valvetrain.rod.lane_march import LANES
-from valvetrain.rod.mesh import mesh_spring
-from valvetrain.rod.static import RodStatics, compress
-from valvetrain.rod.transient import simulate
 
 DYNAMICS = RodDynamics(mass_damping=60.0, stiffness_damping=4e-6)
 INTERVAL, SAMPLES = 2e-5, 60

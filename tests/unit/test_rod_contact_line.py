@@ -7,11 +7,11 @@ import pytest
 
 from twins.rod_cases import small_spring, uniform_spring
 from twins.rod_energy import spline
+from valvetrain.cosserat.contact_line import span_weights, true_distance
+from valvetrain.cosserat.mesh import mesh_spring
+from valvetrain.cosserat.state import RodState
+from valvetrain.cosserat.static import RodStatics
 from valvetrain.parameters.spring import EndCoil
-from valvetrain.rod.contact_line import span_weights, true_distance
-from valvetrain.rod.mesh import mesh_spring
-from valvetrain.rod.state import RodState
-from valvetrain.rod.static import RodStatics
 
 
 def nearest(points: np.ndarray, curve: np.ndarray) -> np.ndarray:

@@ -9,11 +9,11 @@ import pytest
 
 from twins import rod_energy as twin
 from twins.rod_cases import random_state, small_mesh
-from valvetrain.rod import energy_kernels as kern
-from valvetrain.rod.contact_line import no_contact
-from valvetrain.rod.mesh import RodMesh
-from valvetrain.rod.state import RodState, advance
-from valvetrain.rod.static import RodStatics
+from valvetrain.cosserat import energy_kernels as kern
+from valvetrain.cosserat.contact_line import no_contact
+from valvetrain.cosserat.mesh import RodMesh
+from valvetrain.cosserat.state import RodState, advance
+from valvetrain.cosserat.static import RodStatics
 
 NOTHING = {"stretch_stiffness": 0.0, "bend_stiffness": 0.0}
 

@@ -8,13 +8,13 @@ from scipy.integrate import solve_ivp
 
 from twins import rod_energy as twin
 from twins.rod_cases import small_spring, uniform_spring
+from valvetrain.cosserat.buffer import RodDynamics, stable_time_step
+from valvetrain.cosserat.mesh import RodMesh, mesh_spring
+from valvetrain.cosserat.state import free_state
+from valvetrain.cosserat.static import RodStatics, compress
+from valvetrain.cosserat.transient import RodTransient, simulate
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.rod.buffer import RodDynamics, stable_time_step
-from valvetrain.rod.mesh import RodMesh, mesh_spring
-from valvetrain.rod.state import free_state
-from valvetrain.rod.static import RodStatics, compress
-from valvetrain.rod.transient import RodTransient, simulate
 
 
 def bump(time: np.ndarray, height: float, start: float, length: float) -> np.ndarray:

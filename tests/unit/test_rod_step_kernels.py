@@ -8,10 +8,10 @@ import pytest
 from twins import rod_energy as energies
 from twins import rod_step as twin
 from twins.rod_cases import random_state, small_mesh
-from valvetrain.rod import march as marching
-from valvetrain.rod import step_kernels as kern
-from valvetrain.rod.buffer import RodDynamics, fill_buffer, march_numbers
-from valvetrain.rod.layout import GROUP, ROW, row
+from valvetrain.cosserat import step_kernels as kern
+from valvetrain.cosserat import time_stepping as stepping
+from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stepping_numbers
+from valvetrain.cosserat.layout import GROUP, ROW, row
 
 DYNAMICS = RodDynamics(mass_damping=100.0, stiffness_damping=8e-6)
 STEP = 3e-7
@@ -57,8 +57,8 @@ def test_section_forces(seed):
 
 def test_bending_torques_with_their_branch():
     b, mesh = buffer()
-    numbers = march_numbers(mesh, DYNAMICS, STEP)[1]
-    arguments = (mesh.first, mesh.last + 1, *numbers[[marching.DECAY, marching.GAIN_OLD, marching.GAIN_NEW, marching.VISCOUS]])
+    numbers = stepping_numbers(mesh, DYNAMICS, STEP)[1]
+    arguments = (mesh.first, mesh.last + 1, *numbers[[stepping.DECAY, stepping.GAIN_OLD, stepping.GAIN_NEW, stepping.VISCOUS]])
     power, got, expected_power, expected = both(kern.bending_torques_of(ONE), twin.bending_torques, b, *arguments)
     assert power == pytest.approx(expected_power, rel=1e-10)
     agree(got, expected, b, 1e-10)
@@ -131,15 +131,15 @@ def test_seat_contact():
 def test_every_point_force_reaches_the_wire_once(width):
     """Two pressed stretches of wire with ``width`` vertices out of contact between them."""
     b, mesh = buffer(2, per_coil=24)
-    integers, _, places = march_numbers(mesh, DYNAMICS, STEP)
+    integers, _, places = stepping_numbers(mesh, DYNAMICS, STEP)
     offset, vertices = mesh.contact.offset, mesh.vertices
     for name in ("KC", "KCb"):
         row(b, name, vertices)[offset + 9 : offset + 9 + width] = 0.0
-    stretches = np.zeros((marching.STRETCHES, 2))
-    count = marching.watch_contacts(b, integers, 1e-5, stretches)
+    stretches = np.zeros((stepping.STRETCHES, 2))
+    count = stepping.watch_contacts(b, integers, 1e-5, stretches)
     assert count == 1 if width < 4 else width < 6 or count == 2
     for _ in range(2):
-        marching.all_contact(b, np.uint64(offset), 2, places, stretches, count, np.uint64(0), np.uint64(vertices), 1e-6, STEP)
+        stepping.all_contact(b, np.uint64(offset), 2, places, stretches, count, np.uint64(0), np.uint64(vertices), 1e-6, STEP)
     force = np.stack([row(b, n, vertices) for n in ("CX", "CY", "CZ")], axis=1)
     assert np.abs(force.sum(axis=0)).max() < 1e-9 * np.abs(force).sum()
     assert np.abs(force - single_spread(b, mesh, places)).max() < 1e-9 * np.abs(force).max()

@@ -109,7 +109,7 @@ def test_ground_ends_are_flat_and_lose_the_ground_off_volume():
 
 
 def test_too_much_grinding_is_refused():
-    spring = cylindrical(3.8e-3, 22e-3, 7e-3, 6.0, lower_end=EndCoil(held_coils=0.75, ground_coils=1.0))
+    spring = cylindrical(3.8e-3, 22e-3, 7e-3, 6.0, lower_end=EndCoil(inactive_coils=0.75, ground_coils=1.0))
     with pytest.raises(InputError, match="grinding leaves less"):
         sweep_spring(spring, MeshOptions(12, 1, 1, ends="ground"))
 

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from unit.cli_parts import CODE, SMALL, call, process_environment, sentence
-from valvetrain.analysis.spring_comparison import ModelStatics, differences, match_modes
+from valvetrain.quantities.spring_comparison import ModelStatics, differences, match_modes
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
 from valvetrain.solution.static import StaticCurve
 
-ALL = ("--springs", "finite-element,modal,solid")
+ALL = ("--springs", "finite-element,modal-varied,solid")
 COARSE = ("--solid-elements-per-coil", "6")
 
 
@@ -64,7 +64,7 @@ def test_differences_are_those_of_the_inputs():
     assert [row.quantity for row in rows] == ["force"] * 5 + ["mean stiffness", "natural frequency"]
     assert rows[3].place == pytest.approx(2e-3) and rows[3].values["solid"] == pytest.approx(100.0)
     assert [row.relative("finite-element", "solid") for row in rows] == pytest.approx([0.02] * 6 + [-0.01])
-    assert rows[-1].axial == 1 and rows[-1].relative("modal", "solid") is None
+    assert rows[-1].axial == 1 and rows[-1].relative("modal-varied", "solid") is None
     # Beyond the end of a curve nothing is compared.
     short = ModelStatics("finite-element", straight(51e3, 1e-3, 34), modes([495.0], [(1, 2)]))
     assert "finite-element" not in differences((solid, short), 2e-3)[4].values
@@ -86,10 +86,10 @@ def test_without_the_solver_the_command_to_install_it_is_named(small, tmp_path, 
         ((*ALL, "--solid-elements-per-coil", "2"), "4 to 200"),
         ((*ALL, "--solid-core", "0"), "1 to 12"),
         ((*ALL, "--solid-time-limit", "0 s"), "30 min"),
-        ((*ALL, "--solid-ride", "90"), "85:105 deg"),
-        ((*ALL, "--solid-ride", "110:90 deg"), "beyond the first"),
-        ((*ALL, "--solid-ride", "150:160 deg"), "starts at rest"),
-        ((*ALL, "--solid-ride", "90:95 deg", "--engine-speed", "4000, 5000 rpm"), "one engine speed"),
+        ((*ALL, "--solid-motion", "90"), "85:105 deg"),
+        ((*ALL, "--solid-motion", "110:90 deg"), "beyond the first"),
+        ((*ALL, "--solid-motion", "150:160 deg"), "starts at rest"),
+        ((*ALL, "--solid-motion", "90:95 deg", "--engine-speed", "4000, 5000 rpm"), "one engine speed"),
     ],
 )
 def test_wrong_options_are_told_in_a_sentence(small, tmp_path, monkeypatch, words, told):
@@ -127,13 +127,13 @@ def test_an_interrupt_stops_the_solver_and_clears_its_files(small, tmp_path):
 @pytest.mark.calculix
 def test_a_spring_by_three_models(small, tmp_path):
     target = tmp_path / "out"
-    words = ("--solid-elements-per-coil", "8", "--set", "rod.elements_per_coil=16", "--solid-ride", "98:112 deg", "--workers", "2")
+    words = ("--solid-elements-per-coil", "8", "--set", "rod.elements_per_coil=16", "--solid-motion", "98:112 deg", "--workers", "2")
     result = call("compare", small, *ALL, *words, "--output", str(target), "--json")
     assert result.exit_code == 0, result.stderr
     assert "statics and modes take about" in result.stderr and "the ride of" in result.stderr
     data = json.loads(result.stdout)
     assert data["reference"] == "solid" and data["completed"]
-    assert [item["spring_model"] for item in data["models"]] == ["solid", "finite-element", "modal"]
+    assert [item["spring_model"] for item in data["models"]] == ["solid", "finite-element", "modal-varied"]
     forces = [row for row in data["differences"] if row["quantity"] == "force"]
     assert any(row["compression"]["value"] == pytest.approx(2e-3, rel=1e-9) for row in forces)
     # The two models share nothing but the definition: coarse as both are, they agree to a few per cent.

@@ -114,7 +114,7 @@ def test_ends_and_constructors_refuse_what_cannot_be():
     with pytest.raises(InputError, match="end coil kind 'ground'"):
         EndCoil("ground")
     with pytest.raises(InputError, match="between 0 and 3"):
-        EndCoil(held_coils=3.5)
+        EndCoil(inactive_coils=3.5)
     with pytest.raises(InputError, match="no room between the closed ends"):
         pitch_with_closed_ends(2.5, WIRE, PITCH)
     with pytest.raises(InputError, match="slimmer in the middle"):

@@ -13,12 +13,12 @@ from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.chain_layout import axial_clearance, chain_from_definition
 from valvetrain.springs.chain_statics import contact_depths, contact_rows, element_matrix, solve_static, static_curve
 from valvetrain.springs.equivalent import EquivalentSpring, massless_table
-from valvetrain.springs.equivalent_rod import EquivalentRod
 from valvetrain.springs.massless import MasslessSpring, MasslessTable
-from valvetrain.springs.modal import ModalSpring
-from valvetrain.springs.modal_varied import ModalVariedStiffness
+from valvetrain.springs.modal_uniform import ModalUniform
+from valvetrain.springs.modal_varied import ModalVaried
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.nested import NestedSprings, RadialRubbing, radial_clearance
+from valvetrain.springs.wave_rod import WaveRod
 
 
 def chain_twin(model: MultiMassSpring, state, displacement, velocity, time_step):
@@ -56,7 +56,7 @@ def test_chain_kernel_equals_its_twin(name):
 
 
 def test_rod_with_clash_is_the_chain_of_its_layout():
-    model = MODELS["rod-with-clash"]
+    model = MODELS["wave-rod-clash"]
     time_step = 0.9 * model.stable_time_step()
     displacement, velocity = raised_cosine(9e-3, 3e-3, time_step)
     state = model.initial_state(0.0)
@@ -66,7 +66,7 @@ def test_rod_with_clash_is_the_chain_of_its_layout():
 
 @pytest.mark.parametrize("cells", [3, 4, 57])
 def test_rod_kernel_equals_its_twin(cells):
-    model = EquivalentRod(UNIFORM, cells, friction=40.0)
+    model = WaveRod(UNIFORM, cells, friction=40.0)
     time_step = 0.97 * model.stable_time_step()
     displacement, velocity = raised_cosine(6e-3, 4e-3, time_step)
     state = model.initial_state(0.0)
@@ -84,7 +84,7 @@ def test_modal_kernel_equals_direct_integration():
     """Same motion through the undamped-in-x equation q'' + 2 z w q' + w**2 q = -c x'' by an independent solver."""
     from scipy.integrate import solve_ivp
 
-    model, lift, duration = ModalSpring(UNIFORM, 3, damping_ratio=0.03), 6e-3, 5e-3
+    model, lift, duration = ModalUniform(UNIFORM, 3, damping_ratio=0.03), 6e-3, 5e-3
     time_step = 1e-6
     displacement, velocity = raised_cosine(lift, duration, time_step)
     forces = drive(model, model.initial_state(0.0), displacement, velocity, time_step)
@@ -127,7 +127,7 @@ def test_nested_without_rubbing_is_the_sum_of_its_members():
 
 def rubbed(normal_force: float) -> tuple[NestedSprings, np.ndarray, float]:
     """Two rods after a violent event and 30 ms of surge: model, state and energy left above the static one."""
-    model = NestedSprings(EquivalentRod(UNIFORM, 60), EquivalentRod(SLIM, 80), RadialRubbing(0.15, normal_force))
+    model = NestedSprings(WaveRod(UNIFORM, 60), WaveRod(SLIM, 80), RadialRubbing(0.15, normal_force))
     time_step = 0.9 * model.stable_time_step()
     displacement, velocity = raised_cosine(8e-3, 5e-3, time_step, rest=30e-3)
     state = model.initial_state(0.0)
@@ -190,7 +190,7 @@ def test_massless_table_follows_the_wire_and_closes_coils():
     assert table.tangent(table.initial_state(8e-3), 8e-3) > 1.05 * table.tangent(table.initial_state(-5e-3), -5e-3)
 
 
-@pytest.mark.parametrize("name", ["chain", "chain-no-clash", "rod", "rod-with-clash", "modal", "finite-element"])
+@pytest.mark.parametrize("name", ["chain", "chain-no-clash", "wave-rod", "wave-rod-clash", "modal-uniform", "finite-element"])
 def test_sections_move_from_the_seat_to_the_retainer(name):
     """Static state: no motion at the seat, all of it at the retainer, against z; nothing moves at the installed state."""
     model = MODELS[name]
@@ -232,15 +232,15 @@ BAD = [
     (lambda: MultiMassSpring.from_card(3e4, 250.0, 0.0), "mass"),
     (lambda: MultiMassSpring.from_card(3e4, 250.0, 0.04, elements=1), "elements"),
     (lambda: EquivalentSpring(3e4, 250.0, 0.0), "mass"),
-    (lambda: EquivalentRod(UNIFORM, 2), "cells"),
-    (lambda: EquivalentRod(UNIFORM, friction=-1.0), "friction"),
-    (lambda: EquivalentRod(UNIFORM).with_time_step(0.0), "time step"),
-    (lambda: ModalSpring(UNIFORM, 0), "modes"),
-    (lambda: ModalSpring(UNIFORM, 2, (600.0,)), "frequencies"),
-    (lambda: ModalSpring(UNIFORM, 30, stiffness_damping=1e-4), "critical"),
-    (lambda: ModalVariedStiffness((600.0, 500.0), 0.01, (0.0, 0.02), (0.0, 800.0), 7e-3), "rising"),
-    (lambda: ModalVariedStiffness((600.0,), 0.01, (0.0, 8e-3), (0.0, 4e2), 7e-3).solve(lambda a: 5e-3 + 0 * a, 200.0), "extend the curve"),
-    (lambda: NestedSprings(MODELS["massless"], MODELS["rod"], RadialRubbing(0.1, 10.0)), "sections"),
+    (lambda: WaveRod(UNIFORM, 2), "cells"),
+    (lambda: WaveRod(UNIFORM, friction=-1.0), "friction"),
+    (lambda: WaveRod(UNIFORM).with_time_step(0.0), "time step"),
+    (lambda: ModalUniform(UNIFORM, 0), "modes"),
+    (lambda: ModalUniform(UNIFORM, 2, (600.0,)), "frequencies"),
+    (lambda: ModalUniform(UNIFORM, 30, stiffness_damping=1e-4), "critical"),
+    (lambda: ModalVaried((600.0, 500.0), 0.01, (0.0, 0.02), (0.0, 800.0), 7e-3), "rising"),
+    (lambda: ModalVaried((600.0,), 0.01, (0.0, 8e-3), (0.0, 4e2), 7e-3).solve(lambda a: 5e-3 + 0 * a, 200.0), "extend the curve"),
+    (lambda: NestedSprings(MODELS["massless"], MODELS["wave-rod"], RadialRubbing(0.1, 10.0)), "sections"),
     (lambda: RadialRubbing(-0.1, 10.0), "coefficient"),
 ]  # fmt: skip
 

@@ -23,6 +23,6 @@ def test_a_resonance_that_lets_go_is_never_passed_over(excess_um: list[float], f
     speeds = np.arange(1.0, 6.0)
     columns = {"float_excess_lift": 1e-6 * np.array(excess_um), "minimum_cam_contact_force": np.ones(5)}
     found = float_engine_speed(speeds, columns)
-    series = SweepSeries("stock", "modal", speeds, columns, np.zeros((5, 1)), (COMPLETED,) * 5, found, 6.0)
+    series = SweepSeries("stock", "modal-uniform", speeds, columns, np.zeros((5, 1)), (COMPLETED,) * 5, found, 6.0)
     assert np.isnan(found) if from_speed is None else found == from_speed
     assert series.lone_float_engine_speeds.tolist() == alone

@@ -26,14 +26,14 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def compared(folder):
     target = folder / "compare"
-    words = ("compare", "tdi-pushrod", "--springs", "massless,multi-mass,modal,rod", "--output", str(target), *QUICK)
+    words = ("compare", "tdi-pushrod", "--springs", "massless,multi-mass,modal-uniform,wave-rod", "--output", str(target), *QUICK)
     return json.loads(call(*words).stdout), target
 
 
 def test_compare_gives_every_model_its_numbers_with_units(compared):
     data, _ = compared
     assert data["command"] == "compare" and data["completed"]
-    assert [run["spring_model"] for run in data["runs"]] == ["massless", "multi-mass", "modal", "rod"]
+    assert [run["spring_model"] for run in data["runs"]] == ["massless", "multi-mass", "modal-uniform", "wave-rod"]
     for run in data["runs"]:
         force = run["quantities"]["nose_cam_contact_force"]
         assert force["unit"] == "N" and force["value"] == pytest.approx(580, rel=0.03)
@@ -45,7 +45,7 @@ def test_compare_gives_every_model_its_numbers_with_units(compared):
 def test_compare_writes_data_and_a_page_whole(compared):
     data, target = compared
     names = {path.name for path in target.rglob("*") if path.is_file()}
-    assert {"summary.csv", "events.csv", "report.html", "rod-4000rpm.nc", "rod-4000rpm.csv"} <= names
+    assert {"summary.csv", "events.csv", "report.html", "wave-rod-4000rpm.nc", "wave-rod-4000rpm.csv"} <= names
     assert all(path.rpartition("/")[2] in names for path in data["files"])
     html = (target / "report.html").read_text()
     for words in ("Contact forces", "Valve motion", "Before dynamics", "multi-mass", "Events"):
@@ -56,8 +56,8 @@ def test_saved_runs_are_read_back_without_loss(compared):
     from valvetrain.solution.netcdf import load_netcdf
 
     _, target = compared
-    solution = load_netcdf(target / "rod-4000rpm.nc")
-    assert solution.status.completed and solution.model == "rod"
+    solution = load_netcdf(target / "wave-rod-4000rpm.nc")
+    assert solution.status.completed and solution.model == "wave-rod"
     assert solution.channel("valve_lift").max() == pytest.approx(7.89e-3, rel=1e-2)
     assert solution.channels["cam_force"].attrs["units"] == "N"
 
@@ -87,7 +87,7 @@ def test_run_prints_a_table_for_people(folder):
     ("words", "sentence"),
     [
         (("compare", "tdi-pushrod", "--springs", "masles"), "massless"),
-        (("compare", "tdi-pushrod", "--springs", "rod-with-clash"), "coil gaps of its wire"),
+        (("compare", "tdi-pushrod", "--springs", "wave-rod-clash"), "coil gaps of its wire"),
         (("sweep", "gu2021-beehive"), "holds no valvetrain"),
         (("sweep", "tdi-pushrod", "--engine-speed", "0:100:10"), "leads nowhere"),
         (("sweep", "tdi-pushrod", "--spring-sets", "racing", "--engine-speed", "1000, 2000 rpm"), "stock, performance"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from train_parts import KINDS, STIFF, contacts, system
-from twins.train_step import march
+from twins.train_step import integrate_in_time
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.train import ContactParameters, SupportParameters, ValveParameters
 from valvetrain.system.train_forces import gap_state
@@ -42,7 +42,7 @@ def test_the_loop_equals_its_plain_twin(kind, law):
     ready = runner(system(KINDS[kind](**changes)), 250.0, TrainOptions(samples=720))
     start = ready.initial_state()
     steps = ready.steps // 2  # through opening and most of the event
-    q, v, _ = march(ready, start, steps)
+    q, v, _ = integrate_in_time(ready, start, steps)
     end, record = ready.cycle(start)
     contact = ready.system.arrays.laws >= 0
     assert np.min(record.forces[:, contact]) == 0.0

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.analysis.valvetrain_quantities import spring_outputs
 from valvetrain.integrate import train_run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.loading import load_case
+from valvetrain.quantities.valvetrain_quantities import spring_outputs
 from valvetrain.system.build_train import build_train
 
 

@@ -108,7 +108,7 @@ def test_unknown_spring_words_name_the_nearest():
     with pytest.raises(InputError, match="stock, performance"):
         build_train(case, spring_set="racing")
     with pytest.raises(InputError, match="needs the coil gaps of its wire"):
-        build_train(case, spring_model="rod-with-clash")
+        build_train(case, spring_model="wave-rod-clash")
 
 
 @pytest.mark.parametrize(

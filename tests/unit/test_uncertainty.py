@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from synthetic_study import rod_run
-from valvetrain.analysis.cycle import reported_cycle
-from valvetrain.analysis.main_clash import IMPULSE_TIME, find_clash_window, main_clash_quantities
-from valvetrain.analysis.quantities import run_quantities
-from valvetrain.analysis.quantity import Quantity
-from valvetrain.analysis.stages import stages_of
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.evaluate import run_quantities
+from valvetrain.quantities.main_clash import IMPULSE_TIME, find_clash_window, main_clash_quantities
+from valvetrain.quantities.quantity import Quantity
+from valvetrain.quantities.stages import stages_of
 from valvetrain.solution.provenance import Provenance
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.studies import uncertainty_file

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.analysis.valvetrain_events import (
+from valvetrain.quantities.valvetrain_events import (
     CAUSE_INERTIA,
     CAUSE_SURGE,
     CAUSE_VIBRATION,

@@ -63,7 +63,7 @@ def _train_facts(train: TrainParameters) -> list[tuple[str, str]]:
 
 def _spring_facts(spring: SpringDefinition) -> list[tuple[str, str]]:
     ends = [
-        f"{side} {end.kind}, {number(end.held_coils)} coils held, {number(end.ground_coils)} ground"
+        f"{side} {end.kind}, {number(end.inactive_coils)} coils held, {number(end.ground_coils)} ground"
         for side, end in (("lower", spring.lower_end), ("upper", spring.upper_end))
     ]
     return [

@@ -8,7 +8,8 @@ from typing import Any
 
 #: Kind of work -> a kernel that is compiled last in it, and the seconds that all of its kernels take on one core.
 KERNELS: Mapping[str, tuple[str, str, float]] = {
-    "statics": ("valvetrain.rod.energy_kernels", "bend_terms", 4.0), "march": ("valvetrain.rod.march", "march", 12.0),
+    "statics": ("valvetrain.cosserat.energy_kernels", "bend_terms", 4.0),
+    "transient": ("valvetrain.cosserat.time_stepping", "integrate_in_time", 12.0),
     "train": ("valvetrain.integrate.train_kernel", "advance_train", 16.0),
 }  # fmt: skip
 

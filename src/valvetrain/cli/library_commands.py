@@ -66,11 +66,11 @@ def check(
     as_json: JsonOption = False,
 ) -> None:
     """Read a case file and print what it was understood to say, or what is wrong with it, and where."""
-    from valvetrain.analysis.design import design_quantities
     from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.case_facts import case_facts, lift_quantities
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.results import quantities_object
+    from valvetrain.quantities.design import design_quantities
 
     chosen = choose_case(case, settings)
     quantities = design_quantities(chosen) | lift_quantities(chosen)
@@ -85,7 +85,7 @@ def check(
 
 def _check_parts(case: Case) -> None:
     """What only shows when the parts are put together: a spring that binds, a cam that cannot be made, a contact without a law."""
-    from valvetrain.analysis.design import check_room
+    from valvetrain.quantities.design import check_room
 
     check_room(case)
     if case.train is not None and case.lift_law is not None:

@@ -48,10 +48,10 @@ def modes(
 
 def compute_modes(case: Case, count: int, compression: float | None = None) -> Outcome:
     """Modes about ``compression`` (m from the free state; None: as installed)."""
-    from valvetrain.analysis.statics import modal_quantities
     from valvetrain.cli.outcome import Outcome, measured
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.cli.results import quantities_object, status_object
+    from valvetrain.quantities.statics import modal_quantities
     from valvetrain.springs.finite_element import FiniteElementRod
     from valvetrain.studies.spring_runs import modal_result
 

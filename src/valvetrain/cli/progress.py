@@ -87,7 +87,7 @@ def busy(title: str) -> Any:
 
 
 def announce_compilation(*kinds: str) -> None:
-    """One line when the kernels of ``kinds`` (``statics``, ``march``, ``train``) must be compiled first."""
+    """One line when the kernels of ``kinds`` (``statics``, ``transient``, ``train``) must be compiled first."""
     from valvetrain.cli.compilation import seconds_to_compile
 
     seconds = seconds_to_compile(*kinds)

@@ -57,7 +57,7 @@ def _outcome(case: Case, engine_speeds: tuple[float, ...] | None, workers: int, 
     from valvetrain.studies.uncertainty import uncertainty_study
 
     make_folder(folder)
-    announce_compilation("statics", "march")
+    announce_compilation("statics", "transient")
     with progress_bar(case.name) as report:
         study = uncertainty_study(case, engine_speeds=engine_speeds, workers=workers, progress=report)
     with busy("writing files"):
@@ -72,9 +72,9 @@ def _outcome(case: Case, engine_speeds: tuple[float, ...] | None, workers: int, 
 
 
 def _row_object(row: Uncertainty) -> dict[str, Any]:
-    from valvetrain.analysis.quantity import unit_of
     from valvetrain.cli.outcome import measured
     from valvetrain.cli.results import engine_speed_object
+    from valvetrain.quantities.quantity import unit_of
 
     unit = unit_of(row.quantity)
     ranges = {
@@ -89,8 +89,8 @@ def _row_object(row: Uncertainty) -> dict[str, Any]:
 
 
 def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
-    from valvetrain.analysis.quantity import unit_of
     from valvetrain.cli.tables import plain_table, shown
+    from valvetrain.quantities.quantity import unit_of
     from valvetrain.report.words import quantity_words, speed_words
 
     console.print(study.case.title or study.case.name)

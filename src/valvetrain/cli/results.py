@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from valvetrain.cli.outcome import measured
 
 if TYPE_CHECKING:
-    from valvetrain.analysis.study import SpringStudy
+    from valvetrain.quantities.study import SpringStudy
     from valvetrain.solution.comparison import Comparison
     from valvetrain.solution.result import Solution
     from valvetrain.solution.status import Status
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def quantities_object(values: Mapping[str, float]) -> dict[str, Any]:
     """``{name: {value, unit}}`` of named SI quantities."""
-    from valvetrain.analysis.quantity import unit_of
+    from valvetrain.quantities.quantity import unit_of
 
     return {name: measured(float(value), unit_of(name)) for name, value in values.items()}
 
@@ -38,7 +38,7 @@ def status_object(status: Status) -> dict[str, Any]:
 
 def comparison_objects(rows: Iterable[Comparison]) -> list[dict[str, Any]]:
     """Computed beside published, one object per published value."""
-    from valvetrain.analysis.quantity import unit_of
+    from valvetrain.quantities.quantity import unit_of
 
     found = []
     for row in rows:

@@ -17,8 +17,8 @@ from valvetrain.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from valvetrain.analysis.spring_comparison import Difference, ModelStatics, SpringComparison
     from valvetrain.parameters.case import Case
+    from valvetrain.quantities.spring_comparison import Difference, ModelStatics, SpringComparison
     from valvetrain.studies.solid_comparison import SolidChoice
 
 SOLID = "solid"
@@ -35,7 +35,7 @@ SolidRingsOption = Annotated[
 SolidRideOption = Annotated[
     str | None,
     typer.Option(
-        "--solid-ride", metavar="FIRST:LAST", show_default=False,
+        "--solid-motion", metavar="FIRST:LAST", show_default=False,
         help="Ride the lift law by solid finite elements too, between two cam angles such as '85:105 deg'; takes minutes.",
     ),
 ]  # fmt: skip
@@ -74,7 +74,7 @@ def compare_spring(request: RunRequest, options: SolidOptions) -> Outcome:
     cost = solid_cost(case, choice)
     make_folder(request.output)
     tell(_cost_words(cost, choice))
-    announce_compilation("statics", *(["march"] if choice.ride else []))
+    announce_compilation("statics", *(["transient"] if choice.ride else []))
     with progress_bar(case.name, at_once=False) as report:
         study = run_solid_comparison(
             case, models=models, choice=choice, workers=request.workers, progress=report,
@@ -101,10 +101,10 @@ def read_choice(case: Case, request: RunRequest, options: SolidOptions) -> Solid
         time_limit = parse_quantity(options.time_limit, "time", "--solid-time-limit")
         if not time_limit > 0:
             raise InputError(f"'{options.time_limit}' is no time to compute in; give such as '30 min'", "--solid-time-limit")
-    ride = read_ride(options.ride)
+    ride = read_motion(options.ride)
     speeds = request.engine_speeds or case.operation.engine_speeds
     if ride is not None and len(speeds) != 1:
-        raise InputError(f"a ride needs one engine speed, not {len(speeds)}; add such as --engine-speed '4200 rpm'", "--solid-ride")
+        raise InputError(f"a ride needs one engine speed, not {len(speeds)}; add such as --engine-speed '4200 rpm'", "--solid-motion")
     return SolidChoice(
         read_count(options.elements_per_coil or choice.elements_per_coil, 4, 200, "--solid-elements-per-coil"),
         read_count(choice.core if options.core is None else options.core, 1, 12, "--solid-core"),
@@ -113,7 +113,7 @@ def read_choice(case: Case, request: RunRequest, options: SolidOptions) -> Solid
     )  # fmt: skip
 
 
-def read_ride(words: str | None) -> tuple[float, float] | None:
+def read_motion(words: str | None) -> tuple[float, float] | None:
     """First and last cam angle (rad) from ``'85:105 deg'``; None for None. Raises :class:`InputError`."""
     if words is None:
         return None
@@ -121,8 +121,8 @@ def read_ride(words: str | None) -> tuple[float, float] | None:
 
     match = re.fullmatch(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s+(\S+)\s*", words)
     if match is None:
-        raise InputError(f"'{words[:40]}' is no ride; write two cam angles such as '85:105 deg'", "--solid-ride")
-    first, last = (parse_quantity(f"{match[place]} {match[3]}", "angle", "--solid-ride") for place in (1, 2))
+        raise InputError(f"'{words[:40]}' is no ride; write two cam angles such as '85:105 deg'", "--solid-motion")
+    first, last = (parse_quantity(f"{match[place]} {match[3]}", "angle", "--solid-motion") for place in (1, 2))
     return first, last
 
 

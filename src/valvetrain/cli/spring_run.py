@@ -15,8 +15,8 @@ from valvetrain.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from valvetrain.analysis.study import SpringStudy
     from valvetrain.parameters.case import Case
+    from valvetrain.quantities.study import SpringStudy
 
 
 def run_spring(request: RunRequest) -> Outcome:
@@ -29,7 +29,7 @@ def run_spring(request: RunRequest) -> Outcome:
     check_models(models, MODELS)
     speeds = _engine_speeds(case, request.engine_speeds)
     make_folder(request.output)
-    announce_compilation("statics", *(["march"] if speeds and "finite-element" in models else []))
+    announce_compilation("statics", *(["transient"] if speeds and "finite-element" in models else []))
     with progress_bar(case.name) as report:
         study = run_spring_study(
             case, engine_speeds=speeds, models=models, workers=request.workers, progress=report,

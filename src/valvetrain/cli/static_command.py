@@ -58,10 +58,10 @@ def _reach(case: Case, largest: float | None) -> float | None:
 
 def compute_static(case: Case, largest: float | None, steps: int, csv: Path | None = None) -> Outcome:
     """Solve the static curve up to ``largest`` (m; None: a little beyond full lift) and write ``csv`` where asked."""
-    from valvetrain.analysis.statics import static_quantities
     from valvetrain.cli.outcome import Outcome, measured
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.cli.results import quantities_object, status_object
+    from valvetrain.quantities.statics import static_quantities
     from valvetrain.report.figures.statics import static_table
     from valvetrain.solution.atomic import write_text
     from valvetrain.springs.finite_element import FiniteElementRod

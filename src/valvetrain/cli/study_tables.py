@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from valvetrain.analysis.study import SpringStudy
+    from valvetrain.quantities.study import SpringStudy
     from valvetrain.solution.comparison import Comparison
 
 ROLES = {"calibration": "calibration: used to identify the case", "prediction": "prediction: not used to identify the case"}
@@ -113,7 +113,7 @@ def tally(rows: Sequence[Comparison], role: str) -> str:
 
 def quantity_table(study: SpringStudy) -> Table:
     """Every computed quantity, one column per run, statics and modes first."""
-    from valvetrain.analysis.quantity import Quantity, unit_of
+    from valvetrain.quantities.quantity import Quantity, unit_of
     from valvetrain.report.words import quantity_words, rpm
 
     runs = [(run.model, run.engine_speed) for run in study.solutions]

@@ -36,14 +36,17 @@ from valvetrain.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from valvetrain.analysis.valvetrain_study import TrainRun, TrainStudy
     from valvetrain.parameters.case import Case
+    from valvetrain.quantities.valvetrain_study import TrainRun, TrainStudy
     from valvetrain.studies.sweep import TrainSweep
 
 SpringsOption = Annotated[
     str | None,
     typer.Option(
-        "--springs", metavar="MODELS", help="Spring models, such as massless,multi-mass,modal,rod,finite-element.", show_default=False
+        "--springs",
+        metavar="MODELS",
+        help="Spring models, such as massless,multi-mass,wave-rod,finite-element.",
+        show_default=False,
     ),
 ]
 SetsOption = Annotated[
@@ -67,7 +70,7 @@ def run_train(request: RunRequest) -> Outcome:
 def compare(
     case: CaseArgument, springs: SpringsOption = None, output: OutputOption = None, engine_speed: SpeedOption = None,
     settings: SetOption = None, solid_elements_per_coil: SolidElementsOption = None, solid_core: SolidCoreOption = None,
-    solid_rings: SolidRingsOption = None, solid_ride: SolidRideOption = None, solid_time_limit: SolidTimeOption = None,
+    solid_rings: SolidRingsOption = None, solid_motion: SolidRideOption = None, solid_time_limit: SolidTimeOption = None,
     workers: WorkersOption = None, report: ReportOption = True, as_json: JsonOption = False,
 ) -> None:  # fmt: skip
     """Run a case's train (or spring) by several spring models, side by side; a spring by solid finite elements too."""
@@ -76,13 +79,13 @@ def compare(
     from valvetrain.cli.registry import run_case
 
     chosen, models = choose_case(case, settings), _names(springs)
-    solid = SolidOptions(solid_elements_per_coil, solid_core, solid_rings, solid_ride, solid_time_limit)
+    solid = SolidOptions(solid_elements_per_coil, solid_core, solid_rings, solid_motion, solid_time_limit)
     if solid.given and SOLID not in models:
         raise InputError("options of the solid model need the solid model; add --springs finite-element,solid", "--solid-...")
     if SOLID in models and chosen.train is not None:
         raise InputError(f"solid finite elements run for a spring alone, and case '{chosen.name}' is a train; leave solid out", "--springs")
     if chosen.train is not None:
-        models = models or ("massless", "multi-mass", "modal", "rod")
+        models = models or ("massless", "multi-mass", "modal-uniform", "wave-rod")
     request = RunRequest(
         case=chosen, engine_speeds=read_engine_speeds(engine_speed), spring_models=models, workers=read_workers(workers),
         output=read_output(output, f"{chosen.name}-compare"), report=report,
@@ -243,7 +246,7 @@ def _sweep_outcome(
 
 
 def _series_object(item: Any) -> dict[str, Any]:
-    from valvetrain.analysis.quantity import unit_of
+    from valvetrain.quantities.quantity import unit_of
     from valvetrain.report.words import rpm
 
     columns = {name: {"values": values, "unit": unit_of(name)} for name, values in item.columns.items()}

@@ -39,13 +39,13 @@ class EndModel(StrictModel):
     """One end coil; an open end is held and ground over no turns unless it says so."""
 
     kind: EndKind = "closed-ground"
-    held_coils: EndTurns | None = None
+    inactive_coils: EndTurns | None = None
     ground_coils: EndTurns | None = None
 
     def build(self) -> EndCoil:
         """The end coil, with the usual turns of its kind where none are given."""
         usual = EndCoil() if self.kind == "closed-ground" else EndCoil(self.kind, 0.0 if self.kind == "open" else 0.75, 0.0)
-        held = usual.held_coils if self.held_coils is None else self.held_coils
+        held = usual.inactive_coils if self.inactive_coils is None else self.inactive_coils
         ground = usual.ground_coils if self.ground_coils is None else self.ground_coils
         return EndCoil(self.kind, held, ground)
 

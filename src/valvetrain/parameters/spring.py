@@ -21,19 +21,19 @@ EndKind = Literal["closed-ground", "closed", "open"]
 class EndCoil:
     """How one end of the spring meets its seat.
 
-    ``held_coils``: turns of wire bonded to the seat (they move with it; the rod starts where they end).
+    ``inactive_coils``: turns of wire bonded to the seat (they move with it; the rod starts where they end).
     ``ground_coils``: turns over which the wire is ground flat; the seat plane touches the full wire there.
     """
 
     kind: EndKind = "closed-ground"
-    held_coils: float = 0.75
+    inactive_coils: float = 0.75
     ground_coils: float = 0.75
 
     def __post_init__(self) -> None:
         if self.kind not in ("closed-ground", "closed", "open"):
             raise InputError(f"end coil kind '{self.kind}' is unknown; use closed-ground, closed or open")
-        if not (0 <= self.held_coils <= 3 and 0 <= self.ground_coils <= 3):
-            raise InputError("held_coils and ground_coils of an end must lie between 0 and 3 turns")
+        if not (0 <= self.inactive_coils <= 3 and 0 <= self.ground_coils <= 3):
+            raise InputError("inactive_coils and ground_coils of an end must lie between 0 and 3 turns")
 
 
 OPEN_END = EndCoil("open", 0.0, 0.0)
@@ -108,7 +108,7 @@ class SpringDefinition:
     @property
     def free_coils(self) -> tuple[float, float]:
         """First and last coil number of the wire that is free to move (between the held ends)."""
-        return self.lower_end.held_coils, self.total_coils - self.upper_end.held_coils
+        return self.lower_end.inactive_coils, self.total_coils - self.upper_end.inactive_coils
 
     @cached_property
     def active_coils(self) -> float:

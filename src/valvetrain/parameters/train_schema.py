@@ -43,7 +43,7 @@ from valvetrain.units import dimension_powers, parse_quantity
 #: Dimension of the values of contact laws and spring options, by name; a name that is missing is a plain number.
 VALUE_DIMENSIONS: dict[str, str | None] = {
     "contact_stiffness": None, "damping": "damping", "full_damping_depth": "length", "mass_damping": "damping rate",
-    "stiffness_damping": "time", "contact_damping_time": "time", "held_mass": "mass", "hysteresis_damping": None,
+    "stiffness_damping": "time", "contact_damping_time": "time", "inactive_mass": "mass", "hysteresis_damping": None,
     "length": "length", "modulus": "modulus", "radius": "length", "damping_factor": None, "rubbing_force": "force",
     "friction_velocity": "velocity", "reference_force": "force", "reference_velocity": "velocity",
 }  # fmt: skip

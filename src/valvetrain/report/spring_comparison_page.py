@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from valvetrain.analysis.spring_comparison import Difference, ModelStatics, SpringComparison
+from valvetrain.quantities.spring_comparison import Difference, ModelStatics, SpringComparison
 from valvetrain.report import theme
 from valvetrain.report.figures import spring_models as figures
 from valvetrain.report.page import Block, Card, Cards, Cell, Figure, Grid, Page, Section, text

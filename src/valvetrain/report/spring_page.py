@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from valvetrain.analysis.stages import stages_of
-from valvetrain.analysis.study import SpringStudy
+from valvetrain.quantities.stages import stages_of
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart
 from valvetrain.report.comparison_grid import comparison_grid, tone

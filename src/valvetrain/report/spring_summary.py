@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from valvetrain.analysis.compare import same_speed
-from valvetrain.analysis.quantity import Quantity, unit_of
-from valvetrain.analysis.study import SpringStudy
+from valvetrain.quantities.compare import same_speed
+from valvetrain.quantities.quantity import Quantity, unit_of
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.report import theme
 from valvetrain.report.figures.force import rod_quantity, sampling_words, source_sampled_so
 from valvetrain.report.page import Card, Cell, Grid

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from valvetrain.analysis.quantity import Quantity
-from valvetrain.analysis.study import SpringStudy
+from valvetrain.quantities.quantity import Quantity
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.report.figures import stress
 from valvetrain.report.page import Block, Cell, Figure, Grid, text
 from valvetrain.report.words import number, speed_words

@@ -14,12 +14,15 @@ FONT = "'Source Sans 3', 'Segoe UI', 'Helvetica Neue', 'Liberation Sans', Arial,
 
 #: One colour per spring model, the same in every figure; a new model takes the next spare one.
 MODEL_COLOURS = {
-    "finite-element": "#1f5aa6", "modal": "#d9772b", "rod": "#16877a", "multi-mass": "#7a4fa0", "massless": "#7b8794", "solid": "#a33b53",
+    "finite-element": "#1f5aa6", "modal-varied": "#d9772b", "modal-uniform": "#b0891e", "wave-rod": "#16877a", "wave-rod-clash": "#3c7d3f",
+    "multi-mass": "#7a4fa0", "massless": "#7b8794", "solid": "#a33b53",
 }  # fmt: skip
 _SPARE = ("#3c7d3f", "#8c6d1f", "#4b5aa8")
 
 MODEL_WORDS = {
-    "finite-element": "finite-element rod", "modal": "modal model", "rod": "equivalent rod", "multi-mass": "multi-mass chain",
+    "finite-element": "finite-element rod", "modal-varied": "modal model with varied stiffness", "modal-uniform": "modal model",
+    "wave-rod": "equivalent rod", "wave-rod-clash": "equivalent rod with clash",
+    "multi-mass": "multi-mass chain",
     "massless": "massless spring", "solid": "solid finite elements",
 }  # fmt: skip
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from valvetrain.analysis.valvetrain_study import TrainRun, TrainStudy
-from valvetrain.analysis.valvetrain_traces import channels
+from valvetrain.quantities.valvetrain_study import TrainRun, TrainStudy
+from valvetrain.quantities.valvetrain_traces import channels
 from valvetrain.report.comparison_grid import comparison_grid, comparison_table
 from valvetrain.report.earlier_files import remove_earlier
 from valvetrain.report.figures import sweep as sweep_figures

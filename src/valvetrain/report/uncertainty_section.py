@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from valvetrain.analysis.compare import same_speed
-from valvetrain.analysis.quantity import Quantity
-from valvetrain.analysis.study import SpringStudy
+from valvetrain.quantities.compare import same_speed
+from valvetrain.quantities.quantity import Quantity
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, text
 from valvetrain.report.table import Table, table
 from valvetrain.report.words import number, quantity_words, rpm, speed_words

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from valvetrain.analysis.study import SpringStudy
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.report.comparison_grid import comparison_table
 from valvetrain.report.earlier_files import remove_earlier
 from valvetrain.report.figures import modes, statics

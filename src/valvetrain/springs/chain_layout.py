@@ -108,7 +108,7 @@ def chain_from_definition(spring: SpringDefinition, elements: int, contact_stiff
     )
 
 
-def uniform_chain(rate: float, mass: float, elements: int, held_mass: float = 0.0) -> ChainLayout:
+def uniform_chain(rate: float, mass: float, elements: int, inactive_mass: float = 0.0) -> ChainLayout:
     """Uniform chain of a spring card: ``rate`` N/m, ``mass`` kg spread evenly, half an element's mass on either end."""
     if elements < 2:
         raise InputError(f"a chain of {elements} elements has no inner mass; give at least 2")
@@ -116,7 +116,7 @@ def uniform_chain(rate: float, mass: float, elements: int, held_mass: float = 0.
         raise InputError(f"a chain needs a positive rate and mass; the card gives {rate} N/m and {mass} kg")
     lump = mass / elements
     return ChainLayout(
-        np.full(elements, rate * elements), np.full(elements - 1, lump), np.linspace(0, 1, elements + 1), lump / 2, lump / 2 + held_mass
+        np.full(elements, rate * elements), np.full(elements - 1, lump), np.linspace(0, 1, elements + 1), lump / 2, lump / 2 + inactive_mass
     )
 
 

@@ -33,12 +33,12 @@ class Card(Protocol):
 
 @dataclass(frozen=True)
 class EquivalentSpring:
-    """Uniform spring of ``rate`` (N/m), ``preload`` (N) and vibrating ``active_mass`` (kg); ``held_mass`` (kg) rides on the retainer."""
+    """Uniform spring of ``rate`` (N/m), ``preload`` (N), vibrating ``active_mass`` (kg) and ``inactive_mass`` (kg) on the retainer."""
 
     rate: float
     preload: float
     active_mass: float
-    held_mass: float = 0.0
+    inactive_mass: float = 0.0
     name: str = "spring"
 
     def __post_init__(self) -> None:
@@ -46,7 +46,7 @@ class EquivalentSpring:
             raise InputError(f"rate of spring '{self.name}' is {self.rate} N/m; give a positive rate")
         if not self.active_mass > 0:
             raise InputError(f"mass of spring '{self.name}' is {self.active_mass} kg; a vibrating spring needs a positive mass")
-        check_masses(self.name, self.preload, self.active_mass, 0.0, self.held_mass)
+        check_masses(self.name, self.preload, self.active_mass, 0.0, self.inactive_mass)
 
     @classmethod
     def from_card(cls, card: Card, name: str = "spring") -> EquivalentSpring:
@@ -100,7 +100,7 @@ def massless_table(
     forces, _ = static_curve(reduction_chain(spring), compressions)
     whole = EquivalentSpring.from_definition(spring, precompression)
     displacements = tuple((compressions - precompression).tolist())
-    return MasslessTable(displacements, tuple(forces.tolist()), whole.active_mass, effective_mass_fraction, whole.held_mass)
+    return MasslessTable(displacements, tuple(forces.tolist()), whole.active_mass, effective_mass_fraction, whole.inactive_mass)
 
 
 def reduction_chain(spring: SpringDefinition) -> ChainLayout:

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
+from valvetrain.cosserat.layout import STRIDE, row
+from valvetrain.cosserat.mesh import RodMesh, mesh_spring
+from valvetrain.cosserat.state import RodState
+from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.rod.buffer import RodDynamics, fill_buffer, march_numbers, stable_time_step
-from valvetrain.rod.layout import STRIDE, row
-from valvetrain.rod.mesh import RodMesh, mesh_spring
-from valvetrain.rod.state import RodState
-from valvetrain.rod.static import Equilibrium, RodStatics, compress
 from valvetrain.springs import finite_element_kernel as stepping
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
 
@@ -109,7 +109,7 @@ class FiniteElementRod:
 
     @cached_property
     def _numbers(self) -> tuple[Array, NDArray[np.int64]]:
-        integers, numbers, places = march_numbers(self.mesh, self.dynamics, self._step)
+        integers, numbers, places = stepping_numbers(self.mesh, self.dynamics, self._step)
         return np.concatenate(([self.precompression], numbers, places.ravel())), integers
 
     def parameters(self) -> Array:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.rod import quaternion as quat
-from valvetrain.rod.mesh import RodMesh
-from valvetrain.rod.state import RodState
-from valvetrain.rod.transient import RodTransient
+from valvetrain.cosserat import quaternion as quat
+from valvetrain.cosserat.mesh import RodMesh
+from valvetrain.cosserat.state import RodState
+from valvetrain.cosserat.transient import RodTransient
 from valvetrain.solution.channels import spring_channels
 from valvetrain.springs.finite_element import FiniteElementRod
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from valvetrain.rod.layout import SIZE
-from valvetrain.rod.march import (
+from valvetrain.cosserat.layout import SIZE
+from valvetrain.cosserat.time_stepping import (
     DT,
     GROUPS,
     STRETCHES,

@@ -22,20 +22,20 @@ RAYLEIGH_FRACTION = 1.0 / 3.0
 class MasslessSpring:
     """Force = preload + rate * displacement (N, N/m); ``effective_mass_fraction`` of ``active_mass`` rides on the retainer.
 
-    ``held_mass`` (kg): end coils bonded to the retainer. Raises :class:`InputError` for impossible values.
+    ``inactive_mass`` (kg): end coils bonded to the retainer. Raises :class:`InputError` for impossible values.
     """
 
     rate: float
     preload: float
     active_mass: float = 0.0
     effective_mass_fraction: float = RAYLEIGH_FRACTION
-    held_mass: float = 0.0
+    inactive_mass: float = 0.0
     name: str = "massless"
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.rate) and self.rate > 0):
             raise InputError(f"rate of spring '{self.name}' is {self.rate} N/m; give a positive rate")
-        check_masses(self.name, self.preload, self.active_mass, self.effective_mass_fraction, self.held_mass)
+        check_masses(self.name, self.preload, self.active_mass, self.effective_mass_fraction, self.inactive_mass)
 
     @property
     def unknowns(self) -> int:
@@ -76,7 +76,7 @@ class MasslessSpring:
 
     def retainer_mass(self) -> float:
         """``effective_mass_fraction`` of the active mass plus the held end coils (kg)."""
-        return self.effective_mass_fraction * self.active_mass + self.held_mass
+        return self.effective_mass_fraction * self.active_mass + self.inactive_mass
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class MasslessTable:
     forces: tuple[float, ...]
     active_mass: float = 0.0
     effective_mass_fraction: float = RAYLEIGH_FRACTION
-    held_mass: float = 0.0
+    inactive_mass: float = 0.0
     name: str = "massless-table"
 
     def __post_init__(self) -> None:
@@ -101,7 +101,7 @@ class MasslessTable:
         if np.any(np.diff(self.displacements) <= 0) or np.any(np.diff(self.forces) <= 0):
             raise InputError(f"static curve of spring '{self.name}' must rise in displacement and force; sort it and remove repeats")
         preload = float(np.interp(0.0, self.displacements, self.forces))
-        check_masses(self.name, preload, self.active_mass, self.effective_mass_fraction, self.held_mass)
+        check_masses(self.name, preload, self.active_mass, self.effective_mass_fraction, self.inactive_mass)
 
     @property
     def unknowns(self) -> int:
@@ -155,14 +155,14 @@ class MasslessTable:
 
     def retainer_mass(self) -> float:
         """``effective_mass_fraction`` of the active mass plus the held end coils (kg)."""
-        return self.effective_mass_fraction * self.active_mass + self.held_mass
+        return self.effective_mass_fraction * self.active_mass + self.inactive_mass
 
 
-def check_masses(name: str, preload: float, active_mass: float, fraction: float, held_mass: float) -> None:
+def check_masses(name: str, preload: float, active_mass: float, fraction: float, inactive_mass: float) -> None:
     """Raise :class:`InputError` for a preload or mass no spring has."""
     if not np.isfinite(preload) or preload < 0:
         raise InputError(f"preload of spring '{name}' is {preload} N; give zero or a positive force")
-    if not (np.isfinite(active_mass) and np.isfinite(held_mass) and active_mass >= 0 and held_mass >= 0):
-        raise InputError(f"mass of spring '{name}' is {active_mass} kg (held ends {held_mass} kg); give zero or positive masses")
+    if not (np.isfinite(active_mass) and np.isfinite(inactive_mass) and active_mass >= 0 and inactive_mass >= 0):
+        raise InputError(f"mass of spring '{name}' is {active_mass} kg (held ends {inactive_mass} kg); give zero or positive masses")
     if not 0 <= fraction <= 1:
         raise InputError(f"effective_mass_fraction of spring '{name}' is {fraction}; it must lie between 0 and 1 (one third is usual)")

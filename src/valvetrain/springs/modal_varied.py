@@ -38,7 +38,7 @@ class ModalSolution:
 
 
 @dataclass(frozen=True)
-class ModalVariedStiffness:
+class ModalVaried:
     """``natural_frequencies`` (Hz, one per mode), ``damping_ratio``, static curve ``compressions`` (m from free) -> ``forces`` (N).
 
     ``precompression`` (m) is the installed compression x0. Raises :class:`InputError` for a curve or frequencies that cannot be.

@@ -53,7 +53,7 @@ class MultiMassSpring:
 
     @classmethod
     def from_card(
-        cls, rate: float, preload: float, mass: float, *, elements: int = 5, held_mass: float = 0.0, **options: Any
+        cls, rate: float, preload: float, mass: float, *, elements: int = 5, inactive_mass: float = 0.0, **options: Any
     ) -> MultiMassSpring:
         """From rate (N/m), preload (N) and mass (kg): uniform, without coil gaps (a card does not tell them).
 
@@ -61,7 +61,7 @@ class MultiMassSpring:
         """
         if not preload >= 0:
             raise InputError(f"preload of the spring card is {preload} N; give zero or a positive force")
-        return cls(uniform_chain(rate, mass, elements, held_mass), preload / rate, **options)
+        return cls(uniform_chain(rate, mass, elements, inactive_mass), preload / rate, **options)
 
     @property
     def unknowns(self) -> int:

@@ -13,10 +13,10 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.chain_layout import ChainLayout
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringModel, SpringOutputs
-from valvetrain.springs.equivalent_rod import EquivalentRod
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.nested_kernels import nested_kernel
-from valvetrain.springs.rod_with_clash import EquivalentRodWithClash
+from valvetrain.springs.wave_rod import WaveRod
+from valvetrain.springs.wave_rod_clash import WaveRodWithClash
 
 #: Sections of the inner spring that rub, however fine its model is.
 RUBBING_SECTIONS = 24
@@ -165,12 +165,12 @@ class NestedSprings:
 
 def _sections(model: SpringModel) -> tuple[Array, Array] | None:
     """Share 0..1 of the active length and mass (kg) of every inner section, or None where a model has no sections."""
-    if isinstance(model, EquivalentRod):
+    if isinstance(model, WaveRod):
         return np.arange(1, model.cells) / model.cells, np.full(model.cells - 1, model.cell_mass)
     layout: ChainLayout | None = None
     if isinstance(model, MultiMassSpring):
         layout = model.layout
-    elif isinstance(model, EquivalentRodWithClash):
+    elif isinstance(model, WaveRodWithClash):
         layout = model.chain.layout
     if layout is None:
         return None

@@ -13,7 +13,7 @@ from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import COMPLETED
-from valvetrain.springs.modal_varied import ModalVariedStiffness
+from valvetrain.springs.modal_varied import ModalVaried
 
 EXTRA = {
     "seat_force_wave_equation": ((), "N", "seat force with the modal signs of the wave equation"),
@@ -21,14 +21,14 @@ EXTRA = {
 }
 
 
-def modal_model(case: Case, curve: StaticCurve, modes: ModalResult) -> ModalVariedStiffness:
+def modal_model(case: Case, curve: StaticCurve, modes: ModalResult) -> ModalVaried:
     """The modal model of a case. Raises :class:`InputError` when no axial mode was found or the case is undamped and unsure."""
     frequencies = tuple(float(value) for value in modes.axial_frequencies)
     if not frequencies:
         raise InputError(f"the spring of case '{case.name}' shows no axial mode; compute more modes or run the finite-element model alone")
     ratio = case.damping.ratio if case.damping.ratio is not None else case.damping.ratio_at(frequencies[0])
     keep = curve.compression > 0
-    return ModalVariedStiffness(
+    return ModalVaried(
         frequencies, ratio, tuple(curve.compression[keep].tolist()), tuple(curve.force[keep].tolist()), case.installation.precompression
     )
 

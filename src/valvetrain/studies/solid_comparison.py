@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.analysis.spring_comparison import ModelStatics, SpringComparison, differences
 from valvetrain.cam.build import build_lift_law
 from valvetrain.citations import cite
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
+from valvetrain.quantities.spring_comparison import ModelStatics, SpringComparison, differences
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
@@ -24,19 +24,19 @@ from valvetrain.solution.static import StaticCurve
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.solid.calculix import find_solver
 from valvetrain.springs.solid.deck import SolidContact
-from valvetrain.springs.solid.installed import installed_statics, ride_seconds, statics_seconds
+from valvetrain.springs.solid.installed import installed_statics, motion_seconds, statics_seconds
 from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.springs.solid.layout import MeshOptions
-from valvetrain.springs.solid.transient import RIDE_CONTACT, TransientJob, run_transient
+from valvetrain.springs.solid.transient import MOTION_CONTACT, TransientJob, run_transient
 from valvetrain.studies.modal_runs import modal_model
-from valvetrain.studies.solid_ride import check_ride, rod_ride
+from valvetrain.studies.solid_motion import check_motion, rod_motion
 from valvetrain.studies.spring_runs import modal_result, static_curve
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]
 
 #: Models of this comparison.
-MODELS = ("finite-element", "modal", "solid")
+MODELS = ("finite-element", "modal-varied", "solid")
 #: Modes of the solid, and how many more of the rod, so that each finds its partner.
 MODES, SPARE_MODES = 12, 8
 #: Steps of the rod's curve: straight lines between them are exact to 0.01 % of the force where coils close.
@@ -87,7 +87,7 @@ def solid_cost(case: Case, choice: SolidChoice) -> SolidCost:
     increments = 0
     if choice.ride is not None:
         increments = int(np.ceil(_job(case, choice).duration / TransientJob.time_step)) + 10
-    return SolidCost(unknowns, len(model.mesh.elements), statics_seconds(unknowns), increments, ride_seconds(unknowns, increments))
+    return SolidCost(unknowns, len(model.mesh.elements), statics_seconds(unknowns), increments, motion_seconds(unknowns, increments))
 
 
 def run_solid_comparison(
@@ -122,10 +122,10 @@ def run_solid_comparison(
             raise
     if "finite-element" in models:
         members.append(by_rod)
-    if "modal" in models:
+    if "modal-varied" in models:
         members.append(_modal_statics(case, by_rod))
     if rides and "finite-element" in models and len(rides[0].time) > 2:
-        rides.append(rod_ride(case, rod, rides[0]))
+        rides.append(rod_motion(case, rod, rides[0]))
     return SpringComparison(
         case, installed, reach, tuple(members), differences(members, installed), tuple(rides), _notes(models, rides),
         collect_provenance(case.name, "spring comparison", created_at=created_at, citations=tuple(cite(key) for key in case.cite())),
@@ -141,7 +141,7 @@ def comparison_reach(case: Case) -> float:
 
 def _job(case: Case, choice: SolidChoice) -> TransientJob:
     assert choice.ride is not None
-    check_ride(case, choice.ride, choice.engine_speed)
+    check_motion(case, choice.ride, choice.engine_speed)
     law = build_lift_law(case.lift_law)
     return TransientJob(law, choice.engine_speed, case.installation.precompression, *choice.ride, mass_damping=case.damping.mass_damping)
 
@@ -165,7 +165,7 @@ def _modal_statics(case: Case, rod: ModelStatics) -> ModelStatics:
         modes.compression, modes.natural_frequency[axial], modes.shape[axial], modes.coil_number, modes.axial_transmission[axial],
         tuple(range(len(axial))), modes.status,
     )  # fmt: skip
-    return ModelStatics("modal", own, kept, {"modes": len(axial), "damping ratio": model.damping_ratio})
+    return ModelStatics("modal-varied", own, kept, {"modes": len(axial), "damping ratio": model.damping_ratio})
 
 
 def _solid_statics(case: Case, choice: SolidChoice, reach: float, meter: _Meter) -> ModelStatics:
@@ -187,7 +187,7 @@ def _solid_facts(model: SolidSpring) -> dict[str, float | int | str]:
 def _solid_ride(case: Case, choice: SolidChoice, meter: _Meter) -> Solution:
     job = _job(case, choice)
     model = solid_model(case, choice, watch=lambda reached: meter("ride", reached / job.duration - 1))
-    model = replace(model, contact=RIDE_CONTACT if model.contact is None else replace(RIDE_CONTACT, seats=model.contact.seats))
+    model = replace(model, contact=MOTION_CONTACT if model.contact is None else replace(MOTION_CONTACT, seats=model.contact.seats))
     solution = run_transient(model, job, case.name)
     meter("ride", 1.0)
     return solution
@@ -195,7 +195,7 @@ def _solid_ride(case: Case, choice: SolidChoice, meter: _Meter) -> Solution:
 
 def _notes(models: Sequence[str], rides: Sequence[Solution]) -> tuple[str, ...]:
     notes = []
-    if "modal" in models:
+    if "modal-varied" in models:
         notes.append(
             "The modal model takes its stiffness k(x) and its frequencies from the finite-element rod, so that both show the same numbers "
             "at rest; they differ in motion."

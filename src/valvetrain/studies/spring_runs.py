@@ -7,15 +7,15 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.analysis.clash import clash_events
-from valvetrain.analysis.stress import EQUIVALENT, SHEAR, StaticStress
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.contract import LiftLaw
+from valvetrain.cosserat.modes import natural_modes
+from valvetrain.cosserat.state import free_state
+from valvetrain.cosserat.static import Equilibrium, compress
+from valvetrain.cosserat.transient import RodTransient, simulate
 from valvetrain.parameters.case import Case
-from valvetrain.rod.modes import natural_modes
-from valvetrain.rod.state import free_state
-from valvetrain.rod.static import Equilibrium, compress
-from valvetrain.rod.transient import RodTransient, simulate
+from valvetrain.quantities.clash import clash_events
+from valvetrain.quantities.stress import EQUIVALENT, SHEAR, StaticStress
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
@@ -94,7 +94,7 @@ def modal_result(model: FiniteElementRod, count: int = 24) -> ModalResult:
     )  # fmt: skip
 
 
-def march_case(model: FiniteElementRod, law: LiftLaw, engine_speed: float, cycles: int, output_step: float) -> RodTransient:
+def integrate_case(model: FiniteElementRod, law: LiftLaw, engine_speed: float, cycles: int, output_step: float) -> RodTransient:
     """March ``cycles`` cam turns from the installed state; the last turn is kept (``engine_speed`` rad/s, ``output_step`` cam rad)."""
     cam_speed = engine_speed / 2
     per_turn = max(8, round(2 * np.pi / output_step))
@@ -110,13 +110,13 @@ def run_finite_element(case: Case, model: FiniteElementRod, engine_speed: float,
     A run that diverges is repeated once with half the step; when that fails too, what was computed is returned with a status.
     """
     law = build_lift_law(case.lift_law)
-    run = march_case(model, law, engine_speed, case.operation.cycles, case.rod.output_step)
+    run = integrate_case(model, law, engine_speed, case.operation.cycles, case.rod.output_step)
     retried = not run.completed
     if retried:
         from dataclasses import replace
 
         model = replace(model, time_step=run.time_step / 2)
-        run = march_case(model, law, engine_speed, case.operation.cycles, case.rod.output_step)
+        run = integrate_case(model, law, engine_speed, case.operation.cycles, case.rod.output_step)
     channels = rod_channels(model, run, engine_speed / 2)
     statistics: dict[str, float | int | str | bool] = {
         "time_step": run.time_step, "steps": run.steps, "elements": model.mesh.elements, "largest_velocity": run.fastest,

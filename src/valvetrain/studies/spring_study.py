@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from valvetrain.analysis.compare import compare, same_speed
-from valvetrain.analysis.design import check_room
-from valvetrain.analysis.quantities import study_quantities
-from valvetrain.analysis.quantity import Quantity, named
-from valvetrain.analysis.stages import Stages, stages_of
-from valvetrain.analysis.statics import natural_quantities
-from valvetrain.analysis.stress import StaticStress, stress_quantities
-from valvetrain.analysis.study import SpringStudy
 from valvetrain.cam.build import build_lift_law
 from valvetrain.citations import cite
+from valvetrain.cosserat.static import Equilibrium
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
-from valvetrain.rod.static import Equilibrium
+from valvetrain.quantities.compare import compare, same_speed
+from valvetrain.quantities.design import check_room
+from valvetrain.quantities.evaluate import study_quantities
+from valvetrain.quantities.quantity import Quantity, named
+from valvetrain.quantities.stages import Stages, stages_of
+from valvetrain.quantities.statics import natural_quantities
+from valvetrain.quantities.stress import StaticStress, stress_quantities
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
 from valvetrain.solution.result import Solution
@@ -34,7 +34,7 @@ from valvetrain.studies.spring_runs import modal_result, run_finite_element, sta
 from valvetrain.studies.uncertainty_file import load_uncertainty, meshes_of, uncertainty_sentences
 
 #: Spring models that the study of a spring alone knows.
-MODELS = ("finite-element", "modal")
+MODELS = ("finite-element", "modal-varied")
 
 Progress = Callable[[float, str], None]
 
@@ -70,9 +70,9 @@ def run_spring_study(
         modes = modal_result(model)
         tell("modes")
         solutions = [_wait(job, tell, f"finite-element rod at {s * 30 / np.pi:.0f} rpm") for s, job in marches.items()]
-    if "modal" in models:
+    if "modal-varied" in models:
         for speed in rod_speeds:
-            solutions.append(run_modal(case, curve, modes, speed, _provenance(case, "modal", speed, created_at)))
+            solutions.append(run_modal(case, curve, modes, speed, _provenance(case, "modal-varied", speed, created_at)))
             tell(f"modal model at {speed * 30 / np.pi:.0f} rpm")
     return assemble_study(case, curve, modes, solutions, created_at, static_stress(model, path))
 

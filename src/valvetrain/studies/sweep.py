@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.analysis.kinematics import contact_loss_cam_speed
-from valvetrain.analysis.valvetrain_quantities import ORDERS
-from valvetrain.analysis.valvetrain_study import TrainRun
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainOptions
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.train import TrainVariant
+from valvetrain.quantities.kinematics import contact_loss_cam_speed
+from valvetrain.quantities.valvetrain_quantities import ORDERS
+from valvetrain.quantities.valvetrain_study import TrainRun
 from valvetrain.solution.status import Status
 from valvetrain.studies.batch import map_cases
 from valvetrain.studies.train_study import RunJob, run_job, train_of

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.analysis.quantity import Quantity, named
-from valvetrain.analysis.valvetrain_study import Finding, TrainRun
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.train import TrainParameters
+from valvetrain.quantities.quantity import Quantity, named
+from valvetrain.quantities.valvetrain_study import Finding, TrainRun
 
 Array = NDArray[np.float64]
 

@@ -9,18 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from valvetrain.analysis.compare import compare
-from valvetrain.analysis.kinematics import RigidTable, contact_loss_cam_speed, rigid_table
-from valvetrain.analysis.quantity import Quantity, named
-from valvetrain.analysis.valvetrain_quantities import cycle_data, cycle_events, cycle_quantities
-from valvetrain.analysis.valvetrain_study import TrainRun, TrainStudy
-from valvetrain.analysis.valvetrain_traces import cycle_traces
 from valvetrain.citations import cite
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import SteadyTrain, steady_train
 from valvetrain.parameters.case import Case, SpringCard
 from valvetrain.parameters.train import TrainParameters, TrainVariant
+from valvetrain.quantities.compare import compare
+from valvetrain.quantities.kinematics import RigidTable, contact_loss_cam_speed, rigid_table
+from valvetrain.quantities.quantity import Quantity, named
+from valvetrain.quantities.valvetrain_quantities import cycle_data, cycle_events, cycle_quantities
+from valvetrain.quantities.valvetrain_study import TrainRun, TrainStudy
+from valvetrain.quantities.valvetrain_traces import cycle_traces
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.studies.batch import map_cases
 from valvetrain.studies.train_findings import derived_quantities, findings

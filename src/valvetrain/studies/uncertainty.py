@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from valvetrain.analysis.cycle import reported_cycle
-from valvetrain.analysis.main_clash import ClashWindow, find_clash_window, main_clash_quantities
-from valvetrain.analysis.quantities import run_quantities
-from valvetrain.analysis.stages import stages_of
-from valvetrain.analysis.statics import modal_quantities
-from valvetrain.analysis.stress import stress_quantities
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.evaluate import run_quantities
+from valvetrain.quantities.main_clash import ClashWindow, find_clash_window, main_clash_quantities
+from valvetrain.quantities.stages import stages_of
+from valvetrain.quantities.statics import modal_quantities
+from valvetrain.quantities.stress import stress_quantities
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.springs.finite_element import FiniteElementRod

@@ -6,9 +6,9 @@ import math
 import tomllib
 from importlib import resources
 
-from valvetrain.analysis.quantity import unit_of
 from valvetrain.cam.build import build_lift_law
 from valvetrain.parameters.case import Case
+from valvetrain.quantities.quantity import unit_of
 from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
 
 _STILL = "statics"
@@ -44,8 +44,8 @@ def fingerprint(case: Case) -> dict[str, float]:
     found |= {f"mean_diameter_{n}": float(spring.mean_diameter.value(coil)) for n, coil in enumerate(places, start=1)}
     found |= {f"lift_at_{angle}_deg": float(law.lift(math.radians(angle))) for angle in (130, 150, 165, 180)}
     return found | {
-        "wire_diameter": float(spring.wire_diameter.value(0.0)), "lower_held_coils": spring.free_coils[0],
-        "upper_held_coils": spring.total_coils - spring.free_coils[1], "precompression": case.installation.precompression,
+        "wire_diameter": float(spring.wire_diameter.value(0.0)), "lower_inactive_coils": spring.free_coils[0],
+        "upper_inactive_coils": spring.total_coils - spring.free_coils[1], "precompression": case.installation.precompression,
         "mass_damping": case.damping.mass_damping, "stiffness_damping": case.damping.stiffness_damping,
         "elements_per_coil": float(case.rod.elements_per_coil), "contact_stiffness": case.rod.contact_stiffness,
         "contact_damping_time": case.rod.contact_damping_time, "cycles": float(case.operation.cycles),

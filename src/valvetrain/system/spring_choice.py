@@ -11,7 +11,7 @@ from valvetrain.parameters.case import SpringCard
 from valvetrain.parameters.train import InstalledSpring, TrainParameters
 from valvetrain.system.wire_from_card import wire_from_card
 
-SPRING_MODELS = ("massless", "multi-mass", "modal", "rod", "rod-with-clash", "finite-element")
+SPRING_MODELS = ("massless", "multi-mass", "modal-uniform", "wave-rod", "wave-rod-clash", "finite-element")
 CARD_LIFT = 0.012
 """Lift (m) up to which the coils of a wire made from a card stay apart."""
 
@@ -40,7 +40,7 @@ def build_springs(train: TrainParameters, model: str | None = None, spring_set: 
 
 def _makers() -> Mapping[str, Callable[[Any, Mapping[str, Any]], Any]]:
     return {
-        "massless": _massless, "multi-mass": _multi_mass, "modal": _modal, "rod": _rod, "rod-with-clash": _clashing_rod,
+        "massless": _massless, "multi-mass": _multi_mass, "modal-uniform": _modal, "wave-rod": _rod, "wave-rod-clash": _clashing_rod,
         "finite-element": _finite_element,
     }  # fmt: skip
 
@@ -96,28 +96,28 @@ def _equivalent(part: Any, model: str) -> Any:
 
 
 def _modal(part: Any, options: Mapping[str, Any]) -> Any:
-    from valvetrain.springs.modal import ModalSpring
+    from valvetrain.springs.modal_uniform import ModalUniform
 
-    return ModalSpring(_equivalent(part, "modal"), **_take(options, "mass_damping", "stiffness_damping", "modes"))
+    return ModalUniform(_equivalent(part, "modal-uniform"), **_take(options, "mass_damping", "stiffness_damping", "modes"))
 
 
 def _rod(part: Any, options: Mapping[str, Any]) -> Any:
-    from valvetrain.springs.equivalent_rod import EquivalentRod
+    from valvetrain.springs.wave_rod import WaveRod
 
-    return EquivalentRod(_equivalent(part, "rod"), friction=options.get("mass_damping", 0.0) / 2)
+    return WaveRod(_equivalent(part, "wave-rod"), friction=options.get("mass_damping", 0.0) / 2)
 
 
 def _clashing_rod(part: Any, options: Mapping[str, Any]) -> Any:
-    from valvetrain.springs.rod_with_clash import EquivalentRodWithClash
+    from valvetrain.springs.wave_rod_clash import WaveRodWithClash
 
     if not isinstance(part, InstalledSpring):
         raise InputError(f"spring '{part.name}' is known by its card only; a rod with clash needs the coil gaps of its wire, so use rod")
     friction = options.get("mass_damping", 0.0) / 2
-    return EquivalentRodWithClash.from_definition(part.definition, part.precompression, friction=friction)
+    return WaveRodWithClash.from_definition(part.definition, part.precompression, friction=friction)
 
 
 def _finite_element(part: Any, options: Mapping[str, Any]) -> Any:
-    from valvetrain.rod.buffer import RodDynamics
+    from valvetrain.cosserat.buffer import RodDynamics
     from valvetrain.springs.finite_element import FiniteElementRod
 
     dynamics = RodDynamics(**_take(options, "mass_damping", "stiffness_damping"))

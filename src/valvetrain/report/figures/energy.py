@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.analysis.cycle import reported_cycle
-from valvetrain.analysis.energy import energy_balance
-from valvetrain.analysis.spectrum import order_spectrum, surge_order
-from valvetrain.analysis.study import SpringStudy
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.energy import energy_balance
+from valvetrain.quantities.spectrum import order_spectrum, surge_order
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Panel, Rule, thin
 from valvetrain.report.figures.force import runs_at

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from valvetrain.analysis.compare import same_speed
-from valvetrain.analysis.cycle import reported_cycle
-from valvetrain.analysis.filters import fine_filtered, fine_series
-from valvetrain.analysis.stages import Stages, stages_of
-from valvetrain.analysis.study import SpringStudy
+from valvetrain.quantities.compare import same_speed
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.filters import fine_filtered, fine_series
+from valvetrain.quantities.stages import Stages, stages_of
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, thin
 from valvetrain.report.table import Table, table

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.analysis.cycle import reported_cycle
+from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Panel, thin
 from valvetrain.report.figures.force import ANGLE_LABEL, stage_bands

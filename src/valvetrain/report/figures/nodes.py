@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.analysis.compare import same_speed
-from valvetrain.analysis.cycle import reported_cycle
-from valvetrain.analysis.stages import Stages
-from valvetrain.analysis.study import SpringStudy
+from valvetrain.quantities.compare import same_speed
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.stages import Stages
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, thin
 from valvetrain.report.figures.force import ANGLE_LABEL, stage_bands

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.analysis.spring_comparison import SpringComparison, curve_at
+from valvetrain.quantities.spring_comparison import SpringComparison, curve_at
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Marks, Panel, Rule, thin
 from valvetrain.report.table import Table, table
 from valvetrain.report.words import speed_words
 
-DASHES = {"modal": "dash"}
+DASHES = {"modal-varied": "dash"}
 
 
 def curve_table(study: SpringComparison) -> Table:
@@ -36,7 +36,7 @@ def frequency_table(study: SpringComparison) -> Table:
     rows = [row for row in study.differences if row.quantity == "natural frequency"]
     columns: list = [("mode", "", np.array([int(row.place) for row in rows])), ("axial", "", np.array([row.axial for row in rows]))]
     columns += [(theme.model_words(name), "Hz", np.array([row.values.get(name, np.nan) for row in rows])) for name in study.models]
-    shown = [name for name in study.models[1:] if name != "modal" or len(study.models) == 2]
+    shown = [name for name in study.models[1:] if name != "modal-varied" or len(study.models) == 2]
     agreement = [
         (f"shape agreement, {theme.model_words(name)}", "", np.array([row.shape_agreement.get(name, np.nan) for row in rows]))
         for name in shown

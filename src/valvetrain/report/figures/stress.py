@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.analysis.cycle import reported_cycle
-from valvetrain.analysis.stress import EQUIVALENT, SHEAR, wire_stress_of
-from valvetrain.analysis.study import SpringStudy
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.stress import EQUIVALENT, SHEAR, wire_stress_of
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Panel, thin
 from valvetrain.report.figures.force import ANGLE_LABEL, stage_bands

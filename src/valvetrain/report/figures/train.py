@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.analysis.kinematics import RigidTable
-from valvetrain.analysis.valvetrain_study import TrainRun
-from valvetrain.analysis.valvetrain_traces import CycleTraces
+from valvetrain.quantities.kinematics import RigidTable
+from valvetrain.quantities.valvetrain_study import TrainRun
+from valvetrain.quantities.valvetrain_traces import CycleTraces
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Panel, thin
 from valvetrain.report.table import Table, table

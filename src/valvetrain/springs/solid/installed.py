@@ -48,6 +48,6 @@ def statics_seconds(unknowns: int) -> float:
     return STATICS_SECONDS * (unknowns / REFERENCE_UNKNOWNS) ** GROWTH
 
 
-def ride_seconds(unknowns: int, increments: int) -> float:
+def motion_seconds(unknowns: int, increments: int) -> float:
     """Wall time (s) to expect of a ride of so many increments."""
     return INCREMENT_SECONDS * increments * (unknowns / REFERENCE_UNKNOWNS) ** GROWTH

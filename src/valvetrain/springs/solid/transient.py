@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 #: Increments in which the spring is brought to its installed length.
 PRELOAD_INCREMENTS = 10
 #: Coils that meet at speed exhaust the solver's cutbacks with the stiffer contact of statics.
-RIDE_CONTACT = SolidContact(stiffness=1e13)
+MOTION_CONTACT = SolidContact(stiffness=1e13)
 
 
 class Lift(Protocol):
@@ -97,12 +97,12 @@ def run_transient(model: SolidSpring, job: TransientJob, case_name: str = "") ->
 def run_case(case: Case, engine_speed: float, first_angle: float, last_angle: float, model: SolidSpring | None = None) -> Solution:
     """Ride of a case's spring on its lift law between two cam angles (rad) at ``engine_speed`` (crank rad/s).
 
-    ``model`` defaults to the coarse mesh of :meth:`SolidSpring.from_case` with the softer contact of :data:`RIDE_CONTACT`.
+    ``model`` defaults to the coarse mesh of :meth:`SolidSpring.from_case` with the softer contact of :data:`MOTION_CONTACT`.
     Only the case's mass-proportional damping acts. Minutes per millisecond: choose the angles with care.
     """
     from valvetrain.cam import build_lift_law
 
-    chosen = model or SolidSpring.from_case(case, contact=RIDE_CONTACT)
+    chosen = model or SolidSpring.from_case(case, contact=MOTION_CONTACT)
     law, damping = build_lift_law(case.lift_law), case.damping.mass_damping
     job = TransientJob(law, engine_speed, case.installation.precompression, first_angle, last_angle, mass_damping=damping)
     return run_transient(chosen, job, case.name)

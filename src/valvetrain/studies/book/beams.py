@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.rod.mesh import RodMesh
-from valvetrain.rod.static import Equilibrium, NewtonOptions, RodStatics, TipLoads, bend_tip
+from valvetrain.cosserat.mesh import RodMesh
+from valvetrain.cosserat.static import Equilibrium, NewtonOptions, RodStatics, TipLoads, bend_tip
 from valvetrain.studies.book.row import Row, book_case
 from valvetrain.studies.book.wires import Helix, mesh_wire, section, state_on, tube
 
@@ -127,7 +127,7 @@ def _bent(free: Helix, bent: Helix, length: float, elements: int) -> tuple[RodMe
     statics = RodStatics(mesh, options=TIGHT)
     result = statics.solve(state_on(bent, mesh), 0.0)
     residual = statics.assemble(result.state, False)[1].reshape(-1, 6)
-    from valvetrain.rod import quaternion as quat
+    from valvetrain.cosserat import quaternion as quat
 
     turn = quat.to_matrix(result.state.frame[-1:])[0] @ residual[mesh.last, 3:]
     arm = np.cross(result.state.position[-1], residual[mesh.last, :3])

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.cosserat.mesh import mesh_spring
+from valvetrain.cosserat.modes import natural_modes
+from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
-from valvetrain.rod.mesh import mesh_spring
-from valvetrain.rod.modes import natural_modes
-from valvetrain.rod.static import RodStatics, compress
 from valvetrain.springs.equivalent import EquivalentSpring
-from valvetrain.springs.equivalent_rod import EquivalentRod
 from valvetrain.springs.multi_mass import MultiMassSpring
+from valvetrain.springs.wave_rod import WaveRod
 from valvetrain.studies.book.row import Kind, Row, book_case
 from valvetrain.studies.book.springs import STEEL, mesh
 
@@ -46,7 +46,7 @@ def chain_surge() -> list[Row]:
 @book_case()
 def wave_rod_impact() -> list[Row]:
     """Wave equation at Courant number one: v sqrt(k m) at the moving end, doubled at the fixed one."""
-    rod = EquivalentRod(EquivalentSpring(RATE, PRELOAD, MASS), 200)
+    rod = WaveRod(EquivalentSpring(RATE, PRELOAD, MASS), 200)
     state, step, speed = rod.initial_state(0.0), rod.stable_time_step(), 1.0
     parameters, integers, ends = rod.parameters(), rod.integers(), []
     for n in range(360):

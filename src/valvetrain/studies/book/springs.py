@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.cosserat.mesh import RodMesh, mesh_spring
+from valvetrain.cosserat.modes import natural_modes
+from valvetrain.cosserat.state import free_state
+from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.curve_forms import Parabola
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.rod.mesh import RodMesh, mesh_spring
-from valvetrain.rod.modes import natural_modes
-from valvetrain.rod.state import free_state
-from valvetrain.rod.static import RodStatics, compress
 from valvetrain.studies.book.row import Row, book_case
 
 STEEL = Material("spring steel", 206e9, 79.6e9, 7850.0)

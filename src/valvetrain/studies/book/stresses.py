@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.rod import quaternion as quat
-from valvetrain.rod.static import RodStatics, compress
+from valvetrain.cosserat import quaternion as quat
+from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.springs.stress import CURVATURE_FACTORS, shear_stress_factor, wire_stress
 from valvetrain.studies.book.row import Row, book_case
 from valvetrain.studies.book.springs import mesh, spring

@@ -6,11 +6,11 @@ import numpy as np
 from scipy.sparse import diags
 from scipy.sparse.linalg import spsolve
 
-from valvetrain.rod.buffer import RodDynamics, inertia_of
-from valvetrain.rod.mesh import RodMesh
-from valvetrain.rod.state import free_state
-from valvetrain.rod.static import RodStatics
-from valvetrain.rod.transient import simulate
+from valvetrain.cosserat.buffer import RodDynamics, inertia_of
+from valvetrain.cosserat.mesh import RodMesh
+from valvetrain.cosserat.state import free_state
+from valvetrain.cosserat.static import RodStatics
+from valvetrain.cosserat.transient import simulate
 from valvetrain.studies.book.row import Row, book_case
 from valvetrain.studies.book.springs import mesh, rate, spring
 

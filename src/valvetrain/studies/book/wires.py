@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.rod import quaternion as quat
-from valvetrain.rod.mesh import RodMesh, mesh_curve
-from valvetrain.rod.section import Section
-from valvetrain.rod.state import RodState
+from valvetrain.cosserat import quaternion as quat
+from valvetrain.cosserat.mesh import RodMesh, mesh_curve
+from valvetrain.cosserat.section import Section
+from valvetrain.cosserat.state import RodState
 
 Array = NDArray[np.float64]
 

@@ -25,7 +25,7 @@ SECTIONS = 25
 
 
 @dataclass(frozen=True)
-class ModalSpring:
+class ModalUniform:
     """``modes`` surge modes of ``spring``; ``natural_frequencies`` (Hz) replace those of the uniform bar, n f1, where given.
 
     ``damping_ratio`` acts on every mode's departure from the static shape (the source's zeta), ``stiffness_damping`` (s) adds
@@ -38,7 +38,7 @@ class ModalSpring:
     damping_ratio: float = 0.0
     mass_damping: float = 0.0
     stiffness_damping: float = 0.0
-    name: str = "modal"
+    name: str = "modal-uniform"
 
     def __post_init__(self) -> None:
         label = f"modal spring '{self.spring.name}'"
@@ -98,7 +98,7 @@ class ModalSpring:
     def integers(self) -> NDArray[np.int64]:
         return np.array([self.modes], dtype=np.int64)
 
-    def with_time_step(self, time_step: float) -> ModalSpring:
+    def with_time_step(self, time_step: float) -> ModalUniform:
         return self
 
     def initial_state(self, retainer_displacement: float) -> Array:
@@ -148,4 +148,4 @@ class ModalSpring:
     def retainer_mass(self) -> float:
         """A third of the active mass less what the modes carry, plus the held coils (kg)."""
         carried = float(np.sum(self.modal_stiffness / self.circular_frequencies**2 * self.shares**2))
-        return max(self.spring.active_mass / 3 - carried, 0.0) + self.spring.held_mass
+        return max(self.spring.active_mass / 3 - carried, 0.0) + self.spring.inactive_mass

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
+from valvetrain.cosserat.mesh import RodMesh
+from valvetrain.cosserat.state import RodState
+from valvetrain.cosserat.time_stepping import STRETCHES, integrate_in_time
 from valvetrain.errors import InputError
-from valvetrain.rod.buffer import RodDynamics, fill_buffer, march_numbers, stable_time_step
-from valvetrain.rod.march import STRETCHES, march
-from valvetrain.rod.mesh import RodMesh
-from valvetrain.rod.state import RodState
 
 Array = NDArray[np.float64]
 
@@ -71,7 +71,7 @@ def simulate(
     dense = max(1, round(sample_interval / DENSE_INTERVAL))
     sub = max(1, int(np.ceil(sample_interval / dense / limit * (1 - 1e-9))))
     step = sample_interval / (dense * sub)
-    integers, numbers, places = march_numbers(mesh, dynamics, step)
+    integers, numbers, places = stepping_numbers(mesh, dynamics, step)
     buffer = fill_buffer(mesh, start, dynamics, step)
     steps = samples * dense * sub
     displacement = np.ascontiguousarray(motion(step * np.arange(steps + 1.0)), dtype=float)
@@ -80,7 +80,7 @@ def simulate(
     contacts = np.zeros((samples + 1, 3, mesh.contact.groups, mesh.vertices))
     records = np.empty((samples * dense + 1, 4))
     clock, stretches = np.array([sub, dense, discard]), np.zeros((STRETCHES, 2))
-    done, fastest = march(buffer, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, records)
+    done, fastest = integrate_in_time(buffer, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, records)
     reached = min(samples, (done - 1) // (dense * sub)) if done <= steps else samples
     if reached < discard:  # diverged among the samples not kept: run again and keep the last one before
         return simulate(mesh, start, motion, sample_interval, samples, dynamics, time_step, reached)

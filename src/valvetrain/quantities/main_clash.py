@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from valvetrain.analysis.cycle import Array, Cycle
-from valvetrain.analysis.filters import BANDWIDTHS, fine_filtered, fine_series
-from valvetrain.analysis.peaks import Index, prominent_peaks
-from valvetrain.analysis.stages import STAGE_3_SHARE, Stages
+from valvetrain.quantities.cycle import Array, Cycle
+from valvetrain.quantities.filters import BANDWIDTHS, fine_filtered, fine_series
+from valvetrain.quantities.peaks import Index, prominent_peaks
+from valvetrain.quantities.stages import STAGE_3_SHARE, Stages
 
 #: The main clash is the first spike after the event that rises above the base circle's force by this share of the highest one.
 MAIN_SHARE = 0.6

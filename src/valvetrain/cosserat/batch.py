@@ -9,14 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
+from valvetrain.cosserat.lanes import LANES, integrate_lanes
+from valvetrain.cosserat.layout import PAD, ROWS, STRIDE, empty_buffer
+from valvetrain.cosserat.mesh import MAXIMUM_VERTICES, RodMesh
+from valvetrain.cosserat.state import RodState
+from valvetrain.cosserat.time_stepping import LOWER_END, STRETCHES, UPPER_START
+from valvetrain.cosserat.transient import DENSE_INTERVAL, simulate
 from valvetrain.errors import InputError
-from valvetrain.rod.buffer import RodDynamics, fill_buffer, march_numbers, stable_time_step
-from valvetrain.rod.lane_march import LANES, march_lanes
-from valvetrain.rod.layout import PAD, ROWS, STRIDE, empty_buffer
-from valvetrain.rod.march import LOWER_END, STRETCHES, UPPER_START
-from valvetrain.rod.mesh import MAXIMUM_VERTICES, RodMesh
-from valvetrain.rod.state import RodState
-from valvetrain.rod.transient import DENSE_INTERVAL, simulate
 
 Array = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ def simulate_batch(
     def lanes(first: int) -> tuple[Array, NDArray[np.bool_]]:
         group = range(first, min(first + LANES, len(meshes)))
         chosen = [min(first + lane, len(meshes) - 1) for lane in range(LANES)]
-        forces, reached = _march_group([meshes[k] for k in chosen], [starts[k] for k in chosen], dynamics, displacement, step, sub)
+        forces, reached = _advance_group([meshes[k] for k in chosen], [starts[k] for k in chosen], dynamics, displacement, step, sub)
         return forces[: len(group)], reached[: len(group)]
 
     def single(index: int) -> tuple[Array, NDArray[np.bool_]]:
@@ -82,7 +82,7 @@ def simulate_batch(
     )  # fmt: skip
 
 
-def _march_group(
+def _advance_group(
     meshes: Sequence[RodMesh], starts: Sequence[RodState], dynamics: RodDynamics, displacement: Array, step: float, sub: int
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Forces (LANES, 2, records) of one group of rods and which of them reached the end."""
@@ -93,13 +93,13 @@ def _march_group(
         single = fill_buffer(mesh, start, dynamics, step)
         for row in _ROW_STARTS.astype(int) - PAD:
             rows[row + lane : row + width * LANES : LANES][:width] = single[PAD + row : PAD + row + width]
-    integers, numbers, places = march_numbers(meshes[0], dynamics, step)
-    each = [march_numbers(mesh, dynamics, step)[0] for mesh in meshes]
+    integers, numbers, places = stepping_numbers(meshes[0], dynamics, step)
+    each = [stepping_numbers(mesh, dynamics, step)[0] for mesh in meshes]
     integers[LOWER_END], integers[UPPER_START] = max(row[LOWER_END] for row in each), min(row[UPPER_START] for row in each)
     steps = len(displacement) - 1
     dense = np.full((steps // sub + 1, 2, LANES), np.nan)
     reached = np.full(LANES, steps + 1, dtype=np.int64)
-    march_lanes(
+    integrate_lanes(
         buffer, integers, numbers, places, displacement, sub, _ROW_STARTS, np.zeros((STRETCHES, 2)), np.zeros((2, LANES)), dense, reached
     )
     for lost in np.flatnonzero(reached <= steps):

@@ -14,15 +14,15 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.chain_layout import NO_CONTACTS, ChainLayout, CoilContacts, uniform_chain
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring, InstalledGaps, installed_gaps
-from valvetrain.springs.equivalent_rod import cells_for_step
 from valvetrain.springs.multi_mass import MultiMassSpring
+from valvetrain.springs.wave_rod import cells_for_step
 
 #: Courant number that leaves room for the contacts, their stiffness over a cell's, and their damping time over the step.
 COURANT, CONTACT_SHARE, DAMPING_SHARE = 0.9, 0.2, 0.4
 
 
 @dataclass(frozen=True, eq=False)
-class EquivalentRodWithClash:
+class WaveRodWithClash:
     """Rod of ``cells`` cells with the installed ``gaps`` between neighbouring turns.
 
     A contact may be no stiffer than the explicit step resolves (``CONTACT_SHARE`` of a cell), so a clash is softer than steel.
@@ -33,21 +33,21 @@ class EquivalentRodWithClash:
     gaps: InstalledGaps
     cells: int = 200
     friction: float = 0.0
-    name: str = "rod-with-clash"
+    name: str = "wave-rod-clash"
 
     def __post_init__(self) -> None:
         if self.cells < 3:
             raise InputError(f"the rod of spring '{self.spring.name}' has {self.cells} cells; give at least 3 (200 is usual)")
 
     @classmethod
-    def from_definition(cls, spring: SpringDefinition, precompression: float, **options: Any) -> EquivalentRodWithClash:
+    def from_definition(cls, spring: SpringDefinition, precompression: float, **options: Any) -> WaveRodWithClash:
         """Rate, mass and installed gaps of the wire at ``precompression`` (m)."""
         return cls(EquivalentSpring.from_definition(spring, precompression), installed_gaps(spring, precompression), **options)
 
     @cached_property
     def chain(self) -> MultiMassSpring:
         """The same rod as a uniform chain with contacts, stepped by the chain's kernel."""
-        bare = uniform_chain(self.spring.rate, self.spring.active_mass, self.cells, self.spring.held_mass)
+        bare = uniform_chain(self.spring.rate, self.spring.active_mass, self.cells, self.spring.inactive_mass)
         coil = np.interp(bare.coil_number, self.gaps.flow, self.gaps.turns)
         layout = ChainLayout(bare.stiffness, bare.masses, coil, bare.seat_mass, bare.retainer_mass, self._contacts(coil))
         step = COURANT / (self.spring.wave_speed * self.cells)
@@ -89,7 +89,7 @@ class EquivalentRodWithClash:
     def integers(self) -> NDArray[np.int64]:
         return self.chain.integers()
 
-    def with_time_step(self, time_step: float) -> EquivalentRodWithClash:
+    def with_time_step(self, time_step: float) -> WaveRodWithClash:
         """The finest grid that this step (s) carries with closed contacts."""
         return replace(self, cells=cells_for_step(self.spring.wave_speed, time_step, COURANT))
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.cam.build import build_lift_law
+from valvetrain.cosserat.transient import simulate
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
-from valvetrain.rod.transient import simulate
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
@@ -21,10 +21,10 @@ Array = NDArray[np.float64]
 
 #: A ride starts at rest: the lift (m) and the retainer velocity (m/s) that count as none.
 REST_LIFT, REST_VELOCITY = 1e-5, 0.02
-WHERE = "--solid-ride"
+WHERE = "--solid-motion"
 
 
-def check_ride(case: Case, ride: tuple[float, float], engine_speed: float) -> None:
+def check_motion(case: Case, ride: tuple[float, float], engine_speed: float) -> None:
     """Raise :class:`InputError` for a case without a lift law, an empty ride (cam rad) or one that starts in motion."""
     if case.lift_law is None:
         raise InputError(f"case '{case.name}' has no lift law to ride on; add a [lift_law] table", WHERE)
@@ -43,7 +43,7 @@ def check_ride(case: Case, ride: tuple[float, float], engine_speed: float) -> No
         raise InputError(f"a ride starts at rest, but {place}{hint}", WHERE)
 
 
-def rod_ride(case: Case, rod: FiniteElementRod, solid: Solution) -> Solution:
+def rod_motion(case: Case, rod: FiniteElementRod, solid: Solution) -> Solution:
     """The rod over the time of a solid ride from the same state at rest, mass damping only, at the samples of the solid.
 
     Forces are means over the solid's increments, which cannot follow what is faster.

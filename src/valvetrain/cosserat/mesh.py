@@ -13,11 +13,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.cosserat import quaternion as quat
+from valvetrain.cosserat.contact_line import ContactLine, no_contact, pair_coils
+from valvetrain.cosserat.section import Section, round_section
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.rod import quaternion as quat
-from valvetrain.rod.contact_line import ContactLine, no_contact, pair_coils
-from valvetrain.rod.section import Section, round_section
 
 Array = NDArray[np.float64]
 

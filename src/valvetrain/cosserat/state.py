@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.rod import quaternion as quat
-from valvetrain.rod.mesh import RodMesh
+from valvetrain.cosserat import quaternion as quat
+from valvetrain.cosserat.mesh import RodMesh
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,19 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from valvetrain.rod.layout import GROUP as _GROUP
-from valvetrain.rod.layout import ROW
-from valvetrain.rod.march import (
+from valvetrain.cosserat.layout import GROUP as _GROUP
+from valvetrain.cosserat.layout import ROW
+from valvetrain.cosserat.step_kernels import (
+    bending_torques_of,
+    contact_forces_of,
+    copy_lower_wire,
+    move_vertices_of,
+    return_contact,
+    section_forces_of,
+    spread_contact_of,
+    turn_edges_of,
+)
+from valvetrain.cosserat.time_stepping import (
     CONTACT_TIME,
     DECAY,
     DT,
@@ -31,16 +41,6 @@ from valvetrain.rod.march import (
     VISCOUS,
     WATCH_MARGIN,
     WATCH_STEPS,
-)
-from valvetrain.rod.step_kernels import (
-    bending_torques_of,
-    contact_forces_of,
-    copy_lower_wire,
-    move_vertices_of,
-    return_contact,
-    section_forces_of,
-    spread_contact_of,
-    turn_edges_of,
 )
 
 X, Y, Z, VX, VY, VZ, FZ = (ROW[n] for n in ("X", "Y", "Z", "VX", "VY", "VZ", "FZ"))
@@ -212,7 +212,7 @@ def replace_diverged(b, integers, row_starts, step, reached):
 
 
 @njit(**OPTIONS)
-def march_lanes(b, integers, numbers, places, displacement, clock, row_starts, stretches, forces, dense, reached):
+def integrate_lanes(b, integers, numbers, places, displacement, clock, row_starts, stretches, forces, dense, reached):
     """March ``LANES`` rods over ``len(displacement) - 1`` steps of one prescribed retainer displacement (m).
 
     ``clock``: steps per record. Fills ``dense`` (records, 2, lanes) with retainer and seat force (N) and ``reached`` (lanes,)

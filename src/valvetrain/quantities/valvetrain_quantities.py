@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.analysis.kinematics import RigidTable
-from valvetrain.analysis.valvetrain_events import CycleData, clash_events, find_events, of_kind
 from valvetrain.integrate.train_steady import SteadyTrain
+from valvetrain.quantities.kinematics import RigidTable
+from valvetrain.quantities.valvetrain_events import CycleData, clash_events, find_events, of_kind
 from valvetrain.solution.event import Event
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from valvetrain.analysis.cycle import Array, reported_cycle
+from valvetrain.quantities.cycle import Array, reported_cycle
 from valvetrain.solution.result import Solution
 
 SHEAR, EQUIVALENT = "inner_fibre_shear_stress", "inner_fibre_equivalent_stress"

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from valvetrain.analysis.collisions import collision_quantities, separation_angle
-from valvetrain.analysis.cycle import reported_cycle
-from valvetrain.analysis.energy import energy_quantities
-from valvetrain.analysis.filters import bandwidth_quantities
-from valvetrain.analysis.main_clash import find_clash_window, main_clash_quantities
-from valvetrain.analysis.nodes import (
+from valvetrain.quantities.collisions import collision_quantities, separation_angle
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.energy import energy_quantities
+from valvetrain.quantities.filters import bandwidth_quantities
+from valvetrain.quantities.main_clash import find_clash_window, main_clash_quantities
+from valvetrain.quantities.nodes import (
     acceleration_quantities,
     displacement_quantities,
     velocity_quantities,
 )
-from valvetrain.analysis.quantity import Quantity, named
-from valvetrain.analysis.stages import Stages, stage_quantities
-from valvetrain.analysis.statics import modal_quantities, static_quantities
+from valvetrain.quantities.quantity import Quantity, named
+from valvetrain.quantities.stages import Stages, stage_quantities
+from valvetrain.quantities.statics import modal_quantities, static_quantities
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve

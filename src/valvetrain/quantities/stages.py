@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from valvetrain.analysis.cycle import Array, Cycle
-from valvetrain.analysis.peaks import prominences, prominent_peaks
 from valvetrain.cam.build import build_lift_law
 from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.quantities.cycle import Array, Cycle
+from valvetrain.quantities.peaks import prominences, prominent_peaks
 
 #: A peak of Stage I stands out by this share of the stage's force range.
 STAGE_1_SHARE = 0.25

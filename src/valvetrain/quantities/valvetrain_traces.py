@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.analysis.valvetrain_events import CycleData
-from valvetrain.analysis.valvetrain_quantities import spring_outputs
 from valvetrain.integrate.train_steady import SteadyTrain
 from valvetrain.mechanism.crank import piston_clearance
 from valvetrain.parameters.train import TrainParameters
+from valvetrain.quantities.valvetrain_events import CycleData
+from valvetrain.quantities.valvetrain_quantities import spring_outputs
 
 if TYPE_CHECKING:
     import xarray

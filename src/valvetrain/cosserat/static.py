@@ -11,10 +11,10 @@ from scipy.linalg import solve_banded
 from scipy.sparse import coo_matrix, csc_matrix, dia_matrix
 from scipy.sparse.linalg import splu
 
-from valvetrain.rod import energy_kernels as kern
-from valvetrain.rod import quaternion as quat
-from valvetrain.rod.mesh import RodMesh
-from valvetrain.rod.state import RodState, advance, free_state
+from valvetrain.cosserat import energy_kernels as kern
+from valvetrain.cosserat import quaternion as quat
+from valvetrain.cosserat.mesh import RodMesh
+from valvetrain.cosserat.state import RodState, advance, free_state
 
 Array = NDArray[np.float64]
 

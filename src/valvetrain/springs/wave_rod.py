@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.springs import rod_kernels
+from valvetrain.springs import wave_rod_kernels
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
 
@@ -29,7 +29,7 @@ def cells_for_step(wave_speed: float, time_step: float, courant: float) -> int:
 
 
 @dataclass(frozen=True)
-class EquivalentRod:
+class WaveRod:
     """Uniform rod of ``cells`` cells with the rate, preload and mass of ``spring``.
 
     ``friction`` mu (1/s) of the wave equation (20 to 30 without a damper). Half a cell and the held coils ride on the retainer.
@@ -38,7 +38,7 @@ class EquivalentRod:
     spring: EquivalentSpring
     cells: int = 200
     friction: float = 0.0
-    name: str = "rod"
+    name: str = "wave-rod"
 
     def __post_init__(self) -> None:
         if self.cells < 3:
@@ -62,7 +62,7 @@ class EquivalentRod:
 
     @property
     def kernel(self) -> Any:
-        return rod_kernels.advance_rod
+        return wave_rod_kernels.advance_rod
 
     def parameters(self) -> Array:
         return np.array([self.spring.preload, self.cell_stiffness, self.cell_mass, 2 * self.friction])
@@ -70,7 +70,7 @@ class EquivalentRod:
     def integers(self) -> NDArray[np.int64]:
         return np.array([self.unknowns], dtype=np.int64)
 
-    def with_time_step(self, time_step: float) -> EquivalentRod:
+    def with_time_step(self, time_step: float) -> WaveRod:
         """The grid whose Courant number at ``time_step`` (s) is as near one from below as whole cells allow."""
         return replace(self, cells=cells_for_step(self.spring.wave_speed, time_step, 1.0))
 
@@ -111,4 +111,4 @@ class EquivalentRod:
 
     def retainer_mass(self) -> float:
         """Half a cell plus the held end coils (kg); the rest of the inertia acts through the waves."""
-        return self.cell_mass / 2 + self.spring.held_mass
+        return self.cell_mass / 2 + self.spring.inactive_mass

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from valvetrain.analysis.kinematics import RigidTable
-from valvetrain.analysis.quantity import Quantity
-from valvetrain.analysis.valvetrain_traces import CycleTraces
+from valvetrain.quantities.kinematics import RigidTable
+from valvetrain.quantities.quantity import Quantity
+from valvetrain.quantities.valvetrain_traces import CycleTraces
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from valvetrain.rod.layout import GROUP as _GROUP
-from valvetrain.rod.layout import ROW
-from valvetrain.rod.layout import STRIDE as _STRIDE
-from valvetrain.rod.step_kernels import (
+from valvetrain.cosserat.layout import GROUP as _GROUP
+from valvetrain.cosserat.layout import ROW
+from valvetrain.cosserat.layout import STRIDE as _STRIDE
+from valvetrain.cosserat.step_kernels import (
     bending_torques,
     contact_forces,
     contact_forces_second,
@@ -156,7 +156,7 @@ def place_retainer(b, integers, travel, velocity):
 
 
 @njit(**OPTIONS)
-def march(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense):
+def integrate_in_time(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense):
     """March over ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
 
     ``clock`` = (steps per dense record, dense records per sample, first sample kept); ``stretches`` (STRETCHES, 2) is room

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from valvetrain.analysis.quantity import Quantity
-from valvetrain.analysis.stress import StaticStress
+from valvetrain.quantities.quantity import Quantity
+from valvetrain.quantities.stress import StaticStress
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Provenance

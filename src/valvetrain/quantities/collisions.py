@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.analysis.clash import runs
-from valvetrain.analysis.cycle import Array, Cycle
-from valvetrain.analysis.peaks import separate_spikes
-from valvetrain.analysis.stages import Stages
+from valvetrain.quantities.clash import runs
+from valvetrain.quantities.cycle import Array, Cycle
+from valvetrain.quantities.peaks import separate_spikes
+from valvetrain.quantities.stages import Stages
 
 #: Gap (m) below which coils count as touching; contact stiffness lets them overlap by less than this.
 TOUCHING = 1e-6

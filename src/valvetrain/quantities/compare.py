@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from valvetrain.analysis.quantity import Quantity, unit_of
+from valvetrain.quantities.quantity import Quantity, unit_of
 from valvetrain.solution.comparison import Comparison
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import PublishedValue
 
 #: What produced a published value -> the spring model of ours that stands for the same thing.
-COUNTERPARTS = {"solid finite elements": "finite-element", "engine head test": "finite-element", "analytical modal": "modal"}
+COUNTERPARTS = {"solid finite elements": "finite-element", "engine head test": "finite-element", "analytical modal": "modal-varied"}
 #: A whole turn (rad).
 TURN = 2 * np.pi
 #: Angles of one kind that are counted through a cycle: an extra one early on would shift the count of all that follow.

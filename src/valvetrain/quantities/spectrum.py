@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.analysis.cycle import Cycle
+from valvetrain.quantities.cycle import Cycle
 
 Array = NDArray[np.float64]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.analysis.cycle import Array, Cycle
-from valvetrain.analysis.peaks import separate_spikes
-from valvetrain.analysis.stages import Stages
+from valvetrain.quantities.cycle import Array, Cycle
+from valvetrain.quantities.peaks import separate_spikes
+from valvetrain.quantities.stages import Stages
 
 
 def displacement_quantities(cycle: Cycle, stages: Stages | None = Stages()) -> dict[str, float]:

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, diags
 from scipy.sparse.linalg import eigsh
 
-from valvetrain.rod.buffer import inertia_of
-from valvetrain.rod.state import RodState
-from valvetrain.rod.static import RodStatics
+from valvetrain.cosserat.buffer import inertia_of
+from valvetrain.cosserat.state import RodState
+from valvetrain.cosserat.static import RodStatics
 
 Array = NDArray[np.float64]
 

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from scipy.sparse import diags
 from scipy.sparse.linalg import eigsh
 
-from valvetrain.rod import quaternion as quat
-from valvetrain.rod.layout import empty_buffer, row
-from valvetrain.rod.mesh import RodMesh
-from valvetrain.rod.state import RodState
-from valvetrain.rod.static import RodStatics
+from valvetrain.cosserat import quaternion as quat
+from valvetrain.cosserat.layout import empty_buffer, row
+from valvetrain.cosserat.mesh import RodMesh
+from valvetrain.cosserat.state import RodState
+from valvetrain.cosserat.static import RodStatics
 
 Array = NDArray[np.float64]
 
@@ -127,7 +127,7 @@ def branch_gains(dynamics: RodDynamics, time_step: float) -> tuple[float, float,
     return decay, mean - decay, 1 - mean
 
 
-def march_numbers(mesh: RodMesh, dynamics: RodDynamics, time_step: float) -> tuple[NDArray[np.int64], Array, Array]:
+def stepping_numbers(mesh: RodMesh, dynamics: RodDynamics, time_step: float) -> tuple[NDArray[np.int64], Array, Array]:
     """Integers, numbers and contact places that travel with a buffer (order: constants in ``march``)."""
     decay, gain_old, gain_new = branch_gains(dynamics, time_step)
     half = 0.5 * dynamics.mass_damping * time_step

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from valvetrain.rod.layout import GROUP as _GROUP
-from valvetrain.rod.layout import ROW
+from valvetrain.cosserat.layout import GROUP as _GROUP
+from valvetrain.cosserat.layout import ROW
 
 X, Y, Z, VX, VY, VZ = (ROW[n] for n in ("X", "Y", "Z", "VX", "VY", "VZ"))
 Q0, Q1, Q2, Q3, W1, W2, W3 = (ROW[n] for n in ("Q0", "Q1", "Q2", "Q3", "W1", "W2", "W3"))

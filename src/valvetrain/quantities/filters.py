@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.analysis.cycle import Cycle
-from valvetrain.analysis.stages import Stages, spike_index
 from valvetrain.errors import InputError
+from valvetrain.quantities.cycle import Cycle
+from valvetrain.quantities.stages import Stages, spike_index
 from valvetrain.solution.result import Solution
 
 Array = NDArray[np.float64]
