@@ -1,4 +1,4 @@
-"""case file -> parameters -> parts (cam, mechanism, contacts, springs) -> System -> integrate -> Solution -> quantities -> report
+"""case file -> parameters -> Problem (parts, built once) -> System -> integrate -> Solution -> quantities -> report
 
 Dynamics of valve springs and valvetrains. The names below load their rooms on first use, so that
 ``import valvetrain`` itself costs next to nothing.
@@ -69,7 +69,7 @@ _HOMES = {
     "StaticCurve": "solution.static",
     "ModalResult": "solution.modal",
     "Comparison": "solution.comparison",
-    "Quantity": "quantities.quantity",
+    "Quantity": "solution.quantity",
     "save_netcdf": "solution.netcdf",
     "load_netcdf": "solution.netcdf",
     "save_csv": "solution.textfile",

@@ -11,9 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "valvetrain"
-DATA_FLOW = (
-    "case file -> parameters -> parts (cam, mechanism, contacts, springs) -> System -> integrate -> Solution -> quantities -> report"
-)
+DATA_FLOW = "case file -> parameters -> Problem (parts, built once) -> System -> integrate -> Solution -> quantities -> report"
 
 
 @dataclass(frozen=True)

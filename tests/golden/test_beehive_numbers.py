@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from valvetrain.parameters.loading import load_case
-from valvetrain.quantities.quantity import Quantity
+from valvetrain.solution.quantity import Quantity
 from valvetrain.studies.spring_study import run_spring_study
 
 RPM = 2 * np.pi / 60
@@ -40,6 +40,6 @@ def test_runs(quantities, key):
     found = [
         v
         for q, v in quantities.items()
-        if q.name == name and q.model == model and q.engine_speed and abs(q.engine_speed / RPM - rpm) < 1e-6
+        if q.name == name and q.label == model and q.engine_speed and abs(q.engine_speed / RPM - rpm) < 1e-6
     ]
     assert found == [pytest.approx(expected, rel=share)]

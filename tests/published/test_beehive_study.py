@@ -24,7 +24,7 @@ def study() -> SpringStudy:
 def quantity(study: SpringStudy, name: str, rpm: float | None, model: str = "finite-element") -> float:
     for key, value in study.quantities.items():
         same = key.engine_speed is None if rpm is None else key.engine_speed is not None and abs(key.engine_speed - rpm * RPM) < 1e-6
-        if key.name == name and same and key.model == ("" if rpm is None else model):
+        if key.name == name and same and key.label == ("" if rpm is None else model):
             return value
     raise AssertionError(f"the study gives no {name} at {rpm} rpm")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from unit.cli_parts import SMALL, call
-from valvetrain.quantities.quantity import unit_of
+from valvetrain.solution.quantity import unit_of
 
 DOCUMENT = (Path(__file__).resolve().parents[2] / "docs" / "quantities.md").read_text(encoding="utf-8")
 

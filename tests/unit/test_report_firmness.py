@@ -9,7 +9,7 @@ import pytest
 
 from synthetic_study import study as synthetic
 from valvetrain.parameters.loading import load_case
-from valvetrain.quantities.quantity import Quantity
+from valvetrain.solution.quantity import Quantity
 from valvetrain.quantities.study import SpringStudy
 from valvetrain.report.figures import stress
 from valvetrain.report.page import Figure, Grid

@@ -209,7 +209,7 @@ def test_a_case_of_ones_own_has_cards_and_a_table_and_speaks_of_no_published_val
     summary = next(section for section in spring_page(own).sections if section.key == "summary")
     cards = next(block for block in summary.blocks if block.kind == "cards")
     words = [line for card in cards.cards for line in card.lines]
-    peak = next(value for key, value in own.quantities.items() if (key.name, key.model) == ("stage_2_peak_force", "finite-element"))
+    peak = next(value for key, value in own.quantities.items() if (key.name, key.label) == ("stage_2_peak_force", "finite-element"))
     assert ("Stage II peak", f"{number(peak, 4)} N", "") in words
     assert any("sampled every 0.5 cam degrees; highest instant" in note for _, _, note in words)
     grids = [block for block in summary.blocks if block.kind == "grid"]

@@ -74,7 +74,7 @@ def _outcome(case: Case, engine_speeds: tuple[float, ...] | None, workers: int, 
 def _row_object(row: Uncertainty) -> dict[str, Any]:
     from valvetrain.cli.outcome import measured
     from valvetrain.cli.results import engine_speed_object
-    from valvetrain.quantities.quantity import unit_of
+    from valvetrain.solution.quantity import unit_of
 
     unit = unit_of(row.quantity)
     ranges = {
@@ -90,8 +90,8 @@ def _row_object(row: Uncertainty) -> dict[str, Any]:
 
 def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
     from valvetrain.cli.tables import plain_table, shown
-    from valvetrain.quantities.quantity import unit_of
     from valvetrain.report.words import quantity_words, speed_words
+    from valvetrain.solution.quantity import unit_of
 
     console.print(study.case.title or study.case.name)
     console.print(f"{', '.join(map(str, study.elements_per_coil))} elements per coil, step halved, contact constants varied")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def quantities_object(values: Mapping[str, float]) -> dict[str, Any]:
     """``{name: {value, unit}}`` of named SI quantities."""
-    from valvetrain.quantities.quantity import unit_of
+    from valvetrain.solution.quantity import unit_of
 
     return {name: measured(float(value), unit_of(name)) for name, value in values.items()}
 
@@ -38,7 +38,7 @@ def status_object(status: Status) -> dict[str, Any]:
 
 def comparison_objects(rows: Iterable[Comparison]) -> list[dict[str, Any]]:
     """Computed beside published, one object per published value."""
-    from valvetrain.quantities.quantity import unit_of
+    from valvetrain.solution.quantity import unit_of
 
     found = []
     for row in rows:
@@ -65,7 +65,7 @@ def _run_object(study: SpringStudy, solution: Solution) -> dict[str, Any]:
     mine = {
         key.name: value
         for key, value in study.quantities.items()
-        if key.engine_speed == solution.engine_speed and key.model == solution.model
+        if key.engine_speed == solution.engine_speed and key.label == solution.model
     }
     return {
         "model": solution.model, "engine_speed": engine_speed_object(solution.engine_speed), "status": status_object(solution.status),

@@ -113,8 +113,8 @@ def tally(rows: Sequence[Comparison], role: str) -> str:
 
 def quantity_table(study: SpringStudy) -> Table:
     """Every computed quantity, one column per run, statics and modes first."""
-    from valvetrain.quantities.quantity import Quantity, unit_of
     from valvetrain.report.words import quantity_words, rpm
+    from valvetrain.solution.quantity import Quantity, unit_of
 
     runs = [(run.model, run.engine_speed) for run in study.solutions]
     names = list(dict.fromkeys(key.name for key in study.quantities))

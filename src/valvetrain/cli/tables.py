@@ -37,7 +37,7 @@ def shown(value: float | None, unit: str, digits: int = 5) -> tuple[str, str]:
 
 def quantity_rows(values: Mapping[str, float], words: Mapping[str, str] | None = None) -> list[tuple[str, str, str]]:
     """(name, number, unit) of named SI quantities; ``words`` gives other names."""
-    from valvetrain.quantities.quantity import unit_of
     from valvetrain.report.words import quantity_words
+    from valvetrain.solution.quantity import unit_of
 
     return [((words or {}).get(name) or quantity_words(name), *shown(value, unit_of(name))) for name, value in values.items()]

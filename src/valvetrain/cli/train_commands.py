@@ -160,7 +160,7 @@ def _study_object(command: str, study: TrainStudy) -> dict[str, Any]:
     still: dict[str, dict[str, float]] = {}
     for key, value in study.quantities.items():
         if key.engine_speed is None:
-            still.setdefault(key.model or "case", {})[key.name] = value
+            still.setdefault(key.label or "case", {})[key.name] = value
     return {
         "command": command, "case": study.case.name, "title": study.case.title,
         "quantities": {name: quantities_object(values) for name, values in still.items()}, "runs": [_run_object(run) for run in study.runs],
@@ -246,8 +246,8 @@ def _sweep_outcome(
 
 
 def _series_object(item: Any) -> dict[str, Any]:
-    from valvetrain.quantities.quantity import unit_of
     from valvetrain.report.words import rpm
+    from valvetrain.solution.quantity import unit_of
 
     columns = {name: {"values": values, "unit": unit_of(name)} for name, values in item.columns.items()}
     return {

@@ -8,10 +8,12 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.changes import changed, differences
 from valvetrain.parameters.damping import DampingParameters
 from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.record import PublishedValue
 
 __all__ = [
     "Case", "CaseSummary", "DampingParameters", "Installation", "LiftLawParameters",
@@ -73,47 +75,6 @@ class RodOptions:
     output_step: float = math.radians(0.5)
     curvature_correction: bool = True
     time_step: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class SpringCard:
-    """A spring known only by its catalogue card: ``rate`` (N/m), ``preload`` at the seat (N), the rest where known (kg, m, N)."""
-
-    rate: float
-    preload: float
-    mass: float | None = None
-    installed_height: float | None = None
-    open_load: float | None = None
-    open_lift: float | None = None
-    solid_height: float | None = None
-    name: str = "spring card"
-
-    @property
-    def surge_frequency(self) -> float | None:
-        """First surge frequency (Hz), both ends fixed: 0.5 sqrt(rate / mass); None without a mass."""
-        return None if self.mass is None else 0.5 * math.sqrt(self.rate / self.mass)
-
-
-@dataclass(frozen=True, slots=True)
-class PublishedValue:
-    """One published number to compare with.
-
-    ``quantity``: name from docs/quantities.md. ``value``: SI. ``unit``: the unit to show it in. ``model``: what produced it
-    in the source (such as ``solid finite elements``). ``origin``: the place in the source. ``role``: ``calibration`` when it may be used
-    for identification, ``prediction`` when it must not. ``engine_speed`` in rad/s of the crank, None for statics and modes.
-    ``tolerance``: allowed absolute difference (SI), None where none is stated. ``relation``: how firmly the source states it.
-    """
-
-    quantity: str
-    value: float
-    unit: str
-    origin: str = ""
-    role: Literal["calibration", "prediction"] = "prediction"
-    engine_speed: float | None = None
-    model: str = ""
-    source: str = ""
-    tolerance: float | None = None
-    relation: Literal["equal", "about", "at-most", "at-least"] = "equal"
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from valvetrain.quantities.quantity import Quantity, unit_of
 from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.quantity import Quantity, unit_of
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import PublishedValue
@@ -52,7 +52,7 @@ def _model(value: PublishedValue, counterparts: Mapping[str, str]) -> str:
 
 def _of_run(value: PublishedValue, model: str, quantities: Mapping[Quantity, float]) -> dict[str, float]:
     speed = value.engine_speed
-    return {key.name: number for key, number in quantities.items() if key.model == model and same_speed(key.engine_speed, speed)}
+    return {key.name: number for key, number in quantities.items() if key.label == model and same_speed(key.engine_speed, speed)}
 
 
 def _find(value: PublishedValue, model: str, quantities: Mapping[Quantity, float]) -> float | None:

@@ -14,10 +14,10 @@ from valvetrain.quantities.nodes import (
     displacement_quantities,
     velocity_quantities,
 )
-from valvetrain.quantities.quantity import Quantity, named
 from valvetrain.quantities.stages import Stages, stage_quantities
 from valvetrain.quantities.statics import modal_quantities, static_quantities
 from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.quantity import Quantity, named
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 

@@ -8,22 +8,9 @@ import numpy as np
 
 from valvetrain.quantities.cycle import Array, reported_cycle
 from valvetrain.solution.result import Solution
+from valvetrain.solution.static import StaticStress
 
 SHEAR, EQUIVALENT = "inner_fibre_shear_stress", "inner_fibre_equivalent_stress"
-
-
-@dataclass(frozen=True, eq=False)
-class StaticStress:
-    """Stress at the inner fibre over compression: ``compression`` (n,) m, ``coil_number`` (p,), ``shear`` and ``equivalent`` (n, p) Pa."""
-
-    compression: Array
-    coil_number: Array
-    shear: Array
-    equivalent: Array
-
-    def shear_at(self, compression: Array) -> Array:
-        """Shear (m, p) Pa at compressions (m,) m, straight between the steps and level beyond them."""
-        return np.stack([np.interp(compression, self.compression, column) for column in self.shear.T], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from valvetrain.quantities.quantity import Quantity
 from valvetrain.quantities.stress import StaticStress
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 

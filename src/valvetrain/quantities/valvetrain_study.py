@@ -8,11 +8,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from valvetrain.quantities.kinematics import RigidTable
-from valvetrain.quantities.quantity import Quantity
 from valvetrain.quantities.valvetrain_traces import CycleTraces
-from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.status import Status
 
 if TYPE_CHECKING:
@@ -36,16 +36,6 @@ class TrainRun:
     traces: CycleTraces | None = None
     table: RigidTable | None = None
     wall_time_per_cycle: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """A published finding in words beside what was computed: where the source says it, what, what came out, and the verdict on it."""
-
-    place: str
-    statement: str
-    computed: str
-    verdict: str
 
 
 @dataclass(frozen=True, eq=False)

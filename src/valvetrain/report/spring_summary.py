@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from valvetrain.quantities.compare import same_speed
-from valvetrain.quantities.quantity import Quantity, unit_of
 from valvetrain.quantities.study import SpringStudy
 from valvetrain.report import theme
 from valvetrain.report.figures.force import rod_quantity, sampling_words, source_sampled_so
 from valvetrain.report.page import Card, Cell, Grid
 from valvetrain.report.words import in_unit, number, quantity_words, speed_words
+from valvetrain.solution.quantity import Quantity, unit_of
 
 #: Quantities on the cards of the summary.
 HEADLINES = {
@@ -76,5 +76,5 @@ def _row(name: str, values: list[float | None]) -> tuple[Cell, ...] | None:
 
 
 def _at(study: SpringStudy, name: str, model: str, engine_speed: float) -> float | None:
-    mine = ((key.engine_speed, value) for key, value in study.quantities.items() if (key.name, key.model) == (name, model))
+    mine = ((key.engine_speed, value) for key, value in study.quantities.items() if (key.name, key.label) == (name, model))
     return next((value for speed, value in mine if same_speed(speed, engine_speed)), None)

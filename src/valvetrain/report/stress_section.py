@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from valvetrain.quantities.quantity import Quantity
 from valvetrain.quantities.study import SpringStudy
 from valvetrain.report.figures import stress
 from valvetrain.report.page import Block, Cell, Figure, Grid, text
 from valvetrain.report.words import number, speed_words
+from valvetrain.solution.quantity import Quantity
 
 #: Column -> (quantity, factor to the unit shown).
 _COLUMNS = {

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from valvetrain.quantities.compare import same_speed
-from valvetrain.quantities.quantity import Quantity
 from valvetrain.quantities.study import SpringStudy
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, text
 from valvetrain.report.table import Table, table
 from valvetrain.report.words import number, quantity_words, rpm, speed_words
+from valvetrain.solution.quantity import Quantity
 from valvetrain.studies.uncertainty import Range, Uncertainty, UncertaintyStudy
 from valvetrain.studies.uncertainty_file import load_uncertainty, meshes_of
 
@@ -84,7 +84,7 @@ def uncertainty_page(study: UncertaintyStudy) -> Page:
 
 def _belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
     for key, value in quantities.items():
-        if key.name == row.quantity and same_speed(key.engine_speed, row.engine_speed) and key.model in ("", "finite-element"):
+        if key.name == row.quantity and same_speed(key.engine_speed, row.engine_speed) and key.label in ("", "finite-element"):
             return abs(value - row.value) <= max(SAME * abs(row.value), row.numerical)
     return False
 

@@ -33,3 +33,13 @@ class Comparison:
         if self.difference is None or self.published == 0:
             return None
         return self.difference / abs(self.published)
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A published finding in words beside what was computed: where the source says it, what, what came out, and the verdict on it."""
+
+    place: str
+    statement: str
+    computed: str
+    verdict: str

@@ -50,7 +50,7 @@ def unpack(text: str, kind: str, where: str) -> dict[str, Any]:
 def _provenance(content: dict[str, Any] | None) -> Provenance | None:
     if content is None:
         return None
-    return Provenance(**{**content, "citations": tuple(content["citations"])})
+    return Provenance(**{**content, "citations": tuple(content["citations"]), "springs": tuple(content.get("springs", ("spring",)))})
 
 
 def _fields(item: Any) -> dict[str, Any]:

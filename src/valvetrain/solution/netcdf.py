@@ -26,15 +26,17 @@ _PathLike = str | os.PathLike[str]
 def save_netcdf(solution: Solution, path: _PathLike) -> Path:
     """Write a solution with its events, status, statistics and provenance; whole or not at all."""
     text = metadata.pack(
-        "solution", status=solution.status, provenance=solution.provenance, events=solution.events, statistics=dict(solution.statistics)
-    )
+        "solution", status=solution.status, provenance=solution.provenance, events=solution.events, statistics=dict(solution.statistics),
+        quantities=dict(solution.quantities),
+    )  # fmt: skip
     return _write(solution.channels, text, path)
 
 
 def load_netcdf(path: _PathLike) -> Solution:
     """Read what :func:`save_netcdf` wrote; :class:`InputError` for a file that is not one, or is truncated."""
     dataset, content = _read(path, "solution")
-    return Solution(dataset, content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", ""))
+    words = content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", "")
+    return Solution(dataset, *words, content.get("quantities", {}))
 
 
 def save_static_curve(curve: StaticCurve, path: _PathLike, provenance: Provenance | None = None) -> Path:

@@ -1,9 +1,9 @@
-"""The one result object of a run: labelled channels, events, status, statistics, provenance."""
+"""The one result object of a run: labelled channels, events, named quantities, status, statistics, provenance."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -26,7 +26,8 @@ class Solution:
     """What one run computed; see docs/architecture.md for channel names.
 
     ``channels`` is an :class:`xarray.Dataset` whose variables all start with dimension ``sample`` and carry ``units`` and
-    ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad, unwrapped) along it. Raises :class:`InputError`
+    ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad, unwrapped) along it; a reduced solution has none.
+    ``quantities``: named numbers (SI) found by :func:`valvetrain.quantities.evaluate.evaluate`. Raises :class:`InputError`
     when a channel breaks that rule.
     """
 
@@ -35,19 +36,40 @@ class Solution:
     status: Status = COMPLETED
     statistics: Mapping[str, float | int | str | bool] = field(default_factory=dict)
     provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
+    quantities: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _check_channels(self.channels)
         object.__setattr__(self, "events", tuple(self.events))
+        object.__setattr__(self, "quantities", MappingProxyType(dict(self.quantities)))
         object.__setattr__(self, "statistics", MappingProxyType(dict(self.statistics)))
 
     def __reduce__(self):
-        return Solution, (self.channels, self.events, self.status, dict(self.statistics), self.provenance)
+        return Solution, (self.channels, self.events, self.status, dict(self.statistics), self.provenance, dict(self.quantities))
 
     @property
     def model(self) -> str:
         """Name of the spring model that ran."""
         return self.provenance.model
+
+    @property
+    def label(self) -> str:
+        """Name of the run within its study."""
+        return self.provenance.label
+
+    @property
+    def spring_set(self) -> str:
+        """Spring set of the train that ran; empty where there is one only."""
+        return self.provenance.spring_set
+
+    @property
+    def springs(self) -> tuple[str, ...]:
+        """Names of the springs in the slot, outer first; those of a nested pair stand before their channels (:meth:`channel_of`)."""
+        return self.provenance.springs
+
+    def channel_of(self, spring: str, name: str) -> str:
+        """Name of a channel of one spring: ``outer_coil_gap`` of a nested pair, ``coil_gap`` of a single spring."""
+        return f"{spring}_{name}" if len(self.springs) > 1 else name
 
     @property
     def engine_speed(self) -> float:
@@ -77,8 +99,19 @@ class Solution:
 
     def identical(self, other: Solution) -> bool:
         """True when every value, label, attribute, event and word of ``other`` is the same."""
-        words = ("events", "status", "statistics", "provenance")
+        words = ("events", "status", "statistics", "provenance", "quantities")
         return all(getattr(self, name) == getattr(other, name) for name in words) and bool(self.channels.identical(other.channels))
+
+    def with_found(self, events: Iterable[Event], quantities: Mapping[str, float]) -> Solution:
+        """A copy with events and named quantities."""
+        return replace(self, events=tuple(events), quantities=dict(quantities), statistics=dict(self.statistics))
+
+    def reduced(self) -> Solution:
+        """The same run without its channels: events, quantities, status, statistics and provenance stay."""
+        import xarray
+
+        empty = xarray.Dataset(coords={name: (("sample",), np.zeros(0)) for name in ("time", "cam_angle")})
+        return replace(self, channels=empty, quantities=dict(self.quantities), statistics=dict(self.statistics))
 
     def cite(self) -> tuple[str, ...]:
         """References behind this run, the papers to cite with it."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.status import COMPLETED, Status
 
 Array = NDArray[np.float64]
@@ -56,3 +58,35 @@ class StaticCurve:
             reach = f"{first * 1e3:g} to {last * 1e3:g} mm"
             raise InputError(f"compression {compression * 1e3:g} mm lies outside the static curve ({reach}); compute it further")
         return float(np.interp(compression, self.compression, values))
+
+
+@dataclass(frozen=True, eq=False)
+class StaticStress:
+    """Stress at the inner fibre over compression: ``compression`` (n,) m, ``coil_number`` (p,), ``shear`` and ``equivalent`` (n, p) Pa."""
+
+    compression: Array
+    coil_number: Array
+    shear: Array
+    equivalent: Array
+
+    def shear_at(self, compression: Array) -> Array:
+        """Shear (m, p) Pa at compressions (m,) m, straight between the steps and level beyond them."""
+        return np.stack([np.interp(compression, self.compression, column) for column in self.shear.T], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class SpringAtRest:
+    """One installed spring by one model at rest: ``spring`` names the spring, ``model`` what computed it.
+
+    ``curve``: static curve from the free state; ``modes``: natural frequencies about the installed state; ``stress``: stress over
+    compression; each None where the model does not give it. ``facts``: mesh and cost in words; ``wall_time`` (s).
+    """
+
+    spring: str
+    model: str
+    precompression: float = 0.0
+    curve: StaticCurve | None = None
+    modes: ModalResult | None = None
+    stress: StaticStress | None = None
+    facts: Mapping[str, float | int | str] = field(default_factory=dict)
+    wall_time: float = 0.0

@@ -33,7 +33,8 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     still = {str(name): _variable(dataset[name]) for name in names if str(name) not in rows}
     text = metadata.pack(
         "solution", status=solution.status, provenance=solution.provenance, events=solution.events,
-        statistics=dict(solution.statistics), columns=layout, constants=still, attributes=dict(dataset.attrs),
+        statistics=dict(solution.statistics), quantities=dict(solution.quantities), columns=layout, constants=still,
+        attributes=dict(dataset.attrs),
     )  # fmt: skip
     header = [label for name in rows for label in column_labels(dataset, name)]
     blocks = [_rows_of(np.asarray(dataset[name].values)) for name in rows]
@@ -63,7 +64,8 @@ def load_csv(path: str | os.PathLike[str]) -> Solution:
         dataset = _dataset(content, lines[3:-2])
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"is damaged: its rows do not fit its description ({error}); write it again", where) from error
-    return Solution(dataset, content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", ""))
+    words = content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", "")
+    return Solution(dataset, *words, content.get("quantities", {}))
 
 
 def column_labels(dataset: xarray.Dataset, name: str) -> list[str]:

@@ -10,7 +10,7 @@ from importlib import resources
 import numpy as np
 
 from valvetrain.parameters.case import Case, PublishedValue
-from valvetrain.quantities.quantity import unit_of
+from valvetrain.solution.quantity import unit_of
 
 #: The quantities that are told in words on the page, with how people call them.
 TOLD = {

@@ -17,13 +17,13 @@ from valvetrain.parameters.case import Case
 from valvetrain.quantities.compare import compare, same_speed
 from valvetrain.quantities.design import check_room
 from valvetrain.quantities.evaluate import study_quantities
-from valvetrain.quantities.quantity import Quantity, named
 from valvetrain.quantities.stages import Stages, stages_of
 from valvetrain.quantities.statics import natural_quantities
 from valvetrain.quantities.stress import StaticStress, stress_quantities
 from valvetrain.quantities.study import SpringStudy
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
+from valvetrain.solution.quantity import Quantity, named
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 from valvetrain.springs.finite_element import FiniteElementRod
@@ -106,7 +106,7 @@ def _stage_words(case: Case, solutions: Sequence[Solution], stages: Stages | Non
 def _firmness(case: Case, quantities: Mapping[Quantity, float]) -> tuple[str, ...]:
     """Sentences on the uncertainty that ships with the case, for the speeds that were run."""
     rows = load_uncertainty(case)
-    run = {key.engine_speed for key in quantities if key.model == "finite-element"}
+    run = {key.engine_speed for key in quantities if key.label == "finite-element"}
     return uncertainty_sentences(tuple(row for row in rows if any(same_speed(row.engine_speed, speed) for speed in run)), meshes_of(case))
 
 

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.train import TrainParameters
-from valvetrain.quantities.quantity import Quantity, named
-from valvetrain.quantities.valvetrain_study import Finding, TrainRun
+from valvetrain.quantities.valvetrain_study import TrainRun
+from valvetrain.solution.comparison import Finding
+from valvetrain.solution.quantity import Quantity, named
 
 Array = NDArray[np.float64]
 

@@ -17,11 +17,11 @@ from valvetrain.parameters.case import Case, SpringCard
 from valvetrain.parameters.train import TrainParameters, TrainVariant
 from valvetrain.quantities.compare import compare
 from valvetrain.quantities.kinematics import RigidTable, contact_loss_cam_speed, rigid_table
-from valvetrain.quantities.quantity import Quantity, named
 from valvetrain.quantities.valvetrain_quantities import cycle_data, cycle_events, cycle_quantities
 from valvetrain.quantities.valvetrain_study import TrainRun, TrainStudy
 from valvetrain.quantities.valvetrain_traces import cycle_traces
 from valvetrain.solution.provenance import collect_provenance
+from valvetrain.solution.quantity import Quantity, named
 from valvetrain.studies.batch import map_cases
 from valvetrain.studies.train_findings import derived_quantities, findings
 from valvetrain.system.build_train import build_train

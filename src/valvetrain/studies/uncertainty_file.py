@@ -8,7 +8,7 @@ from importlib import resources
 
 from valvetrain.cam.build import build_lift_law
 from valvetrain.parameters.case import Case
-from valvetrain.quantities.quantity import unit_of
+from valvetrain.solution.quantity import unit_of
 from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
 
 _STILL = "statics"

@@ -195,5 +195,5 @@ def _spike_words(study: SpringStudy, engine_speed: float) -> str:
 
 def rod_quantity(study: SpringStudy, name: str, engine_speed: float) -> float | None:
     """A named quantity of the rod model at an engine speed (rad/s), SI, or None."""
-    rod = ((key, value) for key, value in study.quantities.items() if key.name == name and key.model == "finite-element")
+    rod = ((key, value) for key, value in study.quantities.items() if key.name == name and key.label == "finite-element")
     return next((value for key, value in rod if same_speed(key.engine_speed, engine_speed)), None)

@@ -1,0 +1,69 @@
+"""One registry for everything that can be added: a word, and where the object behind it stands.
+
+What ships and what a user's package brings are listed alike, as ``"module:attribute"``; nothing is imported before it is asked for.
+A package adds, say, a spring model by the entry point ``[project.entry-points."valvetrain.springs"]`` of its own pyproject.toml.
+"""
+
+from __future__ import annotations
+
+import difflib
+from functools import cache
+from importlib import import_module, metadata
+from typing import Any
+
+from valvetrain.errors import InputError
+
+#: Kind -> (entry-point group, what a member of it is called in a sentence).
+KINDS: dict[str, tuple[str, str]] = {
+    "springs": ("valvetrain.springs", "spring model"),
+    "contacts": ("valvetrain.contacts", "contact law"),
+    "lifts": ("valvetrain.lifts", "lift law"),
+    "mechanisms": ("valvetrain.mechanisms", "train kind"),
+    "integrators": ("valvetrain.integrators", "integrator"),
+    "readers": ("valvetrain.readers", "reader of lift tables"),
+    "sources": ("valvetrain.sources", "source study"),
+    "quantities": ("valvetrain.quantities", "table of quantities"),
+    "sections": ("valvetrain.sections", "section of the report"),
+    "commands": ("valvetrain.commands", "command"),
+}  # fmt: skip
+
+#: Kind -> word -> place. The order is the order of tables and menus.
+BUILT_IN: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
+
+
+@cache
+def places(kind: str) -> dict[str, str]:
+    """Word -> ``"module:attribute"`` of every member of ``kind``: those that ship, then those of installed packages by name.
+
+    Raises :class:`InputError` when a package gives a word that is taken, for a silent replacement would change numbers.
+    """
+    found = dict(BUILT_IN[kind])
+    group, noun = KINDS[kind]
+    for point in sorted(metadata.entry_points(group=group), key=lambda point: point.name):
+        if found.setdefault(point.name, point.value) != point.value:
+            raise InputError(f"an installed package brings a {noun} '{point.name}' ({point.value}), a name that is taken; rename it there")
+    return found
+
+
+def words(kind: str) -> tuple[str, ...]:
+    """The words of ``kind``, in order."""
+    return tuple(places(kind))
+
+
+def find(kind: str, word: str, where: str = "") -> Any:
+    """The object behind ``word``. Raises :class:`InputError` for an unknown word (with the nearest ones) or one that cannot be loaded."""
+    known, noun = places(kind), KINDS[kind][1]
+    if word not in known:
+        near = difflib.get_close_matches(word, known, n=2, cutoff=0.5)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"use one of {', '.join(known)}"
+        raise InputError(f"{noun} '{word[:40]}' is unknown; {hint}", where)
+    return _load(kind, word, known[word])
+
+
+@cache
+def _load(kind: str, word: str, place: str) -> Any:
+    module, _, attribute = place.partition(":")
+    try:
+        return getattr(import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise InputError(f"{KINDS[kind][1]} '{word}' cannot be loaded from {place} ({error}); repair or remove the package") from error

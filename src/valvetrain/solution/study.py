@@ -1,0 +1,114 @@
+"""Everything one study computed, whatever was studied: what terminal, JSON, files and report read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.solution.comparison import Comparison, Finding
+from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.quantity import Quantities, Quantity, named, same_speed
+from valvetrain.solution.record import CaseRecord
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import SpringAtRest
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class LiftEvent:
+    """Main lift event of the cam: from ``start`` to ``end`` (cam rad, end after start, within one turn of the cam's zero)."""
+
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """Points times models -> solutions, with what follows from them.
+
+    ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep. ``rest``: springs at rest.
+    ``still``: quantities that belong to no run, by label (empty: of the case). ``comparisons``, ``findings`` and ``notes`` speak of
+    published numbers and are empty for a case of one's own. ``lift_event``: None without lift or where it spans the cam's zero.
+    """
+
+    record: CaseRecord
+    command: str = "run"
+    solutions: tuple[Solution, ...] = ()
+    rest: tuple[SpringAtRest, ...] = ()
+    still: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    comparisons: tuple[Comparison, ...] = ()
+    findings: tuple[Finding, ...] = ()
+    notes: tuple[str, ...] = ()
+    lift_event: LiftEvent | None = None
+    provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
+    wall_time: float = field(default=0.0, compare=False)
+
+    @property
+    def engine_speeds(self) -> tuple[float, ...]:
+        """Crank speeds (rad/s) that were run, ascending."""
+        return tuple(sorted({solution.engine_speed for solution in self.solutions}))
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Labels of the runs in order of first appearance."""
+        return tuple(dict.fromkeys(solution.label for solution in self.solutions))
+
+    @property
+    def quantities(self) -> Quantities:
+        """All named numbers (SI): those of every run, and those that belong to none."""
+        found: dict[Quantity, float] = {}
+        for label, values in self.still.items():
+            found |= named(values, None, label)
+        for solution in self.solutions:
+            found |= named(solution.quantities, solution.engine_speed, solution.label)
+        return Quantities(found)
+
+    def solution(self, label: str = "", engine_speed: float | None = None) -> Solution:
+        """The run of ``label`` at ``engine_speed`` (rad/s), each left out where it is not needed to tell.
+
+        Raises :class:`InputError` when none or several runs fit.
+        """
+        fits = [
+            run for run in self.solutions
+            if (not label or run.label == label) and (engine_speed is None or same_speed(run.engine_speed, engine_speed))
+        ]  # fmt: skip
+        if len(fits) != 1:
+            known = "; ".join(f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm" for run in self.solutions[:8])
+            raise InputError(f"{len(fits) or 'no'} runs fit '{label}'; name one of: {known}")
+        return fits[0]
+
+    def runs(self, label: str) -> tuple[Solution, ...]:
+        """The runs of one label by engine speed."""
+        return tuple(sorted((run for run in self.solutions if run.label == label), key=lambda run: run.engine_speed))
+
+    def series(self, label: str, quantity: str) -> tuple[Array, Array]:
+        """Engine speeds (rad/s) and one quantity (SI) over them, NaN where a run does not give it."""
+        runs = self.runs(label)
+        return np.array([run.engine_speed for run in runs]), np.array([run.quantities.get(quantity, np.nan) for run in runs])
+
+    def at_rest(self, model: str = "", spring: str = "") -> SpringAtRest | None:
+        """The first spring at rest by ``model`` and name, either left out where it does not matter."""
+        return next((one for one in self.rest if model in ("", one.model) and spring in ("", one.spring)), None)
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """A sentence per part that did not complete; in a sweep motion that does not settle is a finding, not a failure."""
+        accepted = ("completed", "not-converged") if self.command == "sweep" else ("completed",)
+        found = []
+        for one in self.rest:
+            for word, part in (("static curve", one.curve), ("modes", one.modes)):
+                if part is not None and not part.status.completed:
+                    found.append(f"{one.spring} by {one.model}, {word}: {part.status.sentence()}")
+        for run in self.solutions:
+            if run.status.code not in accepted:
+                found.append(f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm: {run.status.sentence()}")
+        return tuple(found)
+
+    def with_solutions(self, solutions: tuple[Solution, ...]) -> Study:
+        """A copy with other solutions."""
+        return replace(self, solutions=solutions)
