@@ -29,6 +29,22 @@ KINDS: dict[str, tuple[str, str]] = {
 
 #: Kind -> word -> place. The order is the order of tables and menus.
 BUILT_IN: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
+BUILT_IN["springs"] = {
+    "massless": "valvetrain.springs.massless:SPEC",
+    "multi-mass": "valvetrain.springs.multi_mass:SPEC",
+    "modal-uniform": "valvetrain.springs.modal_uniform:SPEC",
+    "modal-varied": "valvetrain.springs.modal_varied:SPEC",
+    "wave-rod": "valvetrain.springs.wave_rod:SPEC",
+    "wave-rod-clash": "valvetrain.springs.wave_rod_clash:SPEC",
+    "finite-element": "valvetrain.springs.finite_element:SPEC",
+    "solid": "valvetrain.springs.solid.spec:SPEC",
+}
+BUILT_IN["integrators"] = {
+    "harmonic": "valvetrain.integrate.harmonic:SPEC",
+    "rod-leapfrog": "valvetrain.integrate.rod_leapfrog:SPEC",
+    "leapfrog": "valvetrain.integrate.leapfrog:SPEC",
+    "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",
+}
 
 
 @cache

@@ -40,6 +40,14 @@ SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
 }
 
 
+#: Channels on substeps of the samples: what the integrator saw.
+FINE: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "seat_force_fine": (("subsample",), "N", "seat force at even substeps after each sample"),
+    "retainer_force_fine": (("subsample",), "N", "retainer force at even substeps after each sample"),
+    "coil_contact_peak_force": (("coil_pair",), "N", "largest contact force since the last sample"),
+}
+
+
 def spring_channels(
     time: ArrayLike, cam_angle: ArrayLike, values: Mapping[str, ArrayLike], *,
     coil_number: ArrayLike | None = None, upper_coil: ArrayLike | None = None,
