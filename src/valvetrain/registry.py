@@ -29,6 +29,12 @@ KINDS: dict[str, tuple[str, str]] = {
 
 #: Kind -> word -> place. The order is the order of tables and menus.
 BUILT_IN: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
+BUILT_IN["quantities"] = {
+    "general": "valvetrain.quantities.table:ROWS",
+    "gu2021": "valvetrain.sources.gu2021_rows:QUANTITIES",
+    "multibody4b17": "valvetrain.sources.multibody4b17_rows:QUANTITIES",
+    "vasilyev2016": "valvetrain.sources.vasilyev2016_rows:QUANTITIES",
+}
 
 
 @cache
