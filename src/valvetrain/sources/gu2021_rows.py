@@ -1,7 +1,10 @@
 """Quantities of the beehive's study: forces by the stages of the cam cycle, motion of two points of the wire, collisions of two coils.
 
-Stage 1 runs from the zero of the cam angle to the begin of the main lift event, stage 2 is the event, stage 3 runs from its end to a
-whole turn. Node n is the wire centre at the end of coil n, counted from the seat.
+Stage I runs from the zero of the cam angle to the begin of the main lift event, Stage II is the event, Stage III runs from its end to a
+whole turn. The event is the lift law's own (``event_start`` to ``event_end``, or mirrored about ``nose``), else where the lift stands
+above 4 % of its largest value; for the beehive Stage I is 0 to 127, II 127 to 233, III 233 to 360 cam degrees. Without lift, or where
+the event spans the zero of the cam angle, there are no stages. Forces are those on the cylinder head. Node n is the wire centre at the
+end of coil n, n turns from the lower tip of the wire.
 """
 
 from __future__ import annotations
