@@ -99,7 +99,7 @@ def definition_of(name: str) -> QuantityRow:
     first, _, rest = name.partition("_")
     if first in NESTED and (whole := definition_of(rest)).definition:
         return replace(whole, name=name, label=f"{whole.label}, {first} spring", definition=f"{whole.definition} Of the {first} spring.")
-    return row(name, _plain(name), "")
+    return row(name, re.sub(r" cam angle$", ", cam angle", name.replace("_", " ")), "")
 
 
 def is_defined(name: str) -> bool:
@@ -143,8 +143,3 @@ def _by_last_word(name: str) -> tuple[str, str]:
     parts = name.split("_")
     last = parts[-2] if parts[-1] == "range" and len(parts) > 1 else parts[-1]
     return BY_LAST_WORD.get(last, ("", ""))
-
-
-def _plain(name: str) -> str:
-    """A name no table has, in words: ``some_valve_cam_angle`` -> ``some valve, cam angle``."""
-    return re.sub(r" cam angle$", ", cam angle", name.replace("_", " "))

@@ -9,13 +9,11 @@ end of coil n, n turns from the lower tip of the wire.
 
 from __future__ import annotations
 
-from valvetrain.solution.definition import QuantityRow, Systems, row
+from functools import partial
 
-_SPRING: Systems = ("spring",)
+from valvetrain.solution.definition import QuantityRow, row
 
-
-def _row(name: str, label: str, definition: str) -> QuantityRow:
-    return row(name, label, definition, systems=_SPRING)
+_row = partial(row, systems=("spring",))
 
 
 def _both(name: str, label: str, definition: str) -> tuple[QuantityRow, QuantityRow]:
@@ -25,27 +23,28 @@ def _both(name: str, label: str, definition: str) -> tuple[QuantityRow, Quantity
 
 def _force(place: str, label: str, definition: str) -> tuple[QuantityRow, QuantityRow]:
     """A force and its cam angle, which share the name of the place: ``stage_2_peak_force``, ``stage_2_peak_cam_angle``."""
-    return _row(f"{place}_force", label, definition), _row(f"{place}_cam_angle", f"{label}, cam angle", f"Cam angle of the {label}.")
+    angle = _row(f"{place}_cam_angle", f"{label}, cam angle", f"Cam angle of the {label} force.")
+    return _row(f"{place}_force", f"{label} force", definition), angle
 
 
 _STAGES = (
-    _row("stage_1_minimum_force", "least force of Stage I", "Smallest force in Stage I."),
-    _row("stage_1_maximum_force", "largest force of Stage I", "Largest force in Stage I."),
-    _row("stage_1_peak_{n}_cam_angle", "peak {n} of Stage I, cam angle",
+    _row("stage_1_minimum_force", "Stage I least force", "Smallest force in Stage I."),
+    _row("stage_1_maximum_force", "Stage I largest force", "Largest force in Stage I."),
+    _row("stage_1_peak_{n}_cam_angle", "Stage I peak {n}, cam angle",
          "Cam angle of local force maximum {n} in Stage I that stands out of the oscillation."),
-    *_force("stage_2_peak", "peak force of Stage II", "Largest force in Stage II."),
-    *_force("stage_2_first_peak", "first peak of Stage II", "First of the two force maxima in Stage II where there are two."),
-    *_force("stage_2_valley", "valley of Stage II", "Smallest force between the two maxima of Stage II."),
-    *_force("stage_2_second_peak", "second peak of Stage II", "Second of the two force maxima in Stage II."),
-    _row("stage_2_end_force", "force at the end of Stage II", "Force at the end of Stage II."),
-    *_force("stage_3_peak", "peak force of Stage III",
+    *_force("stage_2_peak", "Stage II peak", "Largest force in Stage II."),
+    *_force("stage_2_first_peak", "Stage II first peak", "First of the two force maxima in Stage II where there are two."),
+    *_force("stage_2_valley", "Stage II valley", "Smallest force between the two maxima of Stage II."),
+    *_force("stage_2_second_peak", "Stage II second peak", "Second of the two force maxima in Stage II."),
+    _row("stage_2_end_force", "Stage II end force", "Force at the end of Stage II."),
+    *_force("stage_3_peak", "Stage III peak",
             "Largest sampled force in Stage III after the coils are released (the clash spike); samples stand every output step, between "
             "which a spike may be higher."),
-    _row("stage_3_every_instant_peak_force", "peak force of Stage III, every instant",
+    _row("stage_3_every_instant_peak_force", "Stage III peak force, every instant",
          "The same spike at the highest instant of the whole record, for runs that keep every substep."),
-    _row("stage_3_below_{k}_khz_peak_force", "peak force of Stage III below {k} kHz",
+    _row("stage_3_below_{k}_khz_peak_force", "Stage III peak force below {k} kHz",
          "Largest force in Stage III after a zero-phase low pass (6 dB down at {k} kHz), as an instrument of that bandwidth shows it."),
-    _row("stage_3_second_peak_cam_angle", "second spike of Stage III, cam angle", "Cam angle of the second clash spike in Stage III."),
+    _row("stage_3_second_peak_cam_angle", "Stage III second spike, cam angle", "Cam angle of the second clash spike in Stage III."),
 )  # fmt: skip
 
 _NODES = (
@@ -67,10 +66,10 @@ _NODES = (
            "First maximum of the velocity of node 2 after its minimum in Stage III."),
     _row("node_2_rebound_duration", "rebound time of node 2",
          "Time from the minimum of the velocity of node 2 in Stage III to its first maximum after."),
-    *_both("node_{n}_peak_acceleration", "peak acceleration of node {n}", "Acceleration of node {n} of largest size, signed."),
-    *_both("node_{n}_second_peak_acceleration", "second acceleration peak of node {n}",
+    *_both("node_{n}_peak_acceleration", "node {n} peak acceleration", "Acceleration of node {n} of largest size, signed."),
+    *_both("node_{n}_second_peak_acceleration", "node {n} second peak acceleration",
            "The next largest acceleration of node {n}, signed, of another collision."),
-    *_both("node_{n}_third_peak_acceleration", "third acceleration peak of node {n}",
+    *_both("node_{n}_third_peak_acceleration", "node {n} third peak acceleration",
            "The third largest acceleration of node {n}, signed, of a third collision."),
 )  # fmt: skip
 
