@@ -45,6 +45,12 @@ BUILT_IN["integrators"] = {
     "leapfrog": "valvetrain.integrate.leapfrog:SPEC",
     "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",
 }
+BUILT_IN["quantities"] = {
+    "general": "valvetrain.quantities.table:ROWS",
+    "gu2021": "valvetrain.sources.gu2021_rows:QUANTITIES",
+    "multibody4b17": "valvetrain.sources.multibody4b17_rows:QUANTITIES",
+    "vasilyev2016": "valvetrain.sources.vasilyev2016_rows:QUANTITIES",
+}
 
 
 @cache

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
+
+from valvetrain.solution.definition import label_of
 
 
 def rpm(engine_speed: float) -> float:
@@ -59,11 +60,6 @@ def percent(share: float) -> str:
 
 
 def quantity_words(name: str) -> str:
-    """A quantity's name in words: ``stage_2_peak_cam_angle`` -> ``Stage II peak, cam angle``."""
-    text = name.replace("_", " ")
-    for digit, roman in (("1", "I"), ("2", "II"), ("3", "III")):
-        text = re.sub(rf"\bstage {digit}\b", f"Stage {roman}", text)
-    text = re.sub(r"\bcoil (\d) (\d)\b", r"coils \1–\2", text)
-    text = re.sub(r"\bk?hz\b", lambda unit: unit[0].replace("hz", "Hz"), text)
-    text = re.sub(r"\s+cam angle$", ", cam angle", text)
+    """A quantity's label as a line begins with it: ``stage_2_peak_cam_angle`` -> ``Stage II peak, cam angle``."""
+    text = label_of(name)
     return text[:1].upper() + text[1:]

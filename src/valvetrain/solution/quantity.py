@@ -6,14 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from valvetrain.errors import InputError
-
-#: Last word of a quantity's name -> SI unit.
-UNITS = {
-    "force": "N", "preload": "N", "angle": "rad", "frequency": "Hz", "velocity": "m/s", "acceleration": "m/s2", "displacement": "m",
-    "compression": "m", "gap": "m", "clearance": "m", "length": "m", "height": "m", "lift": "m", "diameter": "m", "duration": "s",
-    "rate": "N/m", "impulse": "N s", "energy": "J", "stress": "Pa", "mass": "kg", "speed": "rad/s", "ratio": "1", "count": "1",
-    "order": "1", "torque": "N m", "power": "W", "pressure": "Pa",
-}  # fmt: skip
+from valvetrain.solution.definition import definition_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,11 +24,8 @@ class Quantity:
 
 
 def unit_of(name: str) -> str:
-    """SI unit of a quantity, from the last word of its name; a range has the unit of what ranges."""
-    words = name.split("_")
-    if words[-1] == "range" and len(words) > 1:
-        return UNITS.get(words[-2], "1")
-    return UNITS.get(words[-1], "1")
+    """SI unit of a quantity as the table of quantities has it; ``1`` for plain numbers."""
+    return definition_of(name).si_unit
 
 
 def named(values: Mapping[str, float], engine_speed: float | None, label: str) -> dict[Quantity, float]:
