@@ -1,4 +1,4 @@
-"""Units at the interface: text such as "4.0 mm", quantities and plain SI numbers to SI floats and back. Inside, every number is plain SI."""
+"""Units at the interface: text such as "4.0 mm", quantities and plain SI numbers to SI floats and back; inside all is SI."""
 
 from valvetrain.units.dimensions import DIMENSIONS, Dimension
 from valvetrain.units.given import MOST_SPEEDS, PLAUSIBLE, Given, Window, si, si_speeds

@@ -29,9 +29,9 @@ Given = str | SupportsFloat
 
 @dataclass(frozen=True, slots=True)
 class Window:
-    """What a named quantity can be: its dimension, the least and largest value in its usual unit.
+    """What a named quantity can be: its dimension, the least and largest value (SI) and the unit it is usually given in.
 
-    ``bare_high``: largest value (usual unit) that is taken without a unit, where an SI number and one in the usual unit are alike.
+    ``bare_high``: largest value (SI) that is taken without a unit, where an SI number and one in the usual unit are alike.
     """
 
     dimension: str
@@ -41,21 +41,22 @@ class Window:
     bare_high: float = math.inf
 
 
+_RPM = math.pi / 30
 #: Name of a quantity -> its window, wide enough for any valve spring and valvetrain; beyond it a value is a slip of units.
 PLAUSIBLE: dict[str, Window] = {
-    "wire_diameter": Window("length", 0.2, 20, "mm"),
-    "mean_diameter": Window("length", 3, 200, "mm"),
-    "pitch": Window("length", 0.2, 100, "mm"),
-    "spring_length": Window("length", 3, 1000, "mm"),
-    "compression": Window("length", 1e-6, 500, "mm"),
-    "valve_lift": Window("length", 1e-6, 100, "mm"),
-    "engine_speed": Window("angular speed", 10, 30_000, "rpm", 15_000),
-    "cam_speed": Window("angular speed", 5, 15_000, "rpm", 7_500),
-    "cam_angle": Window("angle", 1e-9, 1440, "deg"),
-    "spring_rate": Window("stiffness", 0.1, 5000, "N/mm"),
-    "modulus": Window("modulus", 0.1, 2000, "GPa"),
-    "density": Window("density", 500, 25_000, "kg/m^3"),
-    "mass": Window("mass", 0.001, 20_000, "g"),
+    "wire_diameter": Window("length", 0.2e-3, 20e-3, "mm"),
+    "mean_diameter": Window("length", 3e-3, 200e-3, "mm"),
+    "pitch": Window("length", 0.2e-3, 100e-3, "mm"),
+    "spring_length": Window("length", 3e-3, 1.0, "mm"),
+    "compression": Window("length", 1e-9, 0.5, "mm"),
+    "valve_lift": Window("length", 1e-9, 0.1, "mm"),
+    "engine_speed": Window("angular speed", 10 * _RPM, 30_000 * _RPM, "rpm", 15_000 * _RPM),
+    "cam_speed": Window("angular speed", 5 * _RPM, 15_000 * _RPM, "rpm", 7_500 * _RPM),
+    "cam_angle": Window("angle", 1e-9, 8 * math.pi, "deg"),
+    "spring_rate": Window("stiffness", 100.0, 5e6, "N/mm"),
+    "modulus": Window("modulus", 1e8, 2e12, "GPa"),
+    "density": Window("density", 100, 100_000, "kg/m^3"),
+    "mass": Window("mass", 1e-6, 20.0, "g"),
 }
 #: Dimension -> units in which a number out of its window may have been meant, the likeliest first.
 _MEANT = {
@@ -163,17 +164,16 @@ def _base_magnitude(value: Any, where: str) -> tuple[float, str]:
 
 
 def _refuse_slip(quantity: str, window: Window, found: float, shown: str, number: float, bare: bool, where: str) -> None:
-    usual = to_unit(found, window.usual_unit)
-    words = quantity.replace("_", " ")
-    if window.low <= usual <= window.high * (1 + 1e-12):
-        if bare and usual > window.bare_high:
-            remedy = f"did you mean '{number:g} {window.usual_unit}'? If not, write '{usual:.6g} {window.usual_unit}'"
-            raise InputError(f"{number:g} without a unit is {shown}, {words} {usual:.6g} {window.usual_unit}; {remedy}", where)
+    if window.low <= found * (1 + 1e-12) and found <= min(window.high, window.bare_high if bare else math.inf) * (1 + 1e-12):
         return
+    words, usual = quantity.replace("_", " "), format_quantity(found, window.usual_unit)
+    if window.low <= found <= window.high:
+        remedy = f"did you mean '{number:g} {window.usual_unit}'? If not, write '{usual}'"
+        raise InputError(f"{number:g} without a unit is {shown}, {words} {usual}; {remedy}", where)
     factors = ((unit, number * unit_factor(unit)) for unit in _MEANT[window.dimension])
-    meant = next(((unit, value) for unit, value in factors if window.low <= to_unit(value, window.usual_unit) <= window.high), None)
+    meant = next(((unit, value) for unit, value in factors if window.low <= value <= window.high), None)
     if meant is None:
-        span = f"{window.low:g} to {window.high:g} {window.usual_unit}"
-        raise InputError(f"{shown} of {words} ({usual:.4g} {window.usual_unit}) lies outside {span}; check the number and its unit", where)
+        span = f"{format_quantity(window.low, window.usual_unit)} to {format_quantity(window.high, window.usual_unit)}"
+        raise InputError(f"{shown} of {words} ({usual}) lies outside {span}; check the number and its unit", where)
     unit, value = meant
     raise InputError(f"{shown} of {words} can only be meant as {number:g} {unit}; write {value:.6g} or '{number:g} {unit}'", where)
