@@ -44,10 +44,8 @@ class EndModel(StrictModel):
 
     def build(self) -> EndCoil:
         """The end coil, with the usual turns of its kind where none are given."""
-        usual = EndCoil() if self.kind == "closed-ground" else EndCoil(self.kind, 0.0 if self.kind == "open" else 0.75, 0.0)
-        held = usual.inactive_coils if self.inactive_coils is None else self.inactive_coils
-        ground = usual.ground_coils if self.ground_coils is None else self.ground_coils
-        return EndCoil(self.kind, held, ground)
+        given = {"inactive_coils": self.inactive_coils, "ground_coils": self.ground_coils}
+        return EndCoil(self.kind, **{name: turns for name, turns in given.items() if turns is not None})
 
 
 def _read_end(raw: Any) -> EndModel:

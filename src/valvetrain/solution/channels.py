@@ -71,7 +71,7 @@ def spring_channels(
         dims, unit, long_name = declared[name]
         kind = np.int64 if name == "contact_status" else np.float64
         variables[name] = (("sample", *dims), np.asarray(array, dtype=kind), {"units": unit, "long_name": long_name})
-    coords: dict[str, tuple] = {
+    coords: dict[str, tuple[object, ...]] = {
         "time": (("sample",), np.asarray(time, dtype=float), {"units": "s", "long_name": "time"}),
         "cam_angle": (("sample",), np.asarray(cam_angle, dtype=float), {"units": "rad", "long_name": "cam angle, unwrapped"}),
     }
