@@ -29,6 +29,30 @@ KINDS: dict[str, tuple[str, str]] = {
 
 #: Kind -> word -> place. The order is the order of tables and menus.
 BUILT_IN: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
+BUILT_IN["lifts"] = {
+    "zero": "valvetrain.cam.zero:SPEC",
+    "spline": "valvetrain.cam.spline:SPEC",
+    "table": "valvetrain.cam.spline:SPEC",
+    "stations": "valvetrain.cam.stations:SPEC",
+    "polynomial": "valvetrain.cam.polynomial:SPEC",
+    "polydyne": "valvetrain.cam.polydyne:SPEC",
+    "cycloidal": "valvetrain.cam.cycloidal:SPEC",
+    "modified-sine": "valvetrain.cam.modified_sine:SPEC",
+    "harmonic": "valvetrain.cam.harmonic:SPEC",
+    "sine-power": "valvetrain.cam.sine_power:SPEC",
+    "ramped": "valvetrain.cam.ramped:SPEC",
+    "shaped": "valvetrain.cam.shaped:SPEC",
+}
+BUILT_IN["contacts"] = {
+    "linear": "valvetrain.contact.linear:SPEC",
+    "hertz-point": "valvetrain.contact.hertz_point:SPEC",
+    "hertz-line": "valvetrain.contact.hertz_line:SPEC",
+    "hunt-crossley": "valvetrain.contact.hunt_crossley:SPEC",
+    "lankarani-nikravesh": "valvetrain.contact.lankarani_nikravesh:SPEC",
+    "flores": "valvetrain.contact.flores:SPEC",
+    "impact": "valvetrain.contact.impact:SPEC",
+    "impact-as-printed": "valvetrain.contact.impact:AS_PRINTED",
+}
 
 
 @cache

@@ -48,7 +48,7 @@ class InstalledSpring:
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=FrozenMapping)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "options", FrozenMapping(self.options))
+        object.__setattr__(self, "options", FrozenMapping({word: FrozenMapping(values) for word, values in self.options.items()}))
         if (self.wire is None) == (self.card is None):
             raise InputError("an installed spring is known by its wire or by its card; give one of them")
         if self.card is not None:
@@ -98,6 +98,14 @@ class InstalledSpring:
         if self.card is not None:
             return replace(self, card=replace(self.card, preload=0.0))
         return replace(self, precompression=0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Rubbing:
+    """Friction between nested springs: ``coefficient`` and the radial ``normal_force`` (N) with which they press on each other."""
+
+    coefficient: float = 0.0
+    normal_force: float = 0.0
 
 
 def binding_lift(springs: tuple[InstalledSpring, ...], maximum_lift: float) -> str:
