@@ -8,6 +8,7 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.lift_law import FrozenMapping
 
 
 def nearest(name: str, valid: list[str] | tuple[str, ...]) -> str:
@@ -40,7 +41,7 @@ def changed(target: Any, changes: Mapping[str, Any], where: str = "") -> Any:
     if isinstance(target, tuple):
         return tuple(direct.get(str(place), item) for place, item in enumerate(target))
     if isinstance(target, Mapping):
-        return type(target)({**target, **direct})  # type: ignore[call-arg]
+        return FrozenMapping({**target, **direct})
     own = getattr(target, "replace", None)
     # Case.replace comes back here, so only parts use their own replace.
     return own(**direct) if own is not None and where else replace(target, **direct)
@@ -49,14 +50,15 @@ def changed(target: Any, changes: Mapping[str, Any], where: str = "") -> Any:
 def _part(target: Any, head: str) -> Any:
     if isinstance(target, tuple):
         return target[int(head)]
-    return target.get(head) if isinstance(target, Mapping) else getattr(target, head, None)
+    return target.get(head, FrozenMapping()) if isinstance(target, Mapping) else getattr(target, head, None)
 
 
 def _check_name(target: Any, name: str, where: str) -> None:
     if isinstance(target, tuple):
         names = [str(place) for place in range(len(target))]
     elif isinstance(target, Mapping):
-        names = list(target)
+        # Options that the case does not give may be set; InstalledSpring refuses those that no model has.
+        names = [*target, name] if "options." in where else list(target)
     else:
         names = [field.name for field in fields(target)]
         values = getattr(target, "values", None)

@@ -12,6 +12,7 @@ from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.damping import DampingParameters
 from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.spring_options import options_problem
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +52,8 @@ class InstalledSpring:
         object.__setattr__(self, "options", FrozenMapping({word: FrozenMapping(values) for word, values in self.options.items()}))
         if (self.wire is None) == (self.card is None):
             raise InputError("an installed spring is known by its wire or by its card; give one of them")
+        if (wrong := options_problem(self.options, self.card is not None)) is not None:
+            raise InputError(wrong[2])
         if self.card is not None:
             object.__setattr__(self, "precompression", self.card.preload / self.card.rate)
         if self.wire is not None and not 0 <= self.precompression < self.wire.free_length - self.wire.solid_height:

@@ -59,7 +59,7 @@ def _read_contact(raw: Any) -> ContactParameters:
 
 
 def _table_with(key: str, law: str) -> type[ContactTable]:
-    """The table of ``law``, or of another law, that has ``key`` (it then waits unused); that of ``law``, which refuses it, where none has."""
+    """The table of ``law``, or of another law, that has ``key`` (it then waits unused); else that of ``law``, to refuse it."""
     words = (law, *(word for word in registry.words("contacts") if word != law))
     tables: list[type[ContactTable]] = [guarded(registry.find, "contacts", word).table for word in words]
     return next((table for table in tables if key in table.model_fields), tables[0])

@@ -12,7 +12,6 @@ from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring,
 from valvetrain.parameters.schema_spring import SpringCardModel, SpringModel
 from valvetrain.parameters.schema_types import (
     DampingRate,
-    Force,
     Frequency,
     Length,
     PositiveLength,
@@ -25,7 +24,7 @@ from valvetrain.parameters.schema_types import (
     quantity,
     validate_as,
 )
-from valvetrain.parameters.spring_options import SpringOptions, options_table
+from valvetrain.parameters.spring_options import options_problem, options_table
 
 _CONTACT, _RUBBING = CoilContact(), Rubbing()
 _CARD_KEYS = set(SpringCardModel.model_fields) - {"name", "installed_height"}
@@ -67,13 +66,13 @@ class RubbingModel(StrictModel):
         return Rubbing(self.coefficient, self.normal_force)
 
 
-def _read_options(raw: Any) -> dict[str, SpringOptions]:
+def _read_options(raw: Any) -> dict[str, StrictModel]:
     if not isinstance(raw, dict):
         raise problem("a table of spring-model words is needed here, such as options.multi-mass")
     return {word: validate_as(guarded(options_table, word, path=(word,)), values, (word,)) for word, values in raw.items()}
 
 
-Options = Annotated[dict[str, SpringOptions], PlainValidator(_read_options)]
+Options = Annotated[dict[str, StrictModel], PlainValidator(_read_options)]
 
 
 class WireBlock(SpringModel):
@@ -115,15 +114,9 @@ class CardBlock(SpringCardModel):
 
 
 def _assembled(block: WireBlock | CardBlock, **known: Any) -> InstalledSpring:
-    by_card = "card" in known
     options = {word: table.model_dump(exclude_unset=True) for word, table in block.options.items()}
-    for word, table in block.options.items():
-        useless = getattr(table, "wire_only" if by_card else "card_only", ())
-        for key in options[word]:
-            if key in useless:
-                known_by, other = ("card", "wire") if by_card else ("wire", "card")
-                reason = f"{key} has no effect on a spring known by its {known_by} (it is for a {other}); remove it"
-                raise problem(reason, ("options", word, key))
+    if (wrong := options_problem(options, "card" in known)) is not None:
+        raise problem(wrong[2], ("options", *wrong[:2]))
     damping = placed("damping", block.damping.build)
     contact = CoilContact(block.contact.stiffness, block.contact.damping_time)
     built: InstalledSpring = guarded(lambda: InstalledSpring(damping=damping, contact=contact, options=options, **known))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
@@ -86,3 +87,17 @@ def options_table(word: str) -> type[StrictModel]:
         return table
     known = (*OPTIONS, *registry.words("springs"))
     raise InputError(f"spring model '{word[:40]}' is unknown; {nearest(word, known)}")
+
+
+def options_problem(options: Mapping[str, Mapping[str, Any]], by_card: bool) -> tuple[str, str, str] | None:
+    """Model word, key and reason of the first option that is unknown or has no effect on such a spring; None when all fit."""
+    for word, values in options.items():
+        table = options_table(word)
+        useless: tuple[str, ...] = getattr(table, "wire_only" if by_card else "card_only", ())
+        for key in values:
+            if key not in table.model_fields:
+                return word, key, f"option '{key[:40]}' of spring model '{word}' is unknown; {nearest(key, tuple(table.model_fields))}"
+            if key in useless:
+                known_by, other = ("card", "wire") if by_card else ("wire", "card")
+                return word, key, f"{key} has no effect on a spring known by its {known_by} (it is for a {other}); remove it"
+    return None

@@ -254,9 +254,10 @@ class TrainParameters:
     """One valvetrain. ``model``: planar rigid bodies with the true cam profile, lumped masses with constant ratios, or a single mass.
 
     ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and ``rocker``. ``springs``: sets of
-    springs by name, each a tuple of one or two :class:`InstalledSpring` (outer first); ``spring_set`` is the one in use and ``spring_model`` the word for its fidelity. ``variants``: the runs a case asks for (none: one run as it stands).
-    ``rubbing``: friction between nested springs. ``gravity``: vector (m/s2). ``cycles``: most cam turns run
-    until the motion repeats; None for the usual number.
+    springs by name, each a tuple of one or two :class:`InstalledSpring` (outer first); ``spring_set`` is the one in use and
+    ``spring_model`` the word for its fidelity. ``rubbing``: friction between nested springs. ``variants``: the runs a case asks for
+    (none: one run as it stands). ``gravity``: vector (m/s2). ``cycles``: most cam turns run until the motion repeats; None for the
+    usual number.
     """
 
     kind: TrainKind

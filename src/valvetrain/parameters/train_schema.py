@@ -35,6 +35,7 @@ from valvetrain.parameters.train import (
 )
 from valvetrain.parameters.train_units import Damping, Forces, Friction, Gravity, Inertia, NotNegativeMass, Pair, Torque
 
+
 def _pair(numbers: tuple[float, ...], key: str) -> tuple[float, float]:
     if len(numbers) != 2:
         raise problem(f"{key} is a point in the plane of motion, two lengths (x, y) from the cam centre; it has {len(numbers)}", (key,))
@@ -209,7 +210,7 @@ class TrainModel(StrictModel):
         if len(self.gravity) != 2:
             raise problem("gravity is a vector in the plane of motion, two accelerations", ("gravity",))
         names = ("kind", "model", "spring_set", "spring_model", "lash", "gravity", "cycles")
-        plain = {name: getattr(self, name) for name in names}
+        plain = {name: getattr(self, name) for name in names} | {"rubbing": self.rubbing.build()}
         springs = {name: placed(("springs", name), blocks.build, "spring") for name, blocks in self.springs.items()}
         variants = tuple(variant.build() for variant in self.variants)
         for place, variant in enumerate(variants):
@@ -219,6 +220,6 @@ class TrainModel(StrictModel):
                     ("variants", place, "spring_set"),
                 )
         built: TrainParameters = guarded(
-            lambda: TrainParameters(contacts=self.contacts, springs=springs, rubbing=self.rubbing.build(), variants=variants, **parts, **plain)
+            lambda: TrainParameters(contacts=self.contacts, springs=springs, variants=variants, **parts, **plain)
         )
         return built
