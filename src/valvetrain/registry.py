@@ -51,6 +51,30 @@ BUILT_IN["quantities"] = {
     "multibody4b17": "valvetrain.sources.multibody4b17_rows:QUANTITIES",
     "vasilyev2016": "valvetrain.sources.vasilyev2016_rows:QUANTITIES",
 }
+BUILT_IN["lifts"] = {
+    "zero": "valvetrain.cam.zero:SPEC",
+    "spline": "valvetrain.cam.spline:SPEC",
+    "table": "valvetrain.cam.spline:SPEC",
+    "stations": "valvetrain.cam.stations:SPEC",
+    "polynomial": "valvetrain.cam.polynomial:SPEC",
+    "polydyne": "valvetrain.cam.polydyne:SPEC",
+    "cycloidal": "valvetrain.cam.cycloidal:SPEC",
+    "modified-sine": "valvetrain.cam.modified_sine:SPEC",
+    "harmonic": "valvetrain.cam.harmonic:SPEC",
+    "sine-power": "valvetrain.cam.sine_power:SPEC",
+    "ramped": "valvetrain.cam.ramped:SPEC",
+    "shaped": "valvetrain.cam.shaped:SPEC",
+}
+BUILT_IN["contacts"] = {
+    "linear": "valvetrain.contact.linear:SPEC",
+    "hertz-point": "valvetrain.contact.hertz_point:SPEC",
+    "hertz-line": "valvetrain.contact.hertz_line:SPEC",
+    "hunt-crossley": "valvetrain.contact.hunt_crossley:SPEC",
+    "lankarani-nikravesh": "valvetrain.contact.lankarani_nikravesh:SPEC",
+    "flores": "valvetrain.contact.flores:SPEC",
+    "impact": "valvetrain.contact.impact:SPEC",
+    "impact-as-printed": "valvetrain.contact.impact:AS_PRINTED",
+}
 
 
 @cache

@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import PlainValidator
 
-from valvetrain.parameters.case import PublishedValue
-from valvetrain.parameters.schema_types import AngularSpeed, StrictModel, guarded, problem, validate_as
+from valvetrain.parameters.schema_types import AngularSpeed, StrictModel, guarded, placed, problem, validate_as
 from valvetrain.solution.definition import definition_of
+from valvetrain.solution.record import PublishedValue
 from valvetrain.units import dimension_of, parse_quantity
 
 
@@ -60,7 +60,7 @@ class PublishedModel(StrictModel):
         """The flat list of values; raises a located problem."""
         values = []
         for name, entry in self.quantities.items():
-            value, unit, tolerance = _placed(entry, name)
+            value, unit, tolerance = placed(("quantities", name), entry.read, name)
             values.append(
                 PublishedValue(
                     quantity=name,
@@ -76,13 +76,3 @@ class PublishedModel(StrictModel):
                 )
             )
         return tuple(values)
-
-
-def _placed(entry: ValueModel, name: str) -> tuple[float, str, float | None]:
-    from pydantic_core import PydanticCustomError
-
-    try:
-        return entry.read(name)
-    except PydanticCustomError as error:
-        context = error.context or {}
-        raise problem(str(context.get("reason", error)), ("quantities", name, *context.get("path", ()))) from error

@@ -6,6 +6,10 @@ import math
 
 from valvetrain.solution.definition import label_of
 
+from valvetrain.parameters.words import in_unit as in_unit
+from valvetrain.parameters.words import number as number
+from valvetrain.parameters.words import unit_words as unit_words
+
 
 def rpm(engine_speed: float) -> float:
     """rad/s as revolutions per minute, rounded to what nobody would call rounding."""
@@ -15,42 +19,6 @@ def rpm(engine_speed: float) -> float:
 def speed_words(engine_speed: float) -> str:
     """An engine speed as text, such as ``5600 rpm``."""
     return f"{rpm(engine_speed):g} rpm"
-
-
-def in_unit(value: float, unit: str) -> float:
-    """SI ``value`` in ``unit``; raises :class:`valvetrain.errors.InputError` for an unknown unit."""
-    from valvetrain.units import unit_factor
-
-    return value / unit_factor(unit) if unit not in ("", "1") else value
-
-
-def number(value: float | None, digits: int = 4) -> str:
-    """A number with ``digits`` significant digits, a real minus sign, and powers of ten as such; a dash for None."""
-    if value is None or math.isnan(value):
-        return "–"
-    if math.isinf(value):
-        return "∞" if value > 0 else "−∞"
-    if value == 0:
-        return "0"
-    size = abs(value)
-    if size >= 1e6 or size < 1e-4:
-        mantissa, power = f"{value:.{max(digits - 2, 1)}e}".split("e")
-        return _scientific(mantissa, int(power))
-    decimals = max(0, digits - 1 - math.floor(math.log10(size)))
-    text = f"{value:.{min(decimals, 6)}f}"
-    if "." in text:
-        text = text.rstrip("0").rstrip(".")
-    return text.replace("-", "−")
-
-
-def unit_words(unit: str) -> str:
-    """A unit as printed: ``mm/s^2`` -> ``mm/s²``, ``us`` -> ``µs``."""
-    return unit.replace("^2", "²").replace("^3", "³").replace("us", "µs")
-
-
-def _scientific(mantissa: str, power: int) -> str:
-    raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"{mantissa.rstrip('0').rstrip('.')}·10{raised}".replace("-", "−")
 
 
 def percent(share: float) -> str:
