@@ -29,6 +29,7 @@ KINDS: dict[str, tuple[str, str]] = {
 
 #: Kind -> word -> place. The order is the order of tables and menus.
 BUILT_IN: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
+BUILT_IN["sources"] = {key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021", "vasilyev2016", "multibody4b17")}
 
 
 @cache
