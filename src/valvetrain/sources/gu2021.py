@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -60,9 +60,6 @@ def findings(study: Study) -> tuple[Finding, ...]:
 
 def _stands_for(value: PublishedValue, run: Solution) -> bool:
     return value.model == SOLID and same_speed(value.engine_speed, run.engine_speed)
-
-
-Build = Callable[[Study, Solution, Mapping[str, PublishedValue], str], Finding | None]
 
 
 def _period(study: Study, run: Solution, published: Mapping[str, PublishedValue], speed: str) -> Finding | None:
@@ -132,10 +129,8 @@ def _prediction_notes(study: Study) -> tuple[str, ...]:
     """Middle ratio of computed to published force spikes and velocities after the event, by engine speed."""
     told = []
     for run in study.runs("finite-element"):
-        shares = [
-            run.quantities[one.quantity] / one.value for one in study.record.published
-            if _stands_for(one, run) and one.relation != "at-most" and one.value and one.quantity in run.quantities and _is_violent(one.quantity)
-        ]  # fmt: skip
+        mine = [one for one in study.record.published if _stands_for(one, run) and one.relation != "at-most" and _is_violent(one.quantity)]
+        shares = [run.quantities[one.quantity] / one.value for one in mine if one.value and one.quantity in run.quantities]
         if len(shares) > 1:
             told.append(f"{np.median(shares):.2f} at {run.engine_speed * 30 / np.pi:.0f} rpm ({len(shares)} values)")
     return (f"Spike force and coil velocities after the event, computed over published, middle of all: {', '.join(told)}.",) if told else ()
