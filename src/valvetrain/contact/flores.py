@@ -46,8 +46,8 @@ class Flores(DampedPower):
 class FloresTable(ContactTable):
     """``contact_stiffness`` in N/m**n and ``restitution``."""
 
-    restitution: Ratio = Field(0.7, description="velocity of rebound over that of approach (steel on steel)")
-    exponent: Ratio = Field(1.5, description="n of K d^n")
+    restitution: Ratio = Field(default=0.7, description="velocity of rebound over that of approach (steel on steel)")
+    exponent: Ratio = Field(default=1.5, description="n of K d^n")
 
 
 SPEC = ContactSpec(Flores, FloresTable)

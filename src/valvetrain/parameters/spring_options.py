@@ -25,7 +25,7 @@ class SpringOptions(StrictModel):
 class MasslessOptions(SpringOptions):
     """Options of the massless spring."""
 
-    effective_mass_fraction: Share = Field(1 / 3, description="share of the spring's mass that rides on the retainer")
+    effective_mass_fraction: Share = Field(default=1 / 3, description="share of the spring's mass that rides on the retainer")
 
 
 class MultiMassOptions(SpringOptions):
@@ -33,14 +33,14 @@ class MultiMassOptions(SpringOptions):
 
     wire_only: ClassVar[tuple[str, ...]] = ("masses_per_coil",)
     card_only: ClassVar[tuple[str, ...]] = ("elements",)
-    masses_per_coil: int = Field(12, ge=1, le=2000, description="masses along one turn of the wire")
-    elements: int = Field(5, ge=1, le=2000, description="elements of the chain made from a card")
+    masses_per_coil: int = Field(default=12, ge=1, le=2000, description="masses along one turn of the wire")
+    elements: int = Field(default=5, ge=1, le=2000, description="elements of the chain made from a card")
 
 
 class ModalUniformOptions(SpringOptions):
     """Options of the modal model of a uniform spring."""
 
-    modes: int = Field(5, ge=1, le=500, description="natural modes taken along")
+    modes: int = Field(default=5, ge=1, le=500, description="natural modes taken along")
 
 
 class NoOptions(SpringOptions):
@@ -51,19 +51,19 @@ class FiniteElementOptions(SpringOptions):
     """Options of the geometrically exact rod."""
 
     card_only: ClassVar[tuple[str, ...]] = ("card_lift",)
-    elements_per_coil: int = Field(24, ge=4, le=1000, description="elements along one turn of the wire")
-    curvature_correction: bool = Field(True, description="stiffness of the section corrected for the curvature of the bar")
-    time_step: PositiveTime | None = Field(None, description="time step; without it the stability limit decides")
-    card_lift: Length = Field(0.012, description="lift up to which the coils of a wire made from a card stay apart")
+    elements_per_coil: int = Field(default=24, ge=4, le=1000, description="elements along one turn of the wire")
+    curvature_correction: bool = Field(default=True, description="stiffness of the section corrected for the curvature of the bar")
+    time_step: PositiveTime | None = Field(default=None, description="time step; without it the stability limit decides")
+    card_lift: Length = Field(default=0.012, description="lift up to which the coils of a wire made from a card stay apart")
 
 
 class SolidOptions(SpringOptions):
     """Options of solid finite elements."""
 
-    elements_per_coil: int = Field(12, ge=4, le=1000, description="slices along one turn of the wire")
-    core: int = Field(1, ge=1, le=40, description="cells across the square core of the section")
-    rings: int = Field(1, ge=1, le=40, description="rings of cells around the core")
-    time_limit: PositiveTime = Field(1800.0, description="longest time one solution may take")
+    elements_per_coil: int = Field(default=12, ge=4, le=1000, description="slices along one turn of the wire")
+    core: int = Field(default=1, ge=1, le=40, description="cells across the square core of the section")
+    rings: int = Field(default=1, ge=1, le=40, description="rings of cells around the core")
+    time_limit: PositiveTime = Field(default=1800.0, description="longest time one solution may take")
 
 
 OPTIONS: dict[str, type[SpringOptions]] = {
