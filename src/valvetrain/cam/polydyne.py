@@ -72,9 +72,9 @@ class PolydyneModel(LiftModel):
     opening_start: Angle
     closing_end: Angle
     exponents: Exponents = Field(default=(2, 10, 18, 26, 34), description="powers about the nose")
-    effective_mass: Mass | None = Field(default=None, description="of the train; no dynamic deflection")
-    effective_stiffness: Stiffness | None = Field(default=None, description="of the train; no dynamic deflection")
-    design_engine_speed: DesignSpeed | None = Field(default=None, description="no dynamic deflection")
+    effective_mass: Mass | None = Field(default=None, description="of the train; without it no dynamic deflection")
+    effective_stiffness: Stiffness | None = Field(default=None, description="of the train; without it no dynamic deflection")
+    design_engine_speed: DesignSpeed | None = Field(default=None, description="without it no dynamic deflection")
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses a deflection given in part."""

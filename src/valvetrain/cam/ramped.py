@@ -67,7 +67,7 @@ class RampedModel(LiftModel):
     event_end: Angle
     ramp_end: Angle
     ramp_blend: RampBlend = Field(default=0.3, description="share of the ramp over which its velocity is built up")
-    nose_acceleration: NegativeAcceleration | None = Field(default=None, description="the one of no jerk at the nose")
+    nose_acceleration: NegativeAcceleration | None = Field(default=None, description="without it that of no jerk at the nose")
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses ramps above the lift and events out of order."""

@@ -88,7 +88,7 @@ class SplineModel(LiftModel):
     angle_unit: Literal["deg", "rad"] | None = None
     angle_of: Literal["cam", "crank"] | None = None
     lift_unit: str | None = None
-    mirror_angle: Angle | None = Field(default=None, description="the table is whole")
+    mirror_angle: Angle | None = Field(default=None, description="about which half a table is mirrored; without it it is whole")
     degree: Literal[5, 7] = Field(default=5, description="of the spline")
     smoothing: Length = Field(default=0.0, description="root-mean-square distance from the table that is allowed")
 

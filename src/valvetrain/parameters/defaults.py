@@ -75,7 +75,7 @@ def _told(field: FieldInfo) -> bool:
 
 def _shown(field: FieldInfo) -> str:
     value = field.default
-    if value is None:
+    if value is None or value == "":
         return "not given"
     if isinstance(value, bool):
         return str(value).lower()

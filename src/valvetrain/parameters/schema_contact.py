@@ -18,6 +18,9 @@ ContactStiffness = Annotated[float, quantity(None)]
 ContactDamping = Annotated[float, quantity(None)]
 Velocity = Annotated[float, quantity("velocity")]
 
+#: Of steel on steel, where a law needs a loss and the table gives none.
+RESTITUTION = 0.7
+
 _FRICTION = ("friction_coefficient", "friction_velocity")
 _DAMPING_UNITS: dict[tuple[tuple[str, float], ...], str] = {
     (("[mass]", 1.0), ("[time]", -1.0)): "N s/m",

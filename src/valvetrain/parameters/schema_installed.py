@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator
 
-from valvetrain.parameters.damping import DampingParameters
+from valvetrain.parameters.damping import DEFAULT_STIFFNESS_SHARE, DampingParameters
 from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring, Rubbing
 from valvetrain.parameters.schema_spring import SpringCardModel, SpringModel
 from valvetrain.parameters.schema_types import (
@@ -38,7 +38,9 @@ class DampingModel(StrictModel):
 
     ratio: Ratio | None = Field(default=None, description="share of critical damping at ratio_frequency")
     ratio_frequency: Frequency | None = Field(default=None, description="frequency at which ratio holds")
-    stiffness_share: Ratio | None = Field(default=None, description="part of ratio that is stiffness-proportional; without it 0.5")
+    stiffness_share: Ratio | None = Field(
+        default=None, description=f"share of ratio from stiffness; without it {DEFAULT_STIFFNESS_SHARE:g}"
+    )
     mass_damping: DampingRate | None = Field(default=None, description="damping over mass; without it and a ratio none")
     stiffness_damping: Time | None = Field(default=None, description="damping over stiffness; without it and a ratio none")
 

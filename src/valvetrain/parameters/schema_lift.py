@@ -38,7 +38,7 @@ class LiftModel(StrictModel):
     law: ClassVar[str] = ""
     kind: str
     lift_of: Literal["valve", "tappet"] = Field(default="valve", description="whose lift it is, the valve's or the tappet's")
-    zero_of_angle: str = Field(default="", description="what the zero of the cam angle means; nothing is printed")
+    zero_of_angle: str = Field(default="", description="what the zero of the cam angle means")
 
     def parameters(self, folder: Path) -> LiftLawParameters:
         """What the case keeps of this table; ``folder`` is where relative file names start."""

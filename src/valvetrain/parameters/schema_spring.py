@@ -103,7 +103,7 @@ class SpringModel(StrictModel):
     total_coils: TotalCoils
     hand: Literal["right", "left"] = Field(default="right", description="sense of winding")
     material: Annotated[Material, PlainValidator(_read_material)]
-    ends: EndField | None = Field(default=None, description="closed-ground at both ends")
+    ends: EndField | None = Field(default=None, description="kind of both ends; without it closed-ground")
     lower_end: EndField | None = None
     upper_end: EndField | None = None
 

@@ -82,10 +82,10 @@ class LeverModel(StrictModel):
     valve_arm: PositiveLength
     inertia: Inertia
     valve_angle: Angle = Field(default=0.0, description="polar direction from the pivot to the tip, valve closed")
-    drive_angle: Angle | None = Field(default=None, description="polar direction from the pivot to the drive end; the base circle decides")
+    drive_angle: Angle | None = Field(default=None, description="polar direction of the drive end; without it the base circle decides")
     drive_side: Literal[1, -1] = Field(default=1, description="which of the two positions on the base circle")
     mass: NotNegativeMass = Field(default=0.0, description="that rides on the support")
-    stiffness: Stiffness | None = Field(default=None, description="at the valve tip; rigid")
+    stiffness: Stiffness | None = Field(default=None, description="at the valve tip; without it rigid")
     damping: Damping = Field(default=0.0, description="at the valve tip")
     holding_torque: Torque = Field(default=0.0, description="that presses the lever towards its drive")
     tip_radius: Length = Field(default=0.0, description="of the arc on the stem, for friction")
@@ -100,7 +100,7 @@ class PushrodModel(StrictModel):
 
     mass: Mass
     lower_end: Pair
-    stiffness: Stiffness | None = Field(default=None, description="of the bar; rigid")
+    stiffness: Stiffness | None = Field(default=None, description="of the bar; without it rigid")
     damping: Damping = Field(default=0.0, description="of the bar")
 
     def build(self) -> PushrodParameters:
@@ -127,7 +127,7 @@ class ValveModel(StrictModel):
     mass: Mass
     opening_direction: Angle = Field(default=-math.pi / 2, description="polar angle of the opening motion")
     head_fraction: Ratio = Field(default=0.5, description="share of the mass below an elastic stem")
-    stem_stiffness: Stiffness | None = Field(default=None, description="of the stem; rigid")
+    stem_stiffness: Stiffness | None = Field(default=None, description="of the stem; without it rigid")
     stem_damping: Damping = Field(default=0.0, description="of the stem")
     damping: Damping = Field(default=0.0, description="in the guide")
     friction: Friction = Field(default=0.0, description="in the guide")
@@ -167,9 +167,9 @@ class VariantModel(StrictModel):
     """One [[train.variants]] table."""
 
     label: str
-    spring_set: str = Field(default="", description="the train's own")
-    spring_model: str = Field(default="", description="the train's own")
-    lash: Length | None = Field(default=None, description="the train's own")
+    spring_set: str = Field(default="", description="without it the train's own")
+    spring_model: str = Field(default="", description="without it the train's own")
+    lash: Length | None = Field(default=None, description="without it the train's own")
     valve_damping: Damping | None = Field(default=None, description="added to the valve's own")
     without_preload: bool = Field(default=False, description="springs at rest with the valve closed")
     note: str = Field(default="", description="printed beside the results")
@@ -194,7 +194,7 @@ class TrainModel(StrictModel):
     gas: GasModel | None = None
     contacts: dict[str, ContactField]
     springs: dict[str, SpringField]
-    spring_set: str = Field(default="", description="the first set")
+    spring_set: str = Field(default="", description="set in use; without it the first")
     spring_model: str = Field(default="multi-mass", description="word of the spring model")
     rubbing: RubbingModel = RubbingModel()
     lash: Length = Field(default=0.0, description="play at the valve")
