@@ -213,10 +213,10 @@ class FiniteElementOptions(SpringOptions):
     """Options of the geometrically exact rod."""
 
     card_only: ClassVar[tuple[str, ...]] = ("card_lift",)
-    elements_per_coil: int = Field(24, ge=4, le=1000, description="elements along one turn of the wire")
-    curvature_correction: bool = Field(True, description="stiffness of the section corrected for the curvature of the bar")
-    time_step: PositiveTime | None = Field(None, description="time step; without it the stability limit decides")
-    card_lift: Length = Field(0.012, description="lift up to which the coils of a wire made from a card stay apart")
+    elements_per_coil: int = Field(default=24, ge=4, le=1000, description="elements along one turn of the wire")
+    curvature_correction: bool = Field(default=True, description="stiffness of the section corrected for the curvature of the bar")
+    time_step: PositiveTime | None = Field(default=None, description="time step; without it the stability limit decides")
+    card_lift: Length = Field(default=0.012, description="lift up to which the coils of a wire made from a card stay apart")
 
 
 def _make(spring: InstalledSpring, options: FiniteElementOptions, rest: SpringAtRest | None) -> FiniteElementRod:

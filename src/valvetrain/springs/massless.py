@@ -190,7 +190,7 @@ def massless_table(
 class MasslessOptions(SpringOptions):
     """Options of the massless spring."""
 
-    effective_mass_fraction: Share = Field(RAYLEIGH_FRACTION, description="share of the spring's mass that rides on the retainer")
+    effective_mass_fraction: Share = Field(default=RAYLEIGH_FRACTION, description="share of the spring's mass that rides on the retainer")
 
 
 def _make(spring: InstalledSpring, options: MasslessOptions, rest: SpringAtRest | None) -> MasslessSpring | MasslessTable:

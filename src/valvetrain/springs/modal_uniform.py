@@ -159,7 +159,7 @@ class ModalUniform:
 class ModalUniformOptions(SpringOptions):
     """Options of the modal model of a uniform spring."""
 
-    modes: int = Field(5, ge=1, le=500, description="natural modes taken along")
+    modes: int = Field(default=5, ge=1, le=500, description="natural modes taken along")
 
 
 def _make(spring: InstalledSpring, options: ModalUniformOptions, rest: SpringAtRest | None) -> ModalUniform:

@@ -176,8 +176,8 @@ class MultiMassOptions(SpringOptions):
 
     wire_only: ClassVar[tuple[str, ...]] = ("masses_per_coil",)
     card_only: ClassVar[tuple[str, ...]] = ("elements",)
-    masses_per_coil: int = Field(12, ge=1, le=2000, description="masses along one turn of the wire")
-    elements: int = Field(5, ge=1, le=2000, description="elements of the chain made from a card")
+    masses_per_coil: int = Field(default=12, ge=1, le=2000, description="masses along one turn of the wire")
+    elements: int = Field(default=5, ge=1, le=2000, description="elements of the chain made from a card")
 
 
 def _make(spring: InstalledSpring, options: MultiMassOptions, rest: SpringAtRest | None) -> MultiMassSpring:

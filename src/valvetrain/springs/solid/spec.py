@@ -23,10 +23,10 @@ NO_MOTION = (
 class SolidOptions(SpringOptions):
     """Options of solid finite elements."""
 
-    elements_per_coil: int = Field(12, ge=4, le=1000, description="slices along one turn of the wire")
-    core: int = Field(1, ge=1, le=40, description="cells across the square core of the section")
-    rings: int = Field(1, ge=1, le=40, description="rings of cells around the core")
-    time_limit: PositiveTime = Field(1800.0, description="longest time one solution may take")
+    elements_per_coil: int = Field(default=12, ge=4, le=1000, description="slices along one turn of the wire")
+    core: int = Field(default=1, ge=1, le=40, description="cells across the square core of the section")
+    rings: int = Field(default=1, ge=1, le=40, description="rings of cells around the core")
+    time_limit: PositiveTime = Field(default=1800.0, description="longest time one solution may take")
 
 
 def solid_spring(spring: InstalledSpring, options: SolidOptions) -> SolidSpring:
