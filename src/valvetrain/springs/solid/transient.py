@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +19,6 @@ from valvetrain.springs.solid.calculix import SolverOutput
 from valvetrain.springs.solid.deck import MILLIMETRE, SolidContact
 from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.springs.solid.printed import read_printed
-
-if TYPE_CHECKING:
-    from valvetrain.parameters.case import Case
 
 Array = NDArray[np.float64]
 
@@ -92,20 +89,6 @@ def run_transient(model: SolidSpring, job: TransientJob, case_name: str = "") ->
     deck = transient_deck(model, job)
     output = model.run(deck)
     return transient_solution(model, job, output, case_name or model.spring.name)
-
-
-def run_case(case: Case, engine_speed: float, first_angle: float, last_angle: float, model: SolidSpring | None = None) -> Solution:
-    """Ride of a case's spring on its lift law between two cam angles (rad) at ``engine_speed`` (crank rad/s).
-
-    ``model`` defaults to the coarse mesh of :meth:`SolidSpring.from_case` with the softer contact of :data:`MOTION_CONTACT`.
-    Only the case's mass-proportional damping acts. Minutes per millisecond: choose the angles with care.
-    """
-    from valvetrain.cam import build_lift_law
-
-    chosen = model or SolidSpring.from_case(case, contact=MOTION_CONTACT)
-    law, damping = build_lift_law(case.lift_law), case.damping.mass_damping
-    job = TransientJob(law, engine_speed, case.installation.precompression, first_angle, last_angle, mass_damping=damping)
-    return run_transient(chosen, job, case.name)
 
 
 def transient_solution(model: SolidSpring, job: TransientJob, output: SolverOutput, case_name: str) -> Solution:
