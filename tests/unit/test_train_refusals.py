@@ -74,7 +74,7 @@ ROUGH = ContactParameters("linear", STIFF.values, 0.1)
         (lambda: runner(system(direct()), -10.0), "cam speed must be positive"),
         (lambda: runner(system(direct()), 200.0, TrainOptions(time_step=1e-3)), "cannot resolve the stiffest contact"),
         (lambda: runner(build_train(load_case("vaz-ohc", {"train.contacts.cam.contact_stiffness": "2e13 N/mm"})), 200.0), "100 kN/mm"),
-        (lambda: build_train(load_case("vaz-ohc", {"train.springs.nested-chain.0.installed_height": "26 mm"})),
+        (lambda: build_train(load_case("vaz-ohc", {"train.springs.nested.0.installed_height": "26 mm"})),
          "spring 'outer' binds: 26 mm"),
         (lambda: build_train(load_case("tdi-pushrod", {"train.springs.stock.0.installed_height": "40 mm",
                                                        "train.springs.stock.0.solid_height": "33 mm"})), "solid at 33 mm"),
