@@ -77,13 +77,13 @@ def test_text_speaks_the_units_of_the_field():
     assert "5600 rpm: completed" in repr(solution())
     assert "361 samples, 0 to 360 deg of the cam; 3 channels" in repr(solution())
     assert "seat_force 300 to 800 N" in repr(solution())
-    assert "1 events: 1 clash" in repr(solution())
+    assert "events: 1 clash" in repr(solution())
     assert "peak_seat_force 800 N, clearance 1 mm" in repr(solution())
     assert "diverged: no, at time 0.1 s" in repr(solution(status=Status("diverged", "no", 0.1)))
     assert repr(curve()) == (
         "StaticCurve: 0 to 8 mm in 9 steps, 0 to 320 N, completed\n  stiffness 40 N/mm first, 40 N/mm last; 2 coil pairs"
     )
-    assert repr(modes()) == "ModalResult at 7 mm compression: 5 modes, completed\n  3 axial: 630, 1120, 1639 Hz"
+    assert repr(modes()) == "ModalResult at 7 mm compression, 5 modes, completed\n  3 axial: 630, 1120, 1639 Hz"
     assert repr(study()).splitlines()[:2] == ["Study of own <i> (sweep): 4 runs", "  rod, chain; 4200 rpm, 5600 rpm"]
     assert repr(quantities()).splitlines()[-1] == "  and 2 more"
     assert [words(*one) for one in ((0.007, "m"), (41e3, "N/m"), (7.5e8, "Pa"), (0.5, "1"), (3.0, "J"))] == [

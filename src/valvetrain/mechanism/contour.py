@@ -47,7 +47,8 @@ def curvature_radius_round(table: Array, follower_radius: float) -> Array:
     bend = r**2 + 2 * r1**2 - r * r2
     with np.errstate(divide="ignore"):
         pitch = (r**2 + r1**2) ** 1.5 / bend
-    return pitch - follower_radius
+    found: Array = pitch - follower_radius
+    return found
 
 
 def check_flat(table: Array) -> None:

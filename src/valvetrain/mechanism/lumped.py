@@ -90,7 +90,7 @@ def rigid_mode(mechanism: AssembledMechanism, gradients: Array) -> Array:
     matrix = np.array([*rows, *pins])
     target = np.zeros(len(matrix))
     target[len(rows)] = 1.0
-    mode, *_ = np.linalg.lstsq(matrix, target, rcond=None)
+    mode: Array = np.linalg.lstsq(matrix, target, rcond=None)[0]
     if np.max(np.abs(matrix @ mode - target)) > 1e-9:
         raise InputError(f"mechanism '{mechanism.name}' does not tie every body to the valve; check its interactions")
     return mode

@@ -31,7 +31,7 @@ class RatioCurve:
         spline = self.spline()
         slope = spline.derivative()
         wanted = np.asarray(valve_lift, dtype=float)
-        drive = np.interp(wanted, self.valve_lift, self.drive)
+        drive: Array = np.interp(wanted, self.valve_lift, self.drive)
         for _ in range(20):
             change = (spline(drive) - wanted) / slope(drive)
             drive = drive - change

@@ -94,7 +94,7 @@ def plot_modes(modes: ModalResult) -> go.Figure:
 def _speaking_quantity(study: Study) -> str:
     """The first peak force among the numbers of the runs, else the first number."""
     names = list(dict.fromkeys(name for run in study.solutions for name in run.quantities))
-    peaks = [name for name in names if unit_of(name) == "N" and "peak" in name]
+    peaks = [name for name in names if unit_of(name) == "N" and name.startswith("peak") and "clash" not in name]
     if not names:
         raise InputError(f"the runs of the study of {study.record.name} hold no quantities to draw; evaluate them first")
     return (peaks or names)[0]

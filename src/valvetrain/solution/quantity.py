@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
 from valvetrain.solution.display import frame, table, words
@@ -100,7 +101,7 @@ class Quantities(Mapping[Quantity, float]):
     def to_pandas(self) -> pandas.DataFrame:
         """One row per value (SI): quantity, label, engine_speed (rad/s of the crank, missing where none applies), value, unit."""
         keys = list(self._values)
-        columns = {
+        columns: dict[str, ArrayLike] = {
             "quantity": [key.name for key in keys], "label": [key.label for key in keys],
             "engine_speed": np.array([np.nan if key.engine_speed is None else key.engine_speed for key in keys], dtype=float),
             "value": np.array(list(self._values.values()), dtype=float), "unit": [key.unit for key in keys],

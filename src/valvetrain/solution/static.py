@@ -67,8 +67,9 @@ class StaticCurve:
         return "\n  ".join(lines)
 
     def _repr_html_(self) -> str:
-        chosen = np.unique(np.linspace(0, len(self.compression) - 1, 12).astype(int)) if len(self.compression) else []
-        numbers = zip(self.compression[chosen], self.force[chosen], self.stiffness[chosen], strict=True) if len(chosen) else ()
+        count = len(self.compression)
+        chosen = np.unique(np.linspace(0, count - 1, min(count, 12)).astype(int))
+        numbers = zip(self.compression[chosen], self.force[chosen], self.stiffness[chosen], strict=True)
         rows = [(words(one, "m"), words(force, "N"), words(rate, "N/m")) for one, force, rate in numbers]
         return table(repr(self), ("compression", "force", "stiffness"), rows)
 

@@ -45,7 +45,7 @@ class Study:
     301.5
     >>> study
     Study of own-spring (run): no runs
-      1 quantities: preload 301.5 N
+      quantities (1): preload 301.5 N
     """
 
     record: CaseRecord
@@ -69,7 +69,7 @@ class Study:
             lines.append(f"{', '.join(self.labels)}; {reach}")
         if found:
             first = [f"{key.name} {words(value, key.unit)}" for key, value in list(found.items())[:3]]
-            lines.append(f"{len(found)} quantities: {', '.join(first)}{', ...' if len(found) > 3 else ''}")
+            lines.append(f"quantities ({len(found)}): {', '.join(first)}{', ...' if len(found) > 3 else ''}")
         if self.comparisons or self.findings:
             lines.append(f"{len(self.comparisons)} comparisons with published values, {len(self.findings)} findings")
         if self.failures:
