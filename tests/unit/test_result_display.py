@@ -91,6 +91,17 @@ def test_text_speaks_the_units_of_the_field():
     ]  # fmt: skip
 
 
+def test_results_are_asked_in_the_units_of_the_field():
+    assert curve().force_at("7.5 mm") == curve().force_at(7.5e-3) == pytest.approx(300.0)
+    assert curve().stiffness_at("0.2 inch") == pytest.approx(40e3)
+    assert study().solution("rod", "5600 rpm").label == "rod"
+    assert study().quantities.of_run("rod", "5600 rpm")["clearance"] == 1e-3
+    with pytest.raises(InputError, match="7 m of compression can only be meant as 7 mm"):
+        curve().force_at(7)
+    with pytest.raises(InputError, match="can only be meant as 5600 rpm"):
+        study().solution("rod", 5600)
+
+
 def test_frames_hold_every_value_in_si():
     table = solution().to_pandas()
     assert list(table.columns) == ["cam_angle", "valve_lift", "seat_force", "coil_gap[1.5]", "coil_gap[2.5]"]
