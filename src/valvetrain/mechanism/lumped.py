@@ -7,10 +7,9 @@ differ from it by nothing but the missing geometry.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.mechanism.contour import lift_table
@@ -46,7 +45,7 @@ class _Scaled:
     def __init__(self, kinematics: RigidKinematics, scale: float) -> None:
         self.kinematics, self.scale = kinematics, scale
 
-    def lift(self, cam_angle: Any, derivative: int = 0) -> Array:
+    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         """Drive travel (m) along the cam contact's normal at zero lift."""
         tight = replace(self.kinematics, lash=0.0)
         return np.asarray(tight._tight(cam_angle, derivative)) * self.scale

@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.springs import modal_kernels
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
 
 #: Places along the spring at which section motion is shown.
@@ -86,8 +85,9 @@ class ModalUniform:
         return self.modes
 
     @property
-    def kernel(self) -> Any:
-        return modal_kernels.advance_modal
+    def kernel(self) -> Kernel:
+        kernel: Kernel = modal_kernels.advance_modal
+        return kernel
 
     def parameters(self) -> Array:
         per_mode = np.column_stack(

@@ -7,14 +7,13 @@ See docs/decisions/0011-rod-at-unit-courant.md. Source: Vasilyev, Bakhracheva an
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.springs import wave_rod_kernels
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
 
 #: More cells than this add cost and no physics: the grid is then finer than any train excites.
@@ -61,8 +60,9 @@ class WaveRod:
         return self.spring.active_mass / self.cells
 
     @property
-    def kernel(self) -> Any:
-        return wave_rod_kernels.advance_rod
+    def kernel(self) -> Kernel:
+        kernel: Kernel = wave_rod_kernels.advance_rod
+        return kernel
 
     def parameters(self) -> Array:
         return np.array([self.spring.preload, self.cell_stiffness, self.cell_mass, 2 * self.friction])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.chain_layout import NO_CONTACTS, ChainLayout, CoilContacts, uniform_chain
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring, InstalledGaps, installed_gaps
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.wave_rod import cells_for_step
@@ -80,7 +80,7 @@ class WaveRodWithClash:
         return self.cells - 1
 
     @property
-    def kernel(self) -> Any:
+    def kernel(self) -> Kernel:
         return self.chain.kernel
 
     def parameters(self) -> Array:
