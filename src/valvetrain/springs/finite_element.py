@@ -18,7 +18,7 @@ from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs import finite_element_kernel as stepping
-from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
@@ -100,7 +100,7 @@ class FiniteElementRod:
         return 7 * STRIDE
 
     @property
-    def kernel(self) -> Kernel:
+    def kernel(self) -> Any:
         return stepping.advance_rod
 
     @cached_property

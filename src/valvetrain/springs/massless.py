@@ -6,13 +6,14 @@ Their inertia is a stated share of the wire's mass that rides on the retainer: o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.springs import massless_kernels
-from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
 
 RAYLEIGH_FRACTION = 1.0 / 3.0
 
@@ -41,7 +42,7 @@ class MasslessSpring:
         return 0
 
     @property
-    def kernel(self) -> Kernel:
+    def kernel(self) -> Any:
         return massless_kernels.advance_linear
 
     def parameters(self) -> Array:
@@ -107,7 +108,7 @@ class MasslessTable:
         return 0
 
     @property
-    def kernel(self) -> Kernel:
+    def kernel(self) -> Any:
         return massless_kernels.advance_table
 
     def parameters(self) -> Array:

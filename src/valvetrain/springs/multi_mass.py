@@ -13,7 +13,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs import chain_kernels, chain_statics
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, uniform_chain
-from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
 
 CONTACT_STIFFNESS = 1e10
 CONTACT_DAMPING_TIME = 1e-6
@@ -68,9 +68,8 @@ class MultiMassSpring:
         return len(self.layout.masses)
 
     @property
-    def kernel(self) -> Kernel:
-        kernel: Kernel = chain_kernels.advance_chain
-        return kernel
+    def kernel(self) -> Any:
+        return chain_kernels.advance_chain
 
     @cached_property
     def _parameters(self) -> Array:
