@@ -69,7 +69,7 @@ def test_text_is_short_and_the_table_is_escaped(make):
     text, page = repr(make()), make()._repr_html_()
     assert 1 <= len(text.splitlines()) <= 6
     assert max(map(len, text.splitlines())) < 160
-    assert page.startswith("<table>") and page.endswith("</table>")
+    assert page.startswith("<div>") and page.endswith("</table></div>")
     assert "<b>" not in page and "<i>" not in page
 
 
@@ -131,6 +131,7 @@ def test_plots_are_figures_of_the_numbers(make):
     figure = make().plot()
     assert isinstance(figure, plotly.graph_objects.Figure)
     assert figure.layout.xaxis.title.text or figure.layout.xaxis2.title.text
+    assert "<b>" not in figure.layout.title.text and "<i>" not in figure.layout.title.text
     assert all(len(trace.x) == len(trace.y) > 1 for trace in figure.data)
 
 

@@ -81,7 +81,8 @@ class WaveRodWithClash:
 
     @property
     def kernel(self) -> Kernel:
-        return self.chain.kernel
+        kernel: Kernel = self.chain.kernel
+        return kernel
 
     def parameters(self) -> Array:
         return self.chain.parameters()
