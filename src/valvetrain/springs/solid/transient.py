@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.solution.channels import spring_channels
@@ -31,7 +31,7 @@ MOTION_CONTACT = SolidContact(stiffness=1e13)
 class Lift(Protocol):
     """What is needed of a lift law: lift (m) or its derivative by the cam angle (m per rad**derivative), vectorised."""
 
-    def lift(self, cam_angle: Any, derivative: int = 0) -> Any: ...
+    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array: ...
 
 
 @dataclass(frozen=True)
