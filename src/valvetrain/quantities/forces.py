@@ -20,10 +20,10 @@ def fine_of_cycle(cycle: Cycle, channel: str) -> tuple[Array, Array]:
     return angle[mine] - begin, values[mine]
 
 
-def within_cycle(cycle: Cycle, angle: Array) -> tuple[slice, float]:
-    """Samples of a finer record that belong to the cycle, and the unwrapped cam angle (rad) from which the cycle counts."""
+def within_cycle(cycle: Cycle, cam_angle: Array) -> tuple[slice, float]:
+    """Samples of a finer record at ``cam_angle`` (rad, unwrapped) that belong to the cycle, and the angle from which the cycle counts."""
     begin = float(cycle.solution.cam_angle[cycle.samples.start] - cycle.cam_angle[0])
-    return slice(int(np.searchsorted(angle, begin - 1e-9)), int(np.searchsorted(angle, begin + 2 * np.pi - 1e-9))), begin
+    return slice(int(np.searchsorted(cam_angle, begin - 1e-9)), int(np.searchsorted(cam_angle, begin + 2 * np.pi - 1e-9))), begin
 
 
 def force_quantities(cycle: Cycle) -> dict[str, float]:
