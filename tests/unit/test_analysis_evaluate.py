@@ -14,6 +14,7 @@ from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.design import design_quantities
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.spectrum import lift_harmonic
@@ -173,3 +174,11 @@ def test_evaluating_twice_changes_nothing():
 def test_an_unknown_source_is_refused():
     with pytest.raises(InputError, match="source study 'gu2012' is unknown; did you mean gu2021"):
         evaluate(clashing_run(), Frame(source="gu2012"))
+
+
+def test_room_to_coil_bind_is_a_number_of_the_spring():
+    found = design_quantities(SPRING)
+    assert found["coil_bind_lift"] == pytest.approx(found["solid_compression"] - found["installed_compression"])
+    assert design_quantities(InstalledSpring(card=SpringCard(20e3, 100.0, None, 35e-3, solid_height=24e-3)))[
+        "coil_bind_lift"
+    ] == pytest.approx(11e-3)

@@ -165,3 +165,15 @@ def test_peaks_of_every_step_come_from_the_integrator():
     assert run.quantities["peak_seat_contact_force"] == 812.0 and run.quantities["steady_cycles_count"] == 9.0
     assert run.quantities["nose_cam_contact_force"] == 500.0 and "kind" not in run.quantities
     assert np.array_equal(run.channel("rigid_valve_lift"), lift_of(ANGLE))
+
+
+def test_times_and_torque_of_a_cycle():
+    period = 2 * np.pi / CAM_SPEED
+    torque = 3 * np.sin(ANGLE) - 1
+    gaps = {"cam_gap": np.where(degrees(150, 165), 1e-4, -1e-5), "valve_tip_gap": np.where(degrees(160, 175), 1e-4, -1e-5)}
+    run = found(train(statistics={"cycle_work_energy": 2.0}, cam_torque=torque, **gaps)).quantities
+    assert run["valve_open_duration"] == pytest.approx(period / 2, rel=0.02)
+    assert run["loss_of_contact_duration"] == pytest.approx(np.radians(25) / CAM_SPEED, rel=0.01)
+    assert (run["peak_cam_torque"], run["minimum_cam_torque"]) == pytest.approx((2.0, -4.0))
+    assert run["mean_cam_power"] == pytest.approx(2.0 / period)
+    assert run["peak_valve_lift"] == pytest.approx(8e-3)

@@ -100,9 +100,24 @@ def rigid_motion(system: TrainSystem, train: TrainParameters | None = None, samp
     return RigidMotion(angle, derivatives, poses.mass(lift), spring, poses.weight(lift), inertia, per_lift, per_angle, geometry)
 
 
+def rigid_quantities(motion: RigidMotion) -> dict[str, float]:
+    """Numbers of rigid theory that belong to no run: largest lift, and where and at which engine speed (rad/s) contact is first lost."""
+    cam_speed, angle = motion.contact_loss()
+    values = {
+        "rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle,
+        "rigid_maximum_valve_lift": float(np.max(motion.derivatives[0])),
+    }  # fmt: skip
+    return {name: value for name, value in values.items() if np.isfinite(value)}
+
+
 def rigid_table(system: TrainSystem, train: TrainParameters, cam_speed: float, samples: int = 720) -> RigidTable:
     """Kinematics and quasi-statics at one cam speed (rad/s); for several speeds of one train see :func:`rigid_motion`."""
     return rigid_motion(system, train, samples).table(cam_speed)
+
+
+def contact_loss_cam_speed(system: TrainSystem, samples: int = 1440) -> tuple[float, float]:
+    """:meth:`RigidMotion.contact_loss` of a train on ``samples`` cam angles."""
+    return rigid_motion(system, None, samples).contact_loss()
 
 
 def _inertia(poses: RigidPoses, lift: Array, velocity: Array, acceleration: Array) -> Array:
