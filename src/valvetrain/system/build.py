@@ -85,7 +85,9 @@ def _train_members(
         bare = own.replace(springs={}, spring_set="", spring_model="", variants=(), rubbing=None)
         if bare not in gears:
             mechanism = build_mechanism(bare, law, case.lift_law.lift_of)
-            gas = bare.gas and table_from_samples(np.asarray(bare.gas.cam_angles), np.asarray(bare.gas.forces), NODES)
+            gas = None
+            if bare.gas is not None:
+                gas = table_from_samples(np.asarray(bare.gas.cam_angles), np.asarray(bare.gas.forces), NODES)
             gears[bare] = Gear(mechanism, bare, gas)
         gear = gears[bare]
         if sentence := binding_lift(springs, gear.mechanism.kinematics.maximum_lift):
