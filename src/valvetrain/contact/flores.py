@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from valvetrain.contact import kernels
 from valvetrain.contact.law import SLOWEST_IMPACT, Array, require_exponent, require_positive, require_restitution, row
@@ -20,6 +21,7 @@ class Flores(DampedPower):
     restitution: float
     exponent: float = 1.5
     name: str = "flores"
+    states: ClassVar[int] = 2
 
     def __post_init__(self) -> None:
         require_positive(self.name, contact_stiffness=self.contact_stiffness)
