@@ -68,12 +68,6 @@ def maxwell_force(branch_stiffness, branch_damping, force, stretched, elapsed):
 
 
 @njit(cache=True)
-def no_law(parameters, memory, penetration, previous_penetration, penetration_rate, time_step):
-    """The law of an empty place: no force (N), no damping (N s/m)."""
-    return 0.0, 0.0
-
-
-@njit(cache=True)
 def contact_force(code, parameters, impact_rate, penetration, penetration_rate):
     """Normal force (N, compressive positive, never adhesive) of law ``code`` at a penetration (m) and its rate (m/s).
 

@@ -21,11 +21,12 @@ from numba import njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from valvetrain.contact.kernels import (
-    FLORES, IMPACT_RATE, LANKARANI_NIKRAVESH, MAXWELL_LINK, OWN_LAW, SLOWEST, contact_force, maxwell_force, update_impact,
+    FLORES, IMPACT_RATE, LANKARANI_NIKRAVESH, MAXWELL_LINK, OWN_LAW, SLOWEST, WIDTH, contact_force, maxwell_force, update_impact,
 )  # fmt: skip
+from valvetrain.contact.own_law import call_law
 from valvetrain.integrate.train_damping import damp, losses
 from valvetrain.integrate.train_friction import friction_loss, rub
-from valvetrain.integrate.train_log import close_stretch, in_window, note_crossing, note_extremes
+from valvetrain.integrate.train_log import close_stretch, in_window, note_contact, note_crossing
 from valvetrain.integrate.train_tuples import PEAK_PENETRATION, Motion, Records, Scratch, Slot
 from valvetrain.mechanism.gaps import OPTIONS, penetration_and_gradient, table_value
 from valvetrain.system.train_system import TrainArrays
@@ -40,8 +41,6 @@ SPRING_SIGNATURE = types.UniTuple(f8, 2)(_vector, _integers, _vector, f8, f8, f8
 SPRING_FUNCTION = types.FunctionType(SPRING_SIGNATURE)
 
 
-LAW_SIGNATURE = types.UniTuple(f8, 2)(_vector, _vector, f8, f8, f8, f8)
-LAW_FUNCTION = types.FunctionType(LAW_SIGNATURE)
 
 _TRAIN = types.NamedTuple(
     (
@@ -50,9 +49,9 @@ _TRAIN = types.NamedTuple(
     TrainArrays,
 )  # fmt: skip
 _SLOT = types.NamedTuple((_vector, _integers, _vector), Slot)
-_MOTION = types.NamedTuple((_vector, _vector, _vector, _vector, _integers, _vector), Motion)
+_MOTION = types.NamedTuple((_vector, _vector, _vector, _integers, _vector, _integers, _vector), Motion)
 _RECORDS = types.NamedUniTuple(_matrix, 8, Records)
-_SIGNATURE = i8(SPRING_FUNCTION, SPRING_FUNCTION, LAW_FUNCTION, LAW_FUNCTION, _TRAIN, _SLOT, _SLOT, _MOTION, _RECORDS)
+_SIGNATURE = i8(SPRING_FUNCTION, SPRING_FUNCTION, _TRAIN, _SLOT, _SLOT, _MOTION, _RECORDS)
 
 
 @njit(forceinline=True, **OPTIONS)
@@ -64,23 +63,23 @@ def law_force_and_damping(law, parameters, impact_rate, pen, rate):
 
 
 @njit(forceinline=True, **OPTIONS)
-def _remembered(k, law_a, law_b, train, pen, rate, elapsed, before, law_state):
+def _remember(k, train, motion, pen, rate, elapsed, scratch):
     """Bring the memory of a Maxwell link or a law of its own over ``elapsed`` (s; 0: it is up to date).
 
-    Returns the force (N) of the link's branch, or of the law, its damping coefficient (N s/m) and the energy (J) the branch took.
+    Fills rate-free force (N) and damping coefficient (N s/m) in ``scratch.gaps``; adds what a damper took (J) to the totals.
     """
-    law, first, row = train.laws[k], train.memory_of[k], train.law_parameters[k]
+    law, first, parameters, memory, gaps = train.laws[k], train.memory_of[k], train.law_parameters, motion.law_state, scratch.gaps
     if law == MAXWELL_LINK:
-        old = law_state[first]
-        law_state[first] = maxwell_force(row[1], row[2], old, pen - before[k, 0], elapsed)
-        mean = 0.5 * (old + law_state[first])
-        return law_state[first], 0.0, elapsed * mean * mean / row[2]
-    memory = law_state[first : train.memory_of[k + 1]]
-    if law == OWN_LAW:
-        force, damping = law_a(row, memory, pen, before[k, 0], rate, elapsed)
+        old, damper = memory[first], parameters[k, 2]
+        memory[first] = maxwell_force(parameters[k, 1], damper, old, pen - scratch.before[k, 0], elapsed)
+        mean = 0.5 * (old + memory[first])
+        motion.totals[2] += elapsed * mean * mean / damper
+        gaps[k, 2], gaps[k, 3] = parameters[k, 0] * pen + memory[first], 0.0
     else:
-        force, damping = law_b(row, memory, pen, before[k, 0], rate, elapsed)
-    return force, damping, 0.0
+        call_law(
+            motion.law_addresses[law - OWN_LAW], parameters.ctypes.data + 8 * WIDTH * k, memory.ctypes.data + 8 * first,
+            train.memory_of[k + 1] - first, pen, scratch.before[k, 0], rate, elapsed, gaps.ctypes.data + 8 * (4 * k + 2),
+        )  # fmt: skip
 
 
 @njit(forceinline=True, **OPTIONS)
@@ -98,17 +97,14 @@ def _gap(k, train, q, v, cam_angle, cam_speed, gradients):
 
 
 @njit(forceinline=True, **OPTIONS)
-def gaps_and_laws(law_a, law_b, train, q, v, law_state, cam_angle, cam_speed, elapsed, scratch, extremes):
-    """Fill ``scratch.gaps``: penetration, gap rate of the cam alone, rate-free force, damping coefficient; returns what branches took (J)."""
-    laws, law_parameters, gaps, lost = train.laws, train.law_parameters, scratch.gaps, 0.0
+def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extremes):
+    """Fill ``scratch.gaps``: penetration, gap rate of the cam alone, rate-free force, damping coefficient."""
+    laws, law_parameters, gaps, law_state = train.laws, train.law_parameters, scratch.gaps, motion.law_state
     for k in range(laws.shape[0]):
-        pen, driven, rate = _gap(k, train, q, v, cam_angle, cam_speed, scratch.gradients)
+        pen, driven, rate = _gap(k, train, motion.q, motion.v, cam_angle, cam_speed, scratch.gradients)
         gaps[k, 0], gaps[k, 1] = pen, driven
         if laws[k] == MAXWELL_LINK or laws[k] >= OWN_LAW:
-            gaps[k, 2], gaps[k, 3], taken = _remembered(k, law_a, law_b, train, pen, rate, elapsed, scratch.before, law_state)
-            if laws[k] == MAXWELL_LINK:
-                gaps[k, 2] += law_parameters[k, 0] * pen
-                lost += taken
+            _remember(k, train, motion, pen, rate, elapsed, scratch)
         elif laws[k] < 0:
             gaps[k, 2], gaps[k, 3] = law_parameters[k, 0] * pen, law_parameters[k, 1]
         else:
@@ -121,7 +117,6 @@ def gaps_and_laws(law_a, law_b, train, q, v, law_state, cam_angle, cam_speed, el
             else:
                 gaps[k, 2], gaps[k, 3] = 0.0, 0.0
         extremes[k, PEAK_PENETRATION] = max(extremes[k, PEAK_PENETRATION], pen)
-    return lost
 
 
 @njit(forceinline=True, **OPTIONS)
@@ -137,13 +132,16 @@ def _kick(index, body, gaps, gradients, step, v):
 
 
 @njit(forceinline=True, **OPTIONS)
-def _account(laws, body, motion, scratch, inside, cam_angle, extremes):
-    """Add the work of cam and constant forces to the totals and note the extreme forces; returns cam power (W) and largest speed."""
+def _account(laws, body, motion, scratch, records, first, cam_angle):
+    """Add the work of cam and constant forces to the totals and note every contact; returns cam power (W) and largest speed."""
     power, work, bound, gaps, rubbing = 0.0, 0.0, 0.0, scratch.gaps, scratch.rubbing
     step, v, old = motion.clock[3], motion.v, scratch.old
+    inside = in_window(cam_angle, motion.clock[9], motion.clock[10])
     for k in range(laws.shape[0]):
-        power += gaps[k, 2] * gaps[k, 1] + rubbing[k, 0] / step * rubbing[k, 1]
-        note_extremes(k, gaps[k, 0], gaps[k, 2], inside, cam_angle, extremes, scratch.track)
+        power += gaps[k, 2] * gaps[k, 1]
+        if rubbing[k, 0] != 0.0:
+            power += rubbing[k, 0] / step * rubbing[k, 1]
+        note_contact(k, gaps[k, 0], gaps[k, 2], laws[k] >= 0, first, inside, cam_angle, motion, scratch, records)
     for i in range(v.shape[0]):
         work += body[i, 1] * 0.5 * (old[i] + v[i])
         bound = max(bound, abs(v[i]))
@@ -176,20 +174,20 @@ def _begin(train, motion, scratch):
 
 
 @njit(forceinline=True, **OPTIONS)
-def _finish(law_a, law_b, train, motion, scratch, log):
+def _finish(train, motion, scratch, log):
     """Bring memories and the log of transitions to the positions after the last drift."""
     clock = motion.clock
     for k in range(train.laws.shape[0]):
         pen, _, rate = _gap(k, train, motion.q, motion.v, clock[0], clock[1], scratch.gradients)
         if train.laws[k] == MAXWELL_LINK or train.laws[k] >= OWN_LAW:
-            _, _, taken = _remembered(k, law_a, law_b, train, pen, rate, clock[3], scratch.before, motion.law_state)
-            motion.totals[2] += taken
-        note_crossing(k, train.laws[k] >= 0, pen, clock[0], motion, scratch, log)
+            _remember(k, train, motion, pen, rate, clock[3], scratch)
+        if train.laws[k] >= 0 and (pen > 0.0) != (scratch.before[k, 0] > 0.0):
+            note_crossing(k, pen, clock[0], motion, scratch, log)
         close_stretch(k, -1, pen > 0.0, scratch, log)
 
 
 @njit(**OPTIONS)
-def _integrate(spring_a, spring_b, law_a, law_b, train, slot_a, slot_b, motion, records, scratch):
+def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scratch):
     """The loop itself; see :func:`advance_train`. Compiled without reference counting, which would cost more than the physics."""
     q, v, clock, counters, totals, old, gaps = motion.q, motion.v, motion.clock, motion.counters, motion.totals, scratch.old, scratch.gaps
     index, laws, body, retainer, gas_coordinate = train.index, train.laws, train.body, train.retainer, train.gas_coordinate
@@ -205,9 +203,7 @@ def _integrate(spring_a, spring_b, law_a, law_b, train, slot_a, slot_b, motion, 
                 records.spring_a[sample, i] = slot_a.state[i]
             for i in range(records.spring_b.shape[1]):
                 records.spring_b[sample, i] = slot_b.state[i]
-        totals[2] += gaps_and_laws(
-            law_a, law_b, train, q, v, motion.law_state, cam_angle, cam_speed, elapsed, scratch, records.extremes
-        )  # fmt: skip
+        gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, records.extremes)
         if exchange <= 0:
             clock[4], clock[5] = spring_a(slot_a.parameters, slot_a.integers, slot_a.state, q[retainer], v[retainer], step)
             clock[6], clock[7] = spring_b(slot_b.parameters, slot_b.integers, slot_b.state, q[retainer], v[retainer], step)
@@ -230,11 +226,7 @@ def _integrate(spring_a, spring_b, law_a, law_b, train, slot_a, slot_b, motion, 
         rubbed = friction_loss(index, v, scratch)
         totals[2] += rubbed + losses(index, body, scratch, step, v, damped)
         totals[4] += rubbed
-        if n > 0:
-            for k in range(laws.shape[0]):
-                note_crossing(k, laws[k] >= 0, gaps[k, 0], cam_angle, motion, scratch, records.transitions)
-        inside = in_window(cam_angle, clock[9], clock[10])
-        power, bound = _account(laws, body, motion, scratch, inside, cam_angle, records.extremes)
+        power, bound = _account(laws, body, motion, scratch, records, n == 0, cam_angle)
         if gas_coordinate >= 0:
             totals[1] += step * pressed * 0.5 * (old[gas_coordinate] + v[gas_coordinate])
         totals[3] += step * (clock[4] + clock[6]) * 0.5 * (old[retainer] + v[retainer])
@@ -248,7 +240,7 @@ def _integrate(spring_a, spring_b, law_a, law_b, train, slot_a, slot_b, motion, 
         elapsed = step
         if not bound < 1e4:
             return n
-    _finish(law_a, law_b, train, motion, scratch, records.transitions)
+    _finish(train, motion, scratch, records.transitions)
     return counters[0]
 
 
@@ -263,15 +255,14 @@ def scratch_of(n, count):
 
 
 @njit(cache=True, error_model="numpy")
-def advance_train(spring_a, spring_b, law_a, law_b, train, slot_a, slot_b, motion, records):
+def advance_train(spring_a, spring_b, train, slot_a, slot_b, motion, records):
     """Advance ``motion`` by ``motion.counters[0]`` steps in place; returns the steps done (fewer when the motion left all bounds).
 
-    ``spring_a``, ``spring_b``: kernels of ``springs.contract`` with their :class:`~valvetrain.integrate.train_tuples.Slot`; ``law_a``,
-    ``law_b``: kernels of the train's own laws (``contact.law.OwnLaw``); ``train``: :class:`~valvetrain.system.train_system.TrainArrays`.
-    Named tuples are told in ``train_tuples``. Compiled once for all trains, see :func:`ready_train_kernel`.
+    ``spring_a``, ``spring_b``: kernels of ``springs.contract`` with their :class:`~valvetrain.integrate.train_tuples.Slot`; ``train``:
+    :class:`~valvetrain.system.train_system.TrainArrays`. Named tuples are told in ``train_tuples``. Compiled once for all trains, see :func:`ready_train_kernel`.
     """
     scratch = scratch_of(train.kinds.shape[0], motion.q.shape[0])
-    return _integrate(spring_a, spring_b, law_a, law_b, train, slot_a, slot_b, motion, records, scratch)
+    return _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scratch)
 
 
 def ready_train_kernel() -> Any:

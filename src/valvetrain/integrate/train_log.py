@@ -22,6 +22,7 @@ from valvetrain.integrate.train_tuples import (
 from valvetrain.mechanism.gaps import OPTIONS
 
 TURN = 2.0 * math.pi
+PER_TURN = 1.0 / TURN
 
 
 @njit(forceinline=True, **OPTIONS)
@@ -41,13 +42,9 @@ def crossing(earlier, before, now):
 
 
 @njit(forceinline=True, **OPTIONS)
-def note_crossing(k, unilateral, pen, cam_angle, motion, scratch, log):
-    """Remember the penetration now; write a row where contact ``k`` opened or closed since the step before (cam angle and clock: now)."""
-    earlier, before = scratch.before[k, 1], scratch.before[k, 0]
-    scratch.before[k, 1], scratch.before[k, 0] = before, pen
-    if not unilateral or (pen > 0.0) == (before > 0.0):
-        return
-    share, rate = crossing(earlier, before, pen)
+def note_crossing(k, pen, cam_angle, motion, scratch, log):
+    """Write a row: contact ``k`` opened or closed since the step before (cam angle and clock: now)."""
+    share, rate = crossing(scratch.before[k, 1], scratch.before[k, 0], pen)
     row, step = motion.counters[2], motion.clock[3]
     since = (1.0 - share) * step
     motion.counters[2] += 1
@@ -56,7 +53,7 @@ def note_crossing(k, unilateral, pen, cam_angle, motion, scratch, log):
     angle = cam_angle - since * (motion.clock[1] - 0.5 * since * motion.clock[2])
     if row >= 0:
         log[row, PLACE], log[row, CLOSES], log[row, ANGLE], log[row, RATE] = k, 1.0 if pen > 0.0 else 0.0, angle, rate / step
-    close_stretch(k, row, before > 0.0, scratch, log)
+    close_stretch(k, row, pen <= 0.0, scratch, log)
     scratch.latest[k] = row
     scratch.track[k, 0], scratch.track[k, 1], scratch.track[k, 2] = 0.0, angle, 0.0
 
@@ -73,20 +70,28 @@ def close_stretch(k, row, touching, scratch, log):
 
 
 @njit(forceinline=True, **OPTIONS)
-def note_extremes(k, pen, force, inside, cam_angle, extremes, track):
-    """Extreme forces of contact ``k`` in this step (``inside``: in the window of the least), and its stretch's largest gap and force."""
+def note_contact(k, pen, force, unilateral, first, inside, cam_angle, motion, scratch, records):
+    """Note interaction ``k`` after a step: extreme forces (``inside``: in the window of the least), transition, largest gap and force."""
+    extremes, before, track = records.extremes, scratch.before, scratch.track
     if abs(force) > extremes[k, PEAK_FORCE]:
         extremes[k, PEAK_FORCE], extremes[k, PEAK_FORCE_ANGLE] = abs(force), cam_angle
     if inside and force < extremes[k, LEAST_FORCE]:
         extremes[k, LEAST_FORCE], extremes[k, LEAST_FORCE_ANGLE] = force, cam_angle
-    if pen > 0.0:
-        track[k, 2] = max(track[k, 2], force)
-    elif -pen > track[k, 0]:
-        track[k, 0], track[k, 1] = -pen, cam_angle
+    if unilateral:
+        if (pen > 0.0) != (before[k, 0] > 0.0):
+            note_crossing(k, pen, cam_angle, motion, scratch, records.transitions)
+        if pen > 0.0:
+            if force > track[k, 2]:
+                track[k, 2] = force
+        elif -pen > track[k, 0]:
+            track[k, 0], track[k, 1] = -pen, cam_angle
+    if not first:
+        before[k, 1] = before[k, 0]
+        before[k, 0] = pen
 
 
 @njit(forceinline=True, **OPTIONS)
 def in_window(cam_angle, begin, width):
     """Whether a cam angle lies in the window (rad) that may pass the end of the turn."""
     away = cam_angle - begin
-    return away - TURN * math.floor(away / TURN) <= width
+    return away - TURN * math.floor(away * PER_TURN) <= width

@@ -140,7 +140,7 @@ class TrainRunner:
 
     def cycle(self, state: TrainState, judged: bool = True) -> tuple[TrainState, CycleRecord]:
         """Advance one cam cycle; the given state stays as it was. ``judged``: look whether the step resolved the contacts' stiffness."""
-        from valvetrain.contact.kernels import no_law
+        from valvetrain.contact.own_law import law_address
         from valvetrain.integrate.null_spring import no_spring
         from valvetrain.integrate.train_kernel import ready_train_kernel
 
@@ -153,15 +153,15 @@ class TrainRunner:
         begin, end = self.options.window
         clock = np.array([state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step, *new.held, begin, end - begin])
         counters = np.array([self.steps, self.steps // rows, 0, self.options.exchange], dtype=np.int64)
-        motion = Motion(new.q, new.v, new.law_state, clock, counters, np.zeros(5))
+        addresses = np.array([law_address(kernel) for kernel in self.system.law_kernels], dtype=np.int64)
+        motion = Motion(new.q, new.v, new.law_state, addresses, clock, counters, np.zeros(5))
         extremes = np.zeros((interactions, 5))
         extremes[:, LEAST_FORCE] = np.inf
         records = Records(
             np.zeros((rows, 3 * count + 2)), np.zeros((rows, interactions)), np.zeros((rows, interactions)), np.zeros((rows, 4)), *states,
             extremes, np.zeros((TRANSITIONS, 7)),
         )  # fmt: skip
-        laws = (*self.system.law_kernels, no_law, no_law)[:2]
-        done = ready_train_kernel()(*kernels, *laws, arrays, *slots, motion, records)
+        done = ready_train_kernel()(*kernels, arrays, *slots, motion, records)
         status = self._status(done, state.cam_angle, extremes[:, PEAK_FORCE] if judged else np.zeros(0))
         angle = state.cam_angle + TURN if self.cam_acceleration == 0 else float(clock[0])
         written, springs = records.motion, len(self.springs)

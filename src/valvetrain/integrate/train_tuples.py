@@ -31,7 +31,7 @@ class Slot(NamedTuple):
 class Motion(NamedTuple):
     """What the loop changes in place.
 
-    ``q``, ``v`` (N,); ``law_state``: memory of all laws. ``clock`` (11,): cam angle, cam speed, cam acceleration, step, four spring end
+    ``q``, ``v`` (N,); ``law_state``: memory of all laws. ``law_addresses``: of the kernels of the train's own laws. ``clock`` (11,): cam angle, cam speed, cam acceleration, step, four spring end
     forces, displacement of a partitioned spring, begin and width (rad) of the window of least forces. ``counters`` (4,): steps, record
     every, transitions found, exchange interval (0: all advance together). ``totals`` (5,): work of the cam, of constant and gas forces,
     dissipated, work on the springs (J), and the share of contact friction in what was dissipated.
@@ -40,6 +40,7 @@ class Motion(NamedTuple):
     q: Array
     v: Array
     law_state: Array
+    law_addresses: Integers
     clock: Array
     counters: Integers
     totals: Array

@@ -19,8 +19,6 @@ from valvetrain.mechanism.parts import AssembledMechanism, WithDifferentialMemor
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-MOST_OWN_LAWS = 2
-"""Contact laws with kernels of their own that one train may hold."""
 
 
 @runtime_checkable
@@ -102,11 +100,6 @@ class TrainSystem:
             law = interaction.law
             if law.code == OWN_LAW and isinstance(law, OwnLaw) and law.kernel not in found:
                 found.append(law.kernel)
-        if len(found) > MOST_OWN_LAWS:
-            raise InputError(
-                f"train '{self.name}' holds {len(found)} contact laws with kernels of their own; at most {MOST_OWN_LAWS} fit, use one law "
-                "at several places"
-            )
         return tuple(found)
 
     def differential_memory(self, displacement: float) -> tuple[Integers, Array]:
