@@ -36,9 +36,7 @@ def rub(train, q, cam_angle, cam_speed, step, v, scratch):
         rubbing[k, 0], rubbing[k, 1] = 0.0, 0.0
         if friction[k, 0] <= 0.0 or gaps[k, 2] <= 0.0:
             continue
-        driven = cam_speed * sliding_gradient(
-            k, train.kinds, index, train.geometry, train.tables, train.table_of, q, cam_angle, slides
-        )
+        driven = cam_speed * sliding_gradient(k, train.kinds, index, train.geometry, train.tables, train.table_of, q, cam_angle, slides)
         free, mobility = driven, 0.0
         for slot in range(4):
             i = index[k, slot]

@@ -41,7 +41,6 @@ SPRING_SIGNATURE = types.UniTuple(f8, 2)(_vector, _integers, _vector, f8, f8, f8
 SPRING_FUNCTION = types.FunctionType(SPRING_SIGNATURE)
 
 
-
 _TRAIN = types.NamedTuple(
     (
         _integers, _integer_matrix, _integers, _integers, _matrix, _matrix, _integers, _matrix, _cube, _matrix, _cube, i8, i8,

@@ -146,7 +146,11 @@ class TrainRunner:
 
         arrays, new, rows = self.system.arrays, state.copy(), self.options.samples
         count, interactions = len(new.q), len(arrays.kinds)
-        kernels, slots, states = [no_spring] * 2, [Slot(np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1))] * 2, [np.zeros((rows, 0))] * 2
+        kernels, slots, states = (
+            [no_spring] * 2,
+            [Slot(np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1))] * 2,
+            [np.zeros((rows, 0))] * 2,
+        )
         for place, spring in enumerate(self.springs):
             kernels[place], slots[place] = spring.kernel, Slot(spring.parameters(), spring.integers(), new.springs[place])
             states[place] = np.zeros((rows, recorded_entries(spring) if self.options.record_springs else 0))

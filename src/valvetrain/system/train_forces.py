@@ -47,7 +47,9 @@ def law_force(system: TrainSystem, place: int, pen: float) -> float:
     if law < 0:
         return float(parameters[0] * pen)
     if law >= OWN_LAW:
-        return system.law_kernels[law - OWN_LAW](parameters, np.zeros(system.mechanism.interactions[place].law.states), pen, pen, 0.0, 0.0)[0]
+        return system.law_kernels[law - OWN_LAW](parameters, np.zeros(system.mechanism.interactions[place].law.states), pen, pen, 0.0, 0.0)[
+            0
+        ]
     return float(contact_force(law, parameters, 0.0, pen, 0.0)) if pen > 0 else 0.0
 
 

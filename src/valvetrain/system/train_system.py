@@ -20,7 +20,6 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-
 @runtime_checkable
 class WithStaticCurve(Protocol):
     """A spring that finds many states of rest faster together than one by one."""
