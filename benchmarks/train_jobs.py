@@ -26,7 +26,7 @@ CASE, CYCLES = "tdi-pushrod", 20
 @njit(error_model="numpy", _nrt=False)
 def _slope(time_now, y, cam_speed, train, memory, chain, scratch, extremes, out):
     """Accelerations of train and spring chain; ``y`` = positions, then velocities, the chain's inner masses last."""
-    index, body, retainer, room, gradients = train.index, train.body, train.retainer, scratch.gaps, scratch.gradients
+    index, body, retainer, room, gradients = train.coordinate_of, train.body, train.retainer, scratch.gaps, scratch.gradients
     count, inner = body.shape[0], (chain.shape[0] - 1)
     total = count + inner
     q, v = y[:total], y[total:]

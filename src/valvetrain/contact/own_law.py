@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from llvmlite import ir
+from llvmlite import ir  # type: ignore[import-untyped]
 from numba import carray, cfunc, njit, types
 from numba.extending import intrinsic
 
@@ -28,7 +28,8 @@ def law_address(kernel: LawKernel) -> int:
 
     built = cfunc(_SIGNATURE)(entry)
     _KEPT.append(built)
-    return int(built.address)
+    address: Any = built.address
+    return int(address)
 
 
 #: Compiled entries live as long as the process: the loop holds nothing but their addresses.
@@ -36,10 +37,12 @@ _KEPT: list[Any] = []
 
 
 @intrinsic
-def call_law(typing_context, address, parameters, memory, states, pen, before, rate, step, found):  # type: ignore[no-untyped-def]
+def _call(
+    typing_context: Any, address: Any, parameters: Any, memory: Any, states: Any, pen: Any, before: Any, rate: Any, step: Any, found: Any
+) -> Any:
     """Call the law at ``address``; ``parameters``, ``memory`` and ``found`` (force, damping) are addresses of float64."""
 
-    def generate(context, builder, signature, values):  # type: ignore[no-untyped-def]
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         number, whole = ir.DoubleType(), ir.IntType(64)
         pointer = number.as_pointer()
         kind = ir.FunctionType(ir.VoidType(), [pointer, pointer, whole, number, number, number, number, pointer])
@@ -48,3 +51,7 @@ def call_law(typing_context, address, parameters, memory, states, pen, before, r
         return context.get_dummy_value()
 
     return types.void(*(types.int64,) * 4, *(types.float64,) * 4, types.int64), generate
+
+
+#: Typed as numba sees it inside compiled functions, where the typing context is no argument.
+call_law: Any = _call

@@ -31,7 +31,14 @@ def slowed(free, most, width):
 @njit(forceinline=True, **OPTIONS)
 def rub(train, q, cam_angle, cam_speed, step, v, scratch):
     """Friction impulses of all contacts that slide; changes ``v`` and fills ``rubbing`` (n, 2): impulse (N s), sliding of the cam (m/s)."""
-    index, friction, body, gaps, slides, rubbing = train.index, train.friction, train.body, scratch.gaps, scratch.slides, scratch.rubbing
+    index, friction, body, gaps, slides, rubbing = (
+        train.coordinate_of,
+        train.friction,
+        train.body,
+        scratch.gaps,
+        scratch.slides,
+        scratch.rubbing,
+    )
     for k in range(index.shape[0]):
         rubbing[k, 0], rubbing[k, 1] = 0.0, 0.0
         if friction[k, 0] <= 0.0 or gaps[k, 2] <= 0.0:

@@ -12,7 +12,6 @@ Solved one after the other instead, heavy contact damping pumped energy into cha
 
 from __future__ import annotations
 
-import math
 import warnings
 from typing import Any
 
@@ -21,8 +20,17 @@ from numba import njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from valvetrain.contact.kernels import (
-    FLORES, IMPACT_RATE, LANKARANI_NIKRAVESH, MAXWELL_LINK, OWN_LAW, SLOWEST, WIDTH, contact_force, maxwell_force, update_impact,
-)  # fmt: skip
+    FLORES,
+    IMPACT_RATE,
+    LANKARANI_NIKRAVESH,
+    MAXWELL_LINK,
+    OWN_LAW,
+    SLOWEST,
+    WIDTH,
+    contact_force,
+    maxwell_force,
+    update_impact,
+)
 from valvetrain.contact.own_law import call_law
 from valvetrain.integrate.train_damping import damp, losses
 from valvetrain.integrate.train_friction import friction_loss, rub
@@ -85,13 +93,13 @@ def _remember(k, train, motion, pen, rate, elapsed, scratch):
 def _gap(k, train, q, v, cam_angle, cam_speed, gradients):
     """Penetration (m), its rate by the cam alone and its rate (m/s)."""
     pen, per_angle = penetration_and_gradient(
-        k, train.kinds, train.index, train.geometry, train.tables, train.table_of, q, cam_angle, gradients
+        k, train.kinds, train.coordinate_of, train.geometry, train.tables, train.table_of, q, cam_angle, gradients
     )
     driven = per_angle * cam_speed
     rate = driven
     for slot in range(4):
-        if train.index[k, slot] >= 0:
-            rate += gradients[k, slot] * v[train.index[k, slot]]
+        if train.coordinate_of[k, slot] >= 0:
+            rate += gradients[k, slot] * v[train.coordinate_of[k, slot]]
     return pen, driven, rate
 
 
@@ -189,7 +197,7 @@ def _finish(train, motion, scratch, log):
 def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scratch):
     """The loop itself; see :func:`advance_train`. Compiled without reference counting, which would cost more than the physics."""
     q, v, clock, counters, totals, old, gaps = motion.q, motion.v, motion.clock, motion.counters, motion.totals, scratch.old, scratch.gaps
-    index, laws, body, retainer, gas_coordinate = train.index, train.laws, train.body, train.retainer, train.gas_coordinate
+    index, laws, body, retainer, gas_coordinate = train.coordinate_of, train.laws, train.body, train.retainer, train.gas_coordinate
     step, every, exchange, bound, sample, elapsed = clock[3], counters[1], counters[3], 0.0, 0, 0.0
     _begin(train, motion, scratch)
     for n in range(counters[0]):
@@ -257,8 +265,8 @@ def scratch_of(n, count):
 def advance_train(spring_a, spring_b, train, slot_a, slot_b, motion, records):
     """Advance ``motion`` by ``motion.counters[0]`` steps in place; returns the steps done (fewer when the motion left all bounds).
 
-    ``spring_a``, ``spring_b``: kernels of ``springs.contract`` with their :class:`~valvetrain.integrate.train_tuples.Slot`; ``train``:
-    :class:`~valvetrain.system.train_system.TrainArrays`. Named tuples are told in ``train_tuples``. Compiled once for all trains, see :func:`ready_train_kernel`.
+    ``spring_a``, ``spring_b``: kernels of ``springs.contract``; the arrays of all that moves come as ``TrainArrays`` and as the named
+    tuples of ``train_tuples``. Compiled once for all trains, see :func:`ready_train_kernel`.
     """
     scratch = scratch_of(train.kinds.shape[0], motion.q.shape[0])
     return _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scratch)

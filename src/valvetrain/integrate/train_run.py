@@ -10,8 +10,16 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_tuples import (
-    LEAST_FORCE, LEAST_FORCE_ANGLE, PEAK_FORCE, PEAK_FORCE_ANGLE, PEAK_PENETRATION, TRANSITIONS, Motion, Records, Slot,
-)  # fmt: skip
+    LEAST_FORCE,
+    LEAST_FORCE_ANGLE,
+    PEAK_FORCE,
+    PEAK_FORCE_ANGLE,
+    PEAK_PENETRATION,
+    TRANSITIONS,
+    Motion,
+    Records,
+    Slot,
+)
 from valvetrain.integrate.transitions import Transitions
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.system.train_forces import (
@@ -84,8 +92,8 @@ class CycleRecord:
 
     ``spring_forces`` (S, springs, 2): retainer and seat force; ``spring_states``: per spring the head of its state (S, entries) or empty.
     ``cam_power`` (W). ``peak_forces``, ``peak_penetrations`` (n,): over every step; ``least_forces`` (n,): over every step inside the
-    options' window; both with their cam angles (rad). ``transitions``: openings and closings of every contact. ``work``: of cam, of constant and gas forces,
-    dissipated, on springs (J). ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
+    options' window; both with their cam angles (rad). ``transitions``: openings and closings of every contact. ``work``: of cam, of
+    constant and gas forces, dissipated, on springs (J). ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
     """
 
     cam_angle: Array
@@ -146,11 +154,8 @@ class TrainRunner:
 
         arrays, new, rows = self.system.arrays, state.copy(), self.options.samples
         count, interactions = len(new.q), len(arrays.kinds)
-        kernels, slots, states = (
-            [no_spring] * 2,
-            [Slot(np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1))] * 2,
-            [np.zeros((rows, 0))] * 2,
-        )
+        kernels, states = [no_spring] * 2, [np.zeros((rows, 0))] * 2
+        slots = [Slot(np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1))] * 2
         for place, spring in enumerate(self.springs):
             kernels[place], slots[place] = spring.kernel, Slot(spring.parameters(), spring.integers(), new.springs[place])
             states[place] = np.zeros((rows, recorded_entries(spring) if self.options.record_springs else 0))
@@ -162,8 +167,8 @@ class TrainRunner:
         extremes = np.zeros((interactions, 5))
         extremes[:, LEAST_FORCE] = np.inf
         records = Records(
-            np.zeros((rows, 3 * count + 2)), np.zeros((rows, interactions)), np.zeros((rows, interactions)), np.zeros((rows, 4)), *states,
-            extremes, np.zeros((TRANSITIONS, 7)),
+            np.zeros((rows, 3 * count + 2)), np.zeros((rows, interactions)), np.zeros((rows, interactions)), np.zeros((rows, 4)), states[0],
+            states[1], extremes, np.zeros((TRANSITIONS, 7)),
         )  # fmt: skip
         done = ready_train_kernel()(*kernels, arrays, *slots, motion, records)
         status = self._status(done, state.cam_angle, extremes[:, PEAK_FORCE] if judged else np.zeros(0))

@@ -1,4 +1,7 @@
-"""The few named tuples that the compiled loop of a train takes besides ``TrainArrays``; shapes: n interactions, N coordinates, S samples."""
+"""The few named tuples that the compiled loop of a train takes besides ``TrainArrays``.
+
+Shapes: n interactions, N coordinates, S samples.
+"""
 
 from __future__ import annotations
 
@@ -31,10 +34,11 @@ class Slot(NamedTuple):
 class Motion(NamedTuple):
     """What the loop changes in place.
 
-    ``q``, ``v`` (N,); ``law_state``: memory of all laws. ``law_addresses``: of the kernels of the train's own laws. ``clock`` (11,): cam angle, cam speed, cam acceleration, step, four spring end
-    forces, displacement of a partitioned spring, begin and width (rad) of the window of least forces. ``counters`` (4,): steps, record
-    every, transitions found, exchange interval (0: all advance together). ``totals`` (5,): work of the cam, of constant and gas forces,
-    dissipated, work on the springs (J), and the share of contact friction in what was dissipated.
+    ``q``, ``v`` (N,); ``law_state``: memory of all laws; ``law_addresses``: of the kernels of the train's own laws. ``clock`` (11,): cam
+    angle, cam speed, cam acceleration, step, four spring end forces, displacement of a partitioned spring, begin and width (rad) of the
+    window of least forces. ``counters`` (4,): steps, record every, transitions found, exchange interval (0: all advance together).
+    ``totals`` (5,): work of the cam, of constant and gas forces, dissipated, work on the springs (J), and the share of contact friction
+    in what was dissipated.
     """
 
     q: Array

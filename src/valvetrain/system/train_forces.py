@@ -19,11 +19,11 @@ def gap_state(system: TrainSystem, q: Array, cam_angle: float) -> tuple[Array, A
     pens, slopes, gradients = np.zeros(count), np.zeros(count), np.zeros((count, len(q)))
     for k in range(count):
         pens[k], slopes[k] = penetration_and_gradient(
-            k, arrays.kinds, arrays.index, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows
+            k, arrays.kinds, arrays.coordinate_of, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows
         )
         for slot in range(4):
-            if arrays.index[k, slot] >= 0:
-                gradients[k, arrays.index[k, slot]] += rows[k, slot]
+            if arrays.coordinate_of[k, slot] >= 0:
+                gradients[k, arrays.coordinate_of[k, slot]] += rows[k, slot]
     return pens, gradients, slopes
 
 
@@ -32,10 +32,12 @@ def sliding_state(system: TrainSystem, q: Array, cam_angle: float) -> tuple[Arra
     arrays, count = system.arrays, len(system.arrays.kinds)
     rows, slopes, gradients = np.zeros((count, 4)), np.zeros(count), np.zeros((count, len(q)))
     for k in np.flatnonzero(np.isin(arrays.kinds, SLIDING_KINDS)):
-        slopes[k] = sliding_gradient(k, arrays.kinds, arrays.index, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows)
+        slopes[k] = sliding_gradient(
+            k, arrays.kinds, arrays.coordinate_of, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows
+        )
         for slot in range(4):
-            if arrays.index[k, slot] >= 0:
-                gradients[k, arrays.index[k, slot]] += rows[k, slot]
+            if arrays.coordinate_of[k, slot] >= 0:
+                gradients[k, arrays.coordinate_of[k, slot]] += rows[k, slot]
     return gradients, slopes
 
 
@@ -47,9 +49,8 @@ def law_force(system: TrainSystem, place: int, pen: float) -> float:
     if law < 0:
         return float(parameters[0] * pen)
     if law >= OWN_LAW:
-        return system.law_kernels[law - OWN_LAW](parameters, np.zeros(system.mechanism.interactions[place].law.states), pen, pen, 0.0, 0.0)[
-            0
-        ]
+        memory = np.zeros(system.mechanism.interactions[place].law.states)
+        return system.law_kernels[law - OWN_LAW](parameters, memory, pen, pen, 0.0, 0.0)[0]
     return float(contact_force(law, parameters, 0.0, pen, 0.0)) if pen > 0 else 0.0
 
 

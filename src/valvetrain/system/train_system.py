@@ -32,14 +32,14 @@ class WithStaticCurve(Protocol):
 class TrainArrays(NamedTuple):
     """What the compiled loop reads; shapes: n interactions, N coordinates, m tables.
 
-    ``kinds``, ``table_of``, ``laws`` (n,); ``index`` (n, 4); ``geometry`` (n, 16); ``law_parameters`` (n, 8); ``memory_of`` (n + 1,):
-    where the memory of each interaction begins in the flat array of all, the last entry being its length; ``friction`` (n, 2)
-    coefficient and slip rate (m/s); ``tables`` (m, nodes, 3); ``body`` (N, 5) mass, constant force, guide damping, friction, friction
-    velocity; ``gas`` (1, nodes, 3) N over cam angle.
+    ``kinds``, ``table_of``, ``laws`` (n,); ``coordinate_of`` (n, 4), -1 for none; ``geometry`` (n, 16); ``law_parameters`` (n, 8);
+    ``memory_of`` (n + 1,): where the memory of each interaction begins in the flat array of all, the last entry being its length;
+    ``friction`` (n, 2) coefficient and slip rate (m/s); ``tables`` (m, nodes, 3); ``body`` (N, 5) mass, constant force, guide damping,
+    friction, friction velocity; ``gas`` (1, nodes, 3) N over cam angle.
     """
 
     kinds: Integers
-    index: NDArray[np.int64]
+    coordinate_of: Integers
     table_of: Integers
     laws: Integers
     geometry: Array
