@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from valvetrain.quantities.study import SpringStudy
 
 from synthetic_spring import ENGINE_SPEED, bump
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.clash import clash_events
 from valvetrain.quantities.compare import compare
 from valvetrain.quantities.evaluate import study_quantities
+from valvetrain.quantities.study import SpringStudy
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Provenance

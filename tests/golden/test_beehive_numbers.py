@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from valvetrain.studies.spring_study import run_spring_study
 
 from valvetrain.parameters.loading import load_case
 from valvetrain.solution.quantity import Quantity
+from valvetrain.studies.spring_study import run_spring_study
 
 RPM = 2 * np.pi / 60
 

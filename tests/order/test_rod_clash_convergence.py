@@ -7,12 +7,12 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
-from valvetrain.studies.spring_runs import integrate_case
 
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cosserat.transient import RodTransient
 from valvetrain.parameters.loading import load_case
 from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.studies.spring_runs import integrate_case
 
 
 @cache

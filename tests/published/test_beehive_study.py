@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from valvetrain.quantities.study import SpringStudy
-from valvetrain.studies.spring_study import run_spring_study
 
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.filters import low_pass
+from valvetrain.quantities.study import SpringStudy
+from valvetrain.studies.spring_study import run_spring_study
 
 RPM = 2 * np.pi / 60
 #: Above the 9th harmonic of the first mode nothing but contact moves the seat force quickly.

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from valvetrain.studies.train_study import case_variants, run_train, run_train_study
-from valvetrain.system.build_train import build_train
 
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.kinematics import contact_loss_cam_speed, rigid_table
 from valvetrain.studies.sweep import run_sweep
+from valvetrain.studies.train_study import case_variants, run_train, run_train_study
+from valvetrain.system.build_train import build_train
 
 RPM = math.pi / 30
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from valvetrain.system.spring_choice import build_springs
 
 from valvetrain.parameters.loading import load_case
+from valvetrain.system.spring_choice import build_springs
 
 OPEN = 9.7e-3  # m between the two loads of either spring
 
@@ -26,9 +26,8 @@ def test_cards_are_the_manuals_lines():
 
 
 def test_a_finite_element_spring_runs_in_the_train_beside_the_cheap_ones():
-    from valvetrain.system.build_train import build_train
-
     from valvetrain.integrate.train_run import TrainOptions, runner
+    from valvetrain.system.build_train import build_train
 
     case = load_case("vaz-ohc")
     lifts = {}

@@ -103,10 +103,9 @@ def test_check_shows_the_units_of_the_field():
 
 
 def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
-    from valvetrain.studies.spring_runs import static_curve
-
     from valvetrain.parameters.loading import load_case
     from valvetrain.springs.finite_element import FiniteElementRod
+    from valvetrain.studies.spring_runs import static_curve
 
     result = call("static", *UNIFORM, "--to", "8 mm", "--steps", "4", "--csv", str(tmp_path / "curve.csv"), "--json")
     assert result.exit_code == 0
@@ -122,10 +121,9 @@ def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
 
 
 def test_modes_agree_with_the_library():
-    from valvetrain.studies.spring_runs import modal_result
-
     from valvetrain.parameters.loading import load_case
     from valvetrain.springs.finite_element import FiniteElementRod
+    from valvetrain.studies.spring_runs import modal_result
 
     found = json.loads(call("modes", *UNIFORM, "--count", "6", "--compression", "3 mm", "--json").stdout)
     case = load_case("uniform-spring").replace({"rod.elements_per_coil": 8})
