@@ -45,7 +45,7 @@ class RunUp:
         """Time (s) from ``first_cam_speed`` (rad/s) to the last. Raises :class:`InputError` for an acceleration that does not lead there
         or takes beyond :data:`MOST_TURNS` cam turns."""
         change = self.last_cam_speed - first_cam_speed
-        if not (change * self.cam_acceleration > 0 and self.last_cam_speed > 0):
+        if not (math.isfinite(self.cam_acceleration) and change * self.cam_acceleration > 0 and self.last_cam_speed > 0):
             raise InputError("the cam acceleration of a run-up must lead from its first to its last speed; change its sign or the speeds")
         if change / self.cam_acceleration * first_cam_speed > MOST_TURNS * 2 * math.pi:
             raise InputError(f"a run-up of more than {MOST_TURNS} cam turns is a slip of the pen; raise the acceleration")
