@@ -14,6 +14,8 @@ from functools import partial
 from importlib import resources
 
 import numpy as np
+from valvetrain.studies.spring_runs import integrate_case
+from valvetrain.studies.spring_study import run_spring_study
 
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.shaped import Shaped
@@ -33,8 +35,6 @@ from valvetrain.solution.atomic import write_text
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.modal_varied import ModalVaried
 from valvetrain.studies.identification import Identified, Target, Unknown, identify
-from valvetrain.studies.spring_runs import integrate_case
-from valvetrain.studies.spring_study import run_spring_study
 
 PRECOMPRESSION = 7e-3
 ENGINE_SPEED = 4200 * 2 * np.pi / 60

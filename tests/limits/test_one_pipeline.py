@@ -31,9 +31,7 @@ MODELS = {
 def stiff_train(spring, stiffness: float, mass: float = 0.02):
     """A direct train whose parts are light and whose contacts are stiff and well damped."""
     law = ContactParameters("linear", {"contact_stiffness": stiffness, "damping": 0.8 * math.sqrt(stiffness * mass)})
-    parts = direct(
-        contacts=contacts(law), follower=FollowerParameters("flat", mass=mass), valve=ValveParameters(mass), gravity=(0.0, 0.0)
-    )
+    parts = direct(contacts=contacts(law), follower=FollowerParameters("flat", mass=mass), valve=ValveParameters(mass), gravity=(0.0, 0.0))
     return system(parts, spring=spring)
 
 

@@ -12,7 +12,6 @@ from valvetrain.solution.result import Solution
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest
 
-
 #: Longest run-up that is taken for meant.
 MOST_TURNS = 10_000
 
