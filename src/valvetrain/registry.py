@@ -29,6 +29,19 @@ KINDS: dict[str, tuple[str, str]] = {
 
 #: Kind -> word -> place. The order is the order of tables and menus.
 BUILT_IN: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
+BUILT_IN["commands"] = {
+    "run": "valvetrain.cli.run:register",
+    "compare": "valvetrain.cli.compare:register",
+    "sweep": "valvetrain.cli.sweep:register",
+    "static": "valvetrain.cli.static:register",
+    "modes": "valvetrain.cli.modes:register",
+    "refine": "valvetrain.cli.refine:register",
+    "runs": "valvetrain.cli.runs:register",
+    "compare-runs": "valvetrain.cli.compare_runs:register",
+    "new": "valvetrain.cli.new:register",
+    "cases": "valvetrain.cli.cases:register",
+    "check": "valvetrain.cli.check:register",
+}
 
 
 @cache

@@ -14,9 +14,7 @@ from valvetrain.cli.options import (
     SetOption,
     SpeedOption,
     WorkersOption,
-    make_folder,
     read_engine_speeds,
-    read_output,
     read_workers,
 )
 

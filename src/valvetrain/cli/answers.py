@@ -1,0 +1,179 @@
+"""The answer of a study in the terminal: what a user asks first, then published values where there are any, then where it all lies."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from valvetrain.cli.tables import plain_table
+from valvetrain.report.headlines import HeadlineColumn, HeadlineRow, clashes_of, headline_columns, headline_rows
+from valvetrain.report.words import number, rpm
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    from valvetrain.solution.comparison import Comparison
+    from valvetrain.solution.event import Event
+    from valvetrain.solution.study import Study
+
+#: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
+BESIDE, BELOW = 5, 24
+#: Of many runs, what is shown of each.
+BRIEF = (
+    "peak_spring_force", "minimum_spring_force", "clash_count", "clash_energy", "surge_amplitude_force", "seating_velocity", "bounce_count",
+    "loss_of_contact_duration", "peak_shear_stress", "nominal_peak_shear_stress",
+)  # fmt: skip
+
+
+def show_study(console: Console, study: Study, folder: Path, page: Path | None, published: bool = False) -> None:
+    """Print the answer of a study; with ``published`` every comparison, finding and note in full."""
+    console.print(study.record.title or study.record.name)
+    for table in _tables(study):
+        console.print()
+        console.print(table)
+    _show_published(console, study, published)
+    console.print(f"\nresults  {folder}", soft_wrap=True)
+    if page is not None:
+        console.print(f"report   {page}", soft_wrap=True)
+
+
+def _tables(study: Study) -> Iterator[Table]:
+    columns, rows = headline_columns(study), headline_rows(study)
+    if len(study.rest) > 1 or not study.solutions:
+        yield from _rest_tables(study)
+    if study.command == "sweep":
+        yield _by_run(columns, rows, "springs")
+    elif len(columns) <= BESIDE:
+        if rows:
+            yield _side_by_side(study, columns, rows)
+    else:
+        same = [row for row in rows if row.name not in BRIEF and len(set(row.values) - {None}) == 1]
+        if same:
+            yield plain_table(("", "", ""), ((row.words, row.unit, _words(next(v for v in row.values if v is not None))) for row in same))
+        yield _by_run(columns, [row for row in rows if row.name in BRIEF], "run")
+
+
+def _side_by_side(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow]) -> Table:
+    """A row per question, a column per run; the largest clash of each run below the number of clashes."""
+    headers = [
+        "",
+        "",
+        *(f"{column.label}{'' if column.engine_speed is None else f' {rpm(column.engine_speed):g} rpm'}" for column in columns),
+    ]
+    table = plain_table(headers, (), right=range(2, len(headers)))
+    clashes = [_largest_clash(study, column) for column in columns]
+    for row in rows:
+        table.add_row(row.words, row.unit, *map(_words, row.values))
+        if row.name == "clash_count":
+            for words, unit, cells in _clash_rows(clashes):
+                table.add_row(words, unit, *cells)
+    return table
+
+
+def _by_run(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], noun: str) -> Table:
+    """A row per run (in a sweep per label, with the speed of each worst value), a column per question."""
+    headers = [noun, *(f"{row.words}{f' ({row.unit})' if row.unit else ''}" for row in rows)]
+    table = plain_table(headers, (), right=range(1, len(headers)))
+    for place, column in enumerate(columns[:BELOW]):
+        table.add_row(column.words, *(_at_speed(row.values[place], row.speeds[place]) for row in rows))
+    if len(columns) > BELOW:
+        table.add_row(f"and {len(columns) - BELOW} more runs", *("" for _ in rows))
+    return table
+
+
+def _largest_clash(study: Study, column: HeadlineColumn) -> Event | None:
+    if column.engine_speed is None:
+        return None
+    return next(iter(clashes_of(study.solution(column.label, column.engine_speed))), None)
+
+
+def _clash_rows(clashes: Sequence[Event | None]) -> Iterator[tuple[str, str, list[str]]]:
+    """Coils, angle, impulse and energy of the largest clash of every run."""
+    if not any(clashes):
+        return
+    pairs = ["–" if one is None else f"{one.details.get('lower_coil', '?')}–{one.details.get('upper_coil', '?')}" for one in clashes]
+    yield "  largest: coils", "", pairs
+    yield "  at cam angle", "deg", ["–" if one is None else _words(one.cam_angle * 57.29577951308232 % 360) for one in clashes]
+    for name, unit, factor in (("impulse", "mN s", 1e3), ("energy", "mJ", 1e3)):
+        values = [None if one is None else one.details.get(name) for one in clashes]
+        if any(value is not None for value in values):
+            yield f"  {name}", unit, [_words(None if value is None else float(value) * factor) for value in values]
+
+
+def _rest_tables(study: Study) -> Iterator[Table]:
+    """Springs at rest by each model: force and rate as installed, first axial modes; with the difference from the first model."""
+    reference = study.rest[0] if study.rest else None
+    rows = []
+    for one in study.rest:
+        force = rate = None
+        if one.curve is not None and one.curve.compression[0] <= one.precompression <= one.curve.compression[-1]:
+            force, rate = one.curve.force_at(one.precompression), one.curve.stiffness_at(one.precompression) * 1e-3
+        modes = [float(value) for value in one.modes.axial_frequencies[:3]] if one.modes is not None else []
+        cells = [force, rate, *modes, *[None] * (3 - len(modes))]
+        if one is reference:
+            first = cells
+        compared = (
+            [] if one is reference or one.spring != study.rest[0].spring else [_percent(*pair) for pair in zip(cells, first, strict=True)]
+        )
+        words = [_words(value) + (f" ({share})" if share else "") for value, share in zip(cells, compared or [""] * 5, strict=True)]
+        rows.append((one.spring, one.model, *words))
+    if rows:
+        headers = ("at rest", "model", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)")
+        yield plain_table(headers, rows, right=range(2, 7))
+
+
+def _percent(value: float | None, reference: float | None) -> str:
+    from valvetrain.report.words import percent
+
+    return "" if value is None or not reference else percent(value / reference - 1)
+
+
+def _show_published(console: Console, study: Study, whole: bool) -> None:
+    """A line on published values, and one on findings and notes; or all of them."""
+    from valvetrain.cli.published import show_comparisons
+
+    if study.comparisons:
+        console.print(f"\n{published_words(study.comparisons)}", soft_wrap=True)
+    more = [
+        f"{len(found)} {noun}{'s' if len(found) > 1 else ''}"
+        for found, noun in ((study.findings, "finding"), (study.notes, "note"))
+        if found
+    ]
+    if not whole:
+        if study.comparisons or more:
+            console.print(f"{' and '.join(more) + ' in the report; ' if more else ''}--published prints all of it", soft_wrap=True)
+        return
+    if study.comparisons:
+        show_comparisons(console, study.comparisons)
+    for item in study.findings:
+        console.print(f"\n{item.place}: {item.statement}\n  computed: {item.computed}\n  verdict:  {item.verdict}", soft_wrap=True)
+    for note in study.notes:
+        console.print(f"\n{note}", soft_wrap=True)
+
+
+def published_words(rows: Sequence[Comparison]) -> str:
+    """One sentence: how many published values, the median and the largest difference, and how many stated tolerances are met."""
+    from valvetrain.report.words import percent, speed_words
+    from valvetrain.solution.definition import label_of
+
+    known = [(abs(row.relative_difference), row) for row in rows if row.relative_difference is not None]
+    judged = [row for row in rows if row.verdict.startswith(("within", "misses"))]
+    met = sum(row.verdict.startswith("within") for row in judged)
+    text = f"{len(rows)} published value{'s' if len(rows) > 1 else ''}"
+    if known:
+        worst, row = max(known, key=lambda pair: pair[0])
+        place = "" if row.engine_speed is None else f" at {speed_words(row.engine_speed)}"
+        median = percent(statistics.median(share for share, _ in known)).lstrip("+")
+        text += f": median difference {median}, largest {percent(worst).lstrip('+')} ({label_of(row.quantity)}{place})"
+    return text + (f"; {met} of {len(judged)} stated tolerances met" if judged else "")
+
+
+def _at_speed(value: float | None, engine_speed: float | None) -> str:
+    return _words(value) + ("" if engine_speed is None else f" at {rpm(engine_speed):g}")
+
+
+def _words(value: float | None) -> str:
+    return number(value, 4)
