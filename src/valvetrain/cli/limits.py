@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from valvetrain.cli.outcome import tell
 from valvetrain.errors import InputError
@@ -14,6 +14,7 @@ from valvetrain.errors import InputError
 if TYPE_CHECKING:
     from valvetrain.cli.study_command import StudyRequest
     from valvetrain.parameters.case import Case
+    from valvetrain.parameters.installed_spring import InstalledSpring
     from valvetrain.springs.spec import SpringModelSpec
     from valvetrain.studies.cost import Cost
 
@@ -85,6 +86,8 @@ def request_cost(request: StudyRequest, whole: bool = True) -> Cost:
     for models, springs in _planned(request):
         for model in models:
             spec = spring_model(model)
+            if spec.no_motion or any(map(spec.why_not, springs)) or not springs:
+                continue  # refused, with its reason, where the parts are built
             refinement, unknowns = (sum(found) for found in zip(*(_unknowns(spec, spring) for spring in springs), strict=True))
             channels = 30 + unknowns * (12 if "stress" in spec.shows else 3)
             total += estimate(
@@ -120,22 +123,24 @@ def _cycles(case: Case) -> int:
     return USUAL_CYCLES if asked is None else asked if asked > 60 else min(asked, USUAL_CYCLES)
 
 
-def _planned(request: StudyRequest) -> list[tuple[tuple[str, ...], Sequence[Any]]]:
-    """(spring models, installed springs) of every part of the study."""
+def _planned(request: StudyRequest) -> list[tuple[tuple[str, ...], Sequence[InstalledSpring]]]:
+    """(spring models, installed springs) of every part of the study, as :func:`valvetrain.system.build.build` will choose them."""
     from valvetrain.registry import words
+    from valvetrain.system.build import usual_models
 
-    train, models = request.case.train, request.spring_models
-    if train is None:
-        return [(models or words("springs"), request.case.springs)]
+    case, models = request.case, request.spring_models
+    if case.train is None:
+        return [(models or (words("springs") if request.command == "compare" else usual_models(case.springs)), case.springs)]
+    train, sets = case.train, case.train.springs
+    if request.command == "compare":
+        models = models or words("springs")
     if models or request.spring_sets or not train.variants:
-        chosen = request.spring_sets or (train.spring_set or next(iter(train.springs), ""),)
-        return [(models or (train.spring_model,), train.springs.get(name, ())) for name in chosen]
-    return [
-        ((one.spring_model or train.spring_model,), train.springs.get(one.spring_set or train.spring_set, ())) for one in train.variants
-    ]
+        chosen = request.spring_sets or (train.spring_set or next(iter(sets), ""),)
+        return [(models or (train.spring_model,), sets.get(name, ())) for name in chosen]
+    return [((one.spring_model or train.spring_model,), sets.get(one.spring_set or train.spring_set, ())) for one in train.variants]
 
 
-def _unknowns(spec: SpringModelSpec, spring: Any) -> tuple[float, float]:
+def _unknowns(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, float]:
     """(unknowns over those of the default options, unknowns) of one installed spring by one model."""
     coils = spring.wire.total_coils if spring.wire is not None else USUAL_COILS
     options = spring.options_of(spec.word)

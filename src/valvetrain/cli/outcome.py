@@ -92,16 +92,17 @@ def measured(value: float | None, unit: str) -> dict[str, Any]:
 
 def to_json(data: Mapping[str, Any]) -> str:
     """One JSON object; what is no finite number becomes null, for JSON has no other word for it."""
-    return json.dumps(_plain(data), indent=2, allow_nan=False)
+    return json.dumps(plain(data), indent=2, allow_nan=False)
 
 
-def _plain(item: Any) -> Any:
+def plain(item: Any) -> Any:
+    """``item`` as JSON has it: numbers that are not finite are null, arrays lists, anything else its words."""
     if isinstance(item, Mapping):
-        return {str(key): _plain(value) for key, value in item.items()}
+        return {str(key): plain(value) for key, value in item.items()}
     if isinstance(item, (list, tuple)):
-        return [_plain(value) for value in item]
+        return [plain(value) for value in item]
     if hasattr(item, "tolist"):
-        return _plain(item.tolist())
+        return plain(item.tolist())
     if isinstance(item, float):
         return item if math.isfinite(item) else None
     if item is None or isinstance(item, (bool, int, str)):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -11,6 +14,7 @@ from valvetrain.cli.options import (
     ElementsOption,
     JsonOption,
     OutputOption,
+    QuietOption,
     SetOption,
     SpeedOption,
     WorkersOption,
@@ -19,8 +23,6 @@ from valvetrain.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from rich.console import Console
 
     from valvetrain.cli.outcome import Outcome
@@ -33,40 +35,61 @@ def register(app: typer.Typer) -> None:
     app.command("refine")(refine)
 
 
+@dataclass(frozen=True)
+class RefineRequest:
+    """What was asked for: the case, the folder its file lies in, where results go, and the time."""
+
+    case: Case
+    folder: Path
+    output: Path | None
+    created_at: datetime
+    command: str = "refine"
+
+
 def refine(
     case: CaseArgument, output: OutputOption = None, engine_speed: SpeedOption = None, elements_per_coil: ElementsOption = None,
-    settings: SetOption = None, workers: WorkersOption = None, as_json: JsonOption = False,
+    settings: SetOption = None, workers: WorkersOption = None, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """State the uncertainty of a spring's headline numbers: three meshes, a halved step, other contact constants."""
-    from valvetrain.cli.case_choice import choose_case
+    from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.outcome import deliver
+    from valvetrain.studies.run_store import ROOT, check_folder
 
     chosen = choose_case(case, settings, elements_per_coil)
-    folder = read_output(output, f"{chosen.name}-refine")
-    deliver(_outcome(chosen, read_engine_speeds(engine_speed), read_workers(workers), folder), as_json)
+    check_folder(output or ROOT, kept=output is None)
+    request = RefineRequest(chosen, folder_of(case), output, datetime.now(UTC).replace(microsecond=0))
+    deliver(_outcome(request, read_engine_speeds(engine_speed), read_workers(workers)))
 
 
-def _outcome(case: Case, engine_speeds: tuple[float, ...] | None, workers: int, folder: Path) -> Outcome:
+def _outcome(request: RefineRequest, engine_speeds: tuple[float, ...] | None, workers: int) -> Outcome:
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, busy, progress_bar
+    from valvetrain.cli.study_command import keep_run
     from valvetrain.report.uncertainty_section import uncertainty_page, uncertainty_table
+    from valvetrain.report.words import rpm
     from valvetrain.report.write import write_page
     from valvetrain.solution.atomic import write_text
     from valvetrain.studies.uncertainty import uncertainty_study
 
-    make_folder(folder)
+    case = request.case
     announce_compilation("statics", "transient")
     with progress_bar(case.name) as report:
         study = uncertainty_study(case, engine_speeds=engine_speeds, workers=workers, progress=report)
-    with busy("writing files"):
-        data_file = write_text(folder / "uncertainty.csv", uncertainty_table(study.rows).csv())
-        page, _ = write_page(uncertainty_page(study), folder)
     data = {
         "command": "refine", "case": case.name, "title": case.title, "elements_per_coil": list(study.elements_per_coil),
-        "uncertainties": [_row_object(row) for row in study.rows], "completed": not study.failures, "folder": str(folder),
-        "files": [str(data_file)], "page": str(page),
+        "uncertainties": [_row_object(row) for row in study.rows], "completed": not study.failures, "page": "report.html",
     }  # fmt: skip
-    return Outcome(data, lambda console: _show(console, study, str(page)), study.failures)
+
+    def write(folder: Path) -> list[Path]:
+        table = write_text(folder / "uncertainty.csv", uncertainty_table(study.rows).csv())
+        page, figures = write_page(uncertainty_page(study), folder)
+        return [table, *figures, page]
+
+    choices = {"engine_speeds": [rpm(speed) for speed in engine_speeds or case.operation.engine_speeds], "engine_speed_unit": "rpm"}
+    with busy("writing files"):
+        folder, files = keep_run(request, case.record().text, choices, data, write)
+    data |= {"folder": str(folder), "files": files, "page": str(folder / "report.html")}
+    return Outcome(data, lambda console: _show(console, study, str(folder / "report.html")), study.failures)
 
 
 def _row_object(row: Uncertainty) -> dict[str, Any]:

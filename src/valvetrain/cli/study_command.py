@@ -5,11 +5,11 @@ from __future__ import annotations
 import functools
 import inspect
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_type_hints
+from typing import TYPE_CHECKING, Any, Protocol, get_type_hints
 
 from valvetrain.cli.options import (
     CaseArgument,
@@ -37,7 +37,23 @@ if TYPE_CHECKING:
     from valvetrain.cli.limits import Limits
     from valvetrain.cli.progress import Report
     from valvetrain.parameters.case import Case
+    from valvetrain.solution.provenance import Provenance
     from valvetrain.solution.study import Study
+
+
+class KeepRequest(Protocol):
+    """What the kept folder of a run needs to know: command, case, the folder its file lies in, where results go, and the time."""
+
+    @property
+    def command(self) -> str: ...
+    @property
+    def case(self) -> Case: ...
+    @property
+    def folder(self) -> Path: ...
+    @property
+    def output(self) -> Path | None: ...
+    @property
+    def created_at(self) -> datetime: ...
 
 
 @dataclass(frozen=True)
@@ -112,45 +128,58 @@ def answer_study(request: StudyRequest, compute: Callable[[Report], Study], at_o
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy, progress_bar
     from valvetrain.report.json import study_json
+    from valvetrain.report.words import rpm
+    from valvetrain.report.write import write_study
 
     with progress_bar(request.case.name, at_once) as report:
         study = compute(report)
-    with busy("writing files"):
-        folder, page, files = _keep(request, study)
-    data = study_json(study) | {
-        "command": request.command, "completed": not study.failures, "folder": str(folder),
-        "files": [str(folder / name) for name in files], "page": None if page is None else str(page),
+    data = study_json(study) | {"command": request.command, "completed": not study.failures}
+    pages: list[Path] = []
+
+    def write(folder: Path) -> list[Path]:
+        files = write_study(study, folder, page=request.report, figures=request.figures)
+        pages.extend([files.page] if files.page else [])
+        return [*files.data, *files.figures, *pages]
+
+    choices = {
+        "engine_speeds": [rpm(value) for value in study.engine_speeds], "engine_speed_unit": "rpm",
+        "spring_models": list(dict.fromkeys(run.model for run in study.solutions)) or list(request.spring_models),
+        "spring_sets": list(request.spring_sets),
     }  # fmt: skip
+    with busy("writing files"):
+        folder, files = keep_run(
+            request, study.record.text, choices, data, write, study.solutions[0].provenance if study.solutions else None
+        )
+    page = pages[0] if pages else None
     if page is not None and request.open_page:
         import webbrowser
 
         webbrowser.open(page.resolve().as_uri())
+    data |= {"folder": str(folder), "files": files, "page": None if page is None else str(page)}
     deliver(Outcome(data, lambda console: show_study(console, study, folder, page, request.published), study.failures))
 
 
-def _keep(request: StudyRequest, study: Study) -> tuple[Path, Path | None, list[str]]:
-    """The folder of the run, its page where one was written, and the names of the files in it."""
-    from valvetrain.report.json import study_json
-    from valvetrain.report.write import write_study
-    from valvetrain.studies.run_store import collect_inputs, keep, link_latest, new_folder
+def keep_run(
+    request: KeepRequest, text: str, choices: Mapping[str, Any], data: Mapping[str, Any], write: Callable[[Path], list[Path]],
+    made_by: Provenance | None = None,
+) -> tuple[Path, list[str]]:  # fmt: skip
+    """Make the folder of a run, let ``write`` fill it, and put inputs (``text``: the resolved case) and ``run.json`` beside.
 
-    choices = {
-        "engine_speeds": [round(value * 9.549296585513721, 6) for value in study.engine_speeds], "engine_speed_unit": "rpm",
-        "spring_models": list(dict.fromkeys(run.model for run in study.solutions)) or list(request.spring_models),
-        "spring_sets": list(request.spring_sets), "command": request.command,
-    }  # fmt: skip
-    inputs = collect_inputs(request.case.name, study.record.text, request.folder, choices)
+    ``data``: the JSON answer; ``made_by``: versions that ran (default: those here). The folder, and the paths of all files in it.
+    """
+    from valvetrain.cli.outcome import plain
+    from valvetrain.solution.provenance import collect_provenance
+    from valvetrain.studies.run_store import ANSWER, collect_inputs, keep, link_latest, new_folder
+
+    inputs = collect_inputs(request.case.name, text, request.folder, {"command": request.command, **choices})
     folder = request.output or new_folder(inputs, request.created_at)
-    files = write_study(study, folder, page=request.report, figures=request.figures)
-    written = [path for path in (*files.data, *files.figures, *([files.page] if files.page else ()))]
-    made_by = study.solutions[0].provenance if study.solutions else study.provenance
-    answer = study_json(study) | {
-        "command": request.command, "completed": not study.failures, "created_at": request.created_at.isoformat(),
-        "command_line": ["valvetrain", *sys.argv[1:]], "page": files.page.relative_to(folder).as_posix() if files.page else None,
-        "files": [path.relative_to(folder).as_posix() for path in written], "wall_time": {"value": study.wall_time, "unit": "s"},
-        "versions": {"valvetrain": made_by.package_version, "python": made_by.python_version, **made_by.dependencies},
+    written = [path.relative_to(folder).as_posix() for path in write(folder)]
+    origin = made_by or collect_provenance(request.case.name, "")
+    answer = plain(data) | {
+        "created_at": request.created_at.isoformat(), "command_line": ["valvetrain", *sys.argv[1:]], "files": written,
+        "versions": {"valvetrain": origin.package_version, "python": origin.python_version, **origin.dependencies},
     }  # fmt: skip
     kept = keep(folder, inputs, answer)
     if request.output is None:
         link_latest(folder)
-    return folder, files.page, [*kept.answer["files"], "run.json"]
+    return folder, [str(folder / name) for name in (*kept.answer["files"], ANSWER)]
