@@ -42,6 +42,53 @@ BUILT_IN["commands"] = {
     "cases": "valvetrain.cli.cases:register",
     "check": "valvetrain.cli.check:register",
 }
+BUILT_IN["springs"] = {
+    "massless": "valvetrain.springs.massless:SPEC",
+    "multi-mass": "valvetrain.springs.multi_mass:SPEC",
+    "modal-uniform": "valvetrain.springs.modal_uniform:SPEC",
+    "modal-varied": "valvetrain.springs.modal_varied:SPEC",
+    "wave-rod": "valvetrain.springs.wave_rod:SPEC",
+    "wave-rod-clash": "valvetrain.springs.wave_rod_clash:SPEC",
+    "finite-element": "valvetrain.springs.finite_element:SPEC",
+    "solid": "valvetrain.springs.solid.spec:SPEC",
+}
+BUILT_IN["integrators"] = {
+    "harmonic": "valvetrain.integrate.harmonic:SPEC",
+    "rod-leapfrog": "valvetrain.integrate.rod_leapfrog:SPEC",
+    "leapfrog": "valvetrain.integrate.leapfrog:SPEC",
+    "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",
+}
+BUILT_IN["quantities"] = {
+    "general": "valvetrain.quantities.table:ROWS",
+    "gu2021": "valvetrain.sources.gu2021_rows:QUANTITIES",
+    "multibody4b17": "valvetrain.sources.multibody4b17_rows:QUANTITIES",
+    "vasilyev2016": "valvetrain.sources.vasilyev2016_rows:QUANTITIES",
+}
+BUILT_IN["lifts"] = {
+    "zero": "valvetrain.cam.zero:SPEC",
+    "spline": "valvetrain.cam.spline:SPEC",
+    "table": "valvetrain.cam.spline:SPEC",
+    "stations": "valvetrain.cam.stations:SPEC",
+    "polynomial": "valvetrain.cam.polynomial:SPEC",
+    "polydyne": "valvetrain.cam.polydyne:SPEC",
+    "cycloidal": "valvetrain.cam.cycloidal:SPEC",
+    "modified-sine": "valvetrain.cam.modified_sine:SPEC",
+    "harmonic": "valvetrain.cam.harmonic:SPEC",
+    "sine-power": "valvetrain.cam.sine_power:SPEC",
+    "ramped": "valvetrain.cam.ramped:SPEC",
+    "shaped": "valvetrain.cam.shaped:SPEC",
+}
+BUILT_IN["contacts"] = {
+    "linear": "valvetrain.contact.linear:SPEC",
+    "hertz-point": "valvetrain.contact.hertz_point:SPEC",
+    "hertz-line": "valvetrain.contact.hertz_line:SPEC",
+    "hunt-crossley": "valvetrain.contact.hunt_crossley:SPEC",
+    "lankarani-nikravesh": "valvetrain.contact.lankarani_nikravesh:SPEC",
+    "flores": "valvetrain.contact.flores:SPEC",
+    "impact": "valvetrain.contact.impact:SPEC",
+    "impact-as-printed": "valvetrain.contact.impact:AS_PRINTED",
+}
+BUILT_IN["sources"] = {key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021", "vasilyev2016", "multibody4b17")}
 
 
 @cache

@@ -14,9 +14,9 @@ from valvetrain.quantities.compare import compare, pair_angles
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.evaluate import run_quantities, study_quantities
 from valvetrain.quantities.peaks import separate_spikes
-from valvetrain.solution.quantity import Quantity, unit_of
 from valvetrain.quantities.statics import natural_quantities, slope_change, static_quantities
 from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.quantity import Quantity, unit_of
 from valvetrain.solution.static import StaticCurve
 
 DEG = np.pi / 180

@@ -9,9 +9,9 @@ import pickle
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.case import Case, DampingParameters, Note, PublishedValue, RodOptions
+from valvetrain.parameters.case import Case, CoilContact, DampingParameters, InstalledSpring, Note, PublishedValue
 from valvetrain.parameters.constructors import barrel
-from valvetrain.parameters.loading import load_case
+from valvetrain.parameters.loading import library_names, load_case, parse_case
 
 
 @pytest.fixture(scope="module")
@@ -20,22 +20,32 @@ def beehive() -> Case:
 
 
 def test_replace_takes_dotted_paths_and_leaves_the_original(beehive):
-    coarse = beehive.replace({"rod.elements_per_coil": 12, "lift_law.maximum_lift": 0.0091}, name="coarse")
-    assert (coarse.rod.elements_per_coil, coarse.name) == (12, "coarse")
-    assert beehive.rod.elements_per_coil == RodOptions().elements_per_coil
+    path = "springs.0.options.finite-element.elements_per_coil"
+    coarse = beehive.replace({path: 12, "springs.0.precompression": 0.006, "lift_law.maximum_lift": 0.0091}, name="coarse")
+    assert (coarse.springs[0].options_of("finite-element"), coarse.name) == ({"elements_per_coil": 12}, "coarse")
+    assert beehive.springs[0].options == {}
     assert beehive.diff(coarse) == {
         "name": ("gu2021-beehive", "coarse"),
-        "rod.elements_per_coil": (24, 12),
+        "springs.0.precompression": (0.007, 0.006),
+        "springs.0.options.finite-element": (None, {"elements_per_coil": 12}),
         "lift_law.values.maximum_lift": (beehive.lift_law.values["maximum_lift"], 0.0091),
     }
-    assert beehive.diff(beehive) == {}
+    assert beehive.diff(beehive) == {} and beehive.changed == ()
+    assert coarse.changed == (path, "springs.0.precompression", "lift_law.maximum_lift")
+    assert coarse.record().digest != beehive.record().digest
 
 
 def test_replace_names_the_nearest_path(beehive):
-    with pytest.raises(InputError, match=r"rod\.element_per_coil.*did you mean elements_per_coil"):
-        beehive.replace({"rod.element_per_coil": 12})
-    with pytest.raises(InputError, match="did you mean damping"):
-        beehive.replace(dampin=None)
+    with pytest.raises(InputError, match=r"springs\.0\.precompresion.*did you mean precompression"):
+        beehive.replace({"springs.0.precompresion": 0.006})
+    with pytest.raises(InputError, match="valid names are 0"):
+        beehive.replace({"springs.1.precompression": 0.006})
+    with pytest.raises(InputError, match="did you mean rubbing"):
+        beehive.replace(rubbin=None)
+    with pytest.raises(InputError, match="did you mean elements_per_coil"):
+        beehive.replace({"springs.0.options.finite-element.element_per_coil": 12})
+    with pytest.raises(InputError, match="spring model 'finite-elements' is unknown; did you mean finite-element"):
+        beehive.replace({"springs.0.options.finite-elements.elements_per_coil": 12})
     with pytest.raises(InputError, match="has no parts to set"):
         beehive.replace({"name.first": 1})
 
@@ -57,10 +67,48 @@ def test_cite_collects_keys_once():
     case = Case(
         "x",
         sources=("first2020",),
-        notes={"spring": Note("published", "second2021, figure 3"), "rod": Note("assumed", "a guess of ours")},
+        notes={"spring": Note("published", "second2021, figure 3"), "operation": Note("assumed", "a guess of ours")},
         published=(PublishedValue("preload", 1.0, "N", source="first2020, table 1"),),
     )
     assert case.cite() == ("first2020", "second2021")
+
+
+def test_a_record_tells_values_sources_and_what_was_changed():
+    record = load_case("gu2021-beehive", {"spring.damping.ratio": 0.02}).record()
+    values = {value.path: value for value in record.values}
+    assert (values["spring.precompression"].words, values["spring.precompression"].status) == ("7 mm", "published")
+    assert values["spring.damping.ratio"].words == "0.02" and "outside" in values["spring.damping.ratio"].source
+    assert values["spring.lower_end.inactive_coils"].words == "0.851 turns"
+    assert record.changed == ("spring.damping.ratio",) and record.study == "gu2021"
+    assert "coil collisions" in record.citations[0] and "nose" in record.zero_of_angle
+    assert parse_case(record.text, name=record.name) == load_case("gu2021-beehive", {"spring.damping.ratio": 0.02})
+
+
+@pytest.mark.parametrize("name", library_names())
+def test_every_noted_value_of_the_library_has_words(name):
+    record = load_case(name).record()
+    assert [value.path for value in record.values if not value.words] == []
+
+
+def test_a_spring_without_preload_stands_free():
+    train = load_case("vaz-ohc").train
+    for name in ("nested", "nested-cards"):
+        for spring in train.spring_parts(name):
+            assert spring.precompression > 0 and spring.without_preload().precompression == 0
+            assert spring.without_preload().damping == spring.damping
+
+
+@pytest.mark.parametrize("values", [{"stiffness": -1.0}, {"damping_time": math.nan}])
+def test_coil_contact_is_not_negative(values):
+    with pytest.raises(InputError, match="zero or a positive number"):
+        CoilContact(**values)
+
+
+def test_an_installed_spring_is_a_wire_or_a_card(beehive):
+    with pytest.raises(InputError, match="give one of them"):
+        InstalledSpring()
+    with pytest.raises(InputError, match="has no effect on a spring known by its wire"):
+        InstalledSpring(wire=beehive.spring, options={"multi-mass": {"elements": 3}})
 
 
 def test_damping_from_a_ratio_is_split_by_share():

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tomllib
 
 import numpy as np
 import pytest
 
 from valvetrain.cam import build_lift_law
 from valvetrain.errors import InputError
-from valvetrain.parameters.loading import LIBRARY, list_cases, load_case, parse_case
+from valvetrain.parameters.case import CoilContact, Rubbing
+from valvetrain.parameters.loading import LIBRARY, library_names, list_cases, load_case, parse_case
+from valvetrain.parameters.toml_text import toml_text
 from valvetrain.parameters.writing import write_case_values
 
 SPRING = """
@@ -22,6 +25,7 @@ total_coils = 6
 material = "OTEVA 90 SC"
 ends = "open"
 """
+CARD = '[spring]\npreload = "195.81 N"\nopen_load = "378.27 N"\nopen_lift = "8.5 mm"\n'
 
 
 @pytest.mark.parametrize("summary", list_cases(), ids=lambda summary: summary.name)
@@ -83,13 +87,67 @@ def test_curve_forms():
 
 
 def test_installed_height_becomes_precompression():
-    case = parse_case(SPRING + '[installation]\ninstalled_height = "42 mm"\n')
-    assert case.installation.precompression == pytest.approx(case.spring.free_length - 42e-3)
+    (spring,) = parse_case(SPRING + 'installed_height = "42 mm"\n').springs
+    assert spring.precompression == pytest.approx(spring.wire.free_length - 42e-3)
+    assert spring.installed_height == pytest.approx(42e-3)
 
 
 def test_spring_card_from_two_loads():
-    card = parse_case('[spring_card]\npreload = "195.81 N"\nopen_load = "378.27 N"\nopen_lift = "8.5 mm"\n').spring_card
-    assert card.rate == pytest.approx(21466, rel=1e-4)
+    case = parse_case(CARD)
+    assert case.springs[0].card.rate == pytest.approx(21466, rel=1e-4)
+    assert case.springs[0].precompression == pytest.approx(195.81 / 21466, rel=1e-4)
+    assert case.spring is None
+    with pytest.raises(InputError, match="defines no wire"):
+        case.require_spring()
+
+
+def test_a_block_is_the_same_in_a_spring_case_and_in_a_train():
+    block = load_case("vaz-ohc").train.springs["nested"]
+    tree = tomllib.loads((LIBRARY / "vaz-ohc.toml").read_text())
+    case = parse_case(toml_text({"spring": tree["train"]["springs"]["nested"], "rubbing": {"coefficient": 0.1, "normal_force": "20 N"}}))
+    assert case.springs == block and [spring.name for spring in block] == ["outer", "inner"]
+    assert case.rubbing == Rubbing(0.1, 20.0)
+
+
+def test_blocks_hold_damping_contact_and_options():
+    text = (
+        SPRING
+        + """
+[spring.damping]
+mass_damping = "50 1/s"
+[spring.contact]
+stiffness = "2e4 N/mm/mm"
+damping_time = "2 us"
+[spring.options.multi-mass]
+masses_per_coil = 20
+[spring.options.finite-element]
+time_step = "1e-7 s"
+"""
+    )
+    (spring,) = parse_case(text).springs
+    assert spring.damping.mass_damping == 50.0
+    assert spring.contact == CoilContact(2e10, 2e-6)
+    # Only what the file gives is kept: defaults stand in one place.
+    assert spring.options == {"multi-mass": {"masses_per_coil": 20}, "finite-element": {"time_step": 1e-7}}
+
+
+def test_values_are_set_from_outside():
+    changes = {"spring.options.finite-element.elements_per_coil": 12, "spring.damping.ratio": 0.02, "spring.wire_diameter": "3.8 mm"}
+    case = load_case("gu2021-beehive", changes)
+    assert case.springs[0].options_of("finite-element") == {"elements_per_coil": 12}
+    assert case.springs[0].damping.ratio == 0.02 and case.changed == tuple(changes)
+    assert float(case.spring.wire_diameter.value(1.0)) == pytest.approx(3.8e-3)
+    pair = load_case("vaz-ohc", {"train.springs.nested.1.installed_height": "29 mm"}).train.springs["nested"]
+    assert pair[1].installed_height == pytest.approx(29e-3)
+
+
+@pytest.mark.parametrize("name", library_names())
+def test_the_resolved_text_gives_the_case_again(name):
+    case = load_case(name)
+    changed = load_case(name, {"operation.cycles": 3})
+    assert parse_case(case.text, name=name) == case
+    assert parse_case(changed.text, name=name) == changed != case
+    assert tomllib.loads(toml_text(tomllib.loads(case.text))) == tomllib.loads(case.text)
 
 
 def test_lift_table_from_a_file_in_crank_degrees(tmp_path):
@@ -105,6 +163,8 @@ def test_lift_table_from_a_file_in_crank_degrees(tmp_path):
     assert float(law.lift(np.radians(60.0))) == pytest.approx(6e-3, rel=1e-12)
     assert float(law.lift(np.radians(5.0))) == 0.0
     assert float(law.lift(np.radians(11.0))) > 0.0
+    # The resolved text holds the table itself, so the file is not needed again.
+    assert parse_case(case.text, name=case.name) == case and "lift.csv" not in case.text
     path.write_text(table)
     with pytest.raises(InputError, match="angle_of is missing: a lift file does not say it"):
         load_case(path)
@@ -116,6 +176,7 @@ def test_notes_on_values_and_tables():
     assert case.cite() == ("me2020",)
 
 
+FINITE = "[spring.options.finite-element]"
 REFUSED = [
     ("", "empty"),
     ("   \n# nothing\n", "empty"),
@@ -143,13 +204,35 @@ REFUSED = [
     ),
     (SPRING.replace('"OTEVA 90 SC"', '{ youngs_modulus = "206 GPa", density = "7850 kg/m^3" }'), "or a name from the library"),
     (
-        SPRING + '[damping]\nratio = 0.016\nratio_frequency = "630 Hz"\nmass_damping = "50 1/s"\nstiffness_damping = "9e-6 s"',
+        SPRING + '[spring.damping]\nratio = 0.016\nratio_frequency = "630 Hz"\nmass_damping = "50 1/s"\nstiffness_damping = "9e-6 s"',
         "give the damping one way",
     ),
-    (SPRING + '[installation]\nprecompression = "25 mm"', "solid before"),
-    (SPRING + '[installation]\nprecompression = "5 mm"\ninstalled_height = "40 mm"', "both given"),
-    (SPRING + "[rod]\nelements_per_coil = 24.5", "line 10, rod.elements_per_coil"),
-    (SPRING + '[rod]\nelements_per_coil = "24"', "does not fit"),
+    (SPRING + 'precompression = "25 mm"', "line 9, spring.precompression: the spring is solid before"),
+    (SPRING + 'installed_height = "50 mm"', "would be stretched"),
+    (SPRING + 'precompression = "5 mm"\ninstalled_height = "40 mm"', "both given"),
+    (SPRING + 'preload = "200 N"', "key 'preload' is unknown"),
+    (SPRING + f"{FINITE}\nelements_per_coil = 24.5", "line 10, spring.options.finite-element.elements_per_coil"),
+    (SPRING + f'{FINITE}\nelements_per_coil = "24"', "does not fit"),
+    (SPRING + f"{FINITE}\nelements_per_coil = 3", "greater than or equal to 4"),
+    (SPRING + f"{FINITE}\nelement_per_coil = 12", "did you mean elements_per_coil"),
+    (SPRING + f"{FINITE}\ntime_step = 1e-7", "has no unit; a time is needed"),
+    (SPRING + "[spring.options.multi-mas]\nmasses_per_coil = 6", "line 9, spring.options.multi-mas: spring model 'multi-mas' is unknown"),
+    (SPRING + "[spring.options.multi-mass]\nelements = 6", "line 10, spring.options.multi-mass.elements: elements has no effect"),
+    (CARD + "[spring.options.multi-mass]\nmasses_per_coil = 6", "no effect on a spring known by its card"),
+    (CARD + 'precompression = "7 mm"', "key 'precompression' is unknown"),
+    (SPRING + '[spring.contact]\nstifness = "2e4 N/mm/mm"', "did you mean stiffness"),
+    (SPRING + '[spring.contact]\nstiffness = "2e4 N/mm"', "a stiffness per length is needed"),
+    (3 * SPRING.replace("[spring]", "[[spring]]"), "one or two springs, outer first"),
+    (SPRING + '[installation]\nprecompression = "7 mm"', "[installation] is now part of [spring]"),
+    (SPRING + '[damping]\nmass_damping = "50 1/s"', "[damping] is now [spring.damping]"),
+    (
+        SPRING + '[rod]\ncontact_stiffness = "2e4 N/mm/mm"',
+        "[rod] contact_stiffness is now [spring.contact] stiffness",
+    ),
+    (SPRING + "[rod]\nelements_per_coil = 24", "now [spring.options.finite-element] elements_per_coil"),
+    ('[spring_card]\npreload = "195.81 N"', "[spring_card] is now [spring]"),
+    (SPRING + '[train.spring_options]\nmass_damping = "50 1/s"', "is now damping.mass_damping in each [[train.springs.SET]] block"),
+    (SPRING + '[operation]\noutput_step = "90 deg"', "too large"),
     (SPRING + '[operation]\nengine_speeds = "4200 Hz"', "a rotational speed is needed"),
     (SPRING + '[operation]\nengine_speeds = "4200 rpm"\ncam_speeds = "2100 rpm"', "twice the cam speed"),
     (SPRING.replace('"4.0 mm"', '{ value = "4.0 mm", status = "guessed" }'), "status 'guessed' is unknown"),

@@ -3,27 +3,15 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
 import pytest
 
 from unit.cli_parts import SMALL, call
+from valvetrain.solution.definition import is_defined
 from valvetrain.solution.quantity import unit_of
 
 DOCUMENT = (Path(__file__).resolve().parents[2] / "docs" / "quantities.md").read_text(encoding="utf-8")
-
-
-def documented_names() -> list[str]:
-    """Patterns of the names in the tables of docs/quantities.md: ``mode_n_frequency`` stands for any n, ``...`` for the names before it."""
-    patterns: list[str] = []
-    for cell in re.findall(r"^\| (`.*?) \|", DOCUMENT, re.MULTILINE):
-        names = re.findall(r"`([^`]+)`", cell)
-        whole = [name for name in names if not name.startswith("...")]
-        heads = [name.rsplit("_", cut)[0] for name in whole for cut in range(4)]
-        tails = [name[3:] for name in names if name.startswith("...")]
-        patterns += whole + [head + tail for head in heads for tail in tails]
-    return [re.sub(r"(?<![a-z])[nksm](?![a-z])", r"\\d+", pattern) for pattern in patterns]
 
 
 def numbers(item, path=""):
@@ -82,8 +70,7 @@ def test_standard_output_is_one_object_whose_numbers_have_units(outputs, command
 def test_every_name_and_key_is_documented(outputs, command):
     found = json.loads(outputs[command])
     names = dict(quantities(found))
-    patterns = documented_names()
-    assert names and not [name for name in names if not any(re.fullmatch(pattern, name) for pattern in patterns)]
+    assert names and not [name for name in names if not is_defined(name)]
     assert all(value["unit"] == unit_of(name) for name, value in names.items())
     assert not [key for key in (*found, *(key for run in found.get("runs", ()) for key in run)) if f"`{key}`" not in DOCUMENT]
 

@@ -5,14 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.contact.library import LAWS, build_contact_law
+from valvetrain import registry
+from valvetrain.contact.library import build_contact_law
 from valvetrain.contact.restitution import rebound
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainOptions
 from valvetrain.parameters.loading import load_case
-from valvetrain.report.values import value_words
+from valvetrain.parameters.words import value_words
 from valvetrain.studies.train_study import run_train
 
+LAWS = registry.words("contacts")
 TABLES = {
     "linear": ({"contact_stiffness": 1e8, "damping": 300.0}, 1.0, "N s/m"),
     "impact": ({"contact_stiffness": 1e5 * 1000**1.5, "exponent": 1.5, "damping": 300.0, "full_damping_depth": 2e-5}, 1.5, "N s/m"),

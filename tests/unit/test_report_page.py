@@ -192,8 +192,8 @@ def test_numbers_as_printed(value, shown):
 
 def test_names_and_units_as_printed():
     assert quantity_words("stage_2_peak_cam_angle") == "Stage II peak, cam angle"
-    assert quantity_words("coil_1_2_installed_gap") == "Coils 1–2 installed gap"
-    assert quantity_words("stage_3_below_10_khz_peak_force") == "Stage III below 10 kHz peak force"
+    assert quantity_words("coil_1_2_installed_gap") == "Installed gap of coils 1 and 2"
+    assert quantity_words("stage_3_below_10_khz_peak_force") == "Stage III peak force below 10 kHz"
     assert [percent(share) for share in (-4e-4, 4e-4, -0.0123, 1.5)] == ["0.0 %", "0.0 %", "−1.2 %", "+150.0 %"]
     assert (unit_words("mm/s^2"), unit_words("us")) == ("mm/s²", "µs")
 

@@ -9,7 +9,8 @@ from scipy.integrate import quad
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import conical, cylindrical, hourglass, pitch_with_closed_ends
 from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear
-from valvetrain.parameters.material import OTEVA_90_SC
+from valvetrain.parameters.material import OTEVA_90_SC, Material
+from valvetrain.parameters.schema_spring import EndModel
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 
 WIRE, DIAMETER, PITCH, TURNS = 4e-3, 24e-3, 7e-3, 6.0
@@ -108,6 +109,30 @@ def test_an_impossible_spring_is_refused_with_its_reason(wrong, reason):
     with pytest.raises(InputError, match=reason), np.errstate(divide="ignore", invalid="ignore"):
         build(**wrong)
     assert build().name == "spring"
+
+
+def test_open_ends_hold_no_turns_in_python_as_in_a_case_file():
+    assert (EndCoil("open").inactive_coils, EndCoil("open").ground_coils) == (0.0, 0.0)
+    assert (EndCoil("closed").inactive_coils, EndCoil("closed").ground_coils) == (0.75, 0.0)
+    assert EndCoil() == EndCoil("closed-ground", 0.75, 0.75)
+    assert EndCoil("open", 0.5, 0.25).inactive_coils == 0.5
+    for kind in ("closed-ground", "closed", "open"):
+        assert EndModel(kind=kind).build() == EndCoil(kind)
+    bare = cylindrical(WIRE, DIAMETER, PITCH, TURNS, closed_coils=0)
+    assert bare == cylindrical(WIRE, DIAMETER, PITCH, TURNS, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END)
+    assert bare.free_coils == (0.0, TURNS)
+    assert cylindrical(WIRE, DIAMETER, PITCH, TURNS).lower_end == EndCoil()
+
+
+def test_constructors_take_units_and_refuse_slips():
+    plain = cylindrical(4e-3, 24e-3, 8e-3, 7.0)
+    assert cylindrical("4 mm", "24 mm", "8 mm", 7.0) == plain
+    with pytest.raises(InputError, match=r"3\.8 m of wire diameter can only be meant as 3\.8 mm"):
+        cylindrical(3.8, 22e-3, 7e-3, 7)
+    with pytest.raises(InputError, match="7 m of pitch"):
+        cylindrical(3.8e-3, 22e-3, 7, 7)
+    with pytest.raises(InputError, match="youngs_modulus of material 'steel': 206 Pa of modulus can only be meant as 206 GPa"):
+        Material("steel", 206, 79.6e9, 7850)
 
 
 def test_ends_and_constructors_refuse_what_cannot_be():

@@ -13,9 +13,9 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.evaluate import run_quantities
 from valvetrain.quantities.main_clash import IMPULSE_TIME, find_clash_window, main_clash_quantities
-from valvetrain.solution.quantity import Quantity
 from valvetrain.quantities.stages import stages_of
 from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.quantity import Quantity
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.studies import uncertainty_file
 from valvetrain.studies.grid_convergence import DECLARED_ORDER, grid_convergence, observed_order

@@ -1,13 +1,27 @@
-"""Units at the door: exact conversions, dimensions kept apart, and refusals that say what to write."""
+"""Units at the interface: exact conversions, dimensions kept apart, and refusals that say what to write."""
 
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 
+import numpy as np
+import pint
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.units import DIMENSIONS, dimension_of, format_quantity, parse_quantities, parse_quantity, to_unit, unit_factor
+from valvetrain.units import (
+    DIMENSIONS,
+    PLAUSIBLE,
+    dimension_of,
+    format_quantity,
+    parse_quantities,
+    parse_quantity,
+    si,
+    si_speeds,
+    to_unit,
+    unit_factor,
+)
 
 # Exact by definition (international inch, pound, standard gravity).
 EXACT = [
@@ -99,3 +113,118 @@ def test_formatting():
     assert to_unit(math.pi, "deg") == pytest.approx(180.0)
     assert dimension_of("kg") == "mass"
     assert dimension_of("kg^3") is None
+
+
+PINT = pint.UnitRegistry()
+GIVEN = [
+    (3.8e-3, "wire_diameter", 3.8e-3),
+    (np.float32(0.5), "ratio", 0.5),
+    (np.int64(300), "engine_speed", 300.0),
+    (np.array(0.022), "mean_diameter", 0.022),
+    (Decimal("0.0038"), "wire_diameter", 3.8e-3),
+    ("3.8 mm", "wire_diameter", 3.8e-3),
+    ("0.15 inch", "wire_diameter", 3.81e-3),
+    ("3000 rpm", "engine_speed", 100 * math.pi),
+    ("30000 rpm", "engine_speed", 1000 * math.pi),
+    (PINT.Quantity(3.8, "mm"), "wire_diameter", 3.8e-3),
+    (PINT.Quantity(3000, "rpm"), "engine_speed", 100 * math.pi),
+    (PINT.Quantity(206, "GPa"), "modulus", 206e9),
+    (PINT.Quantity(45, "g"), "mass", 0.045),
+    (PINT.Quantity(41, "N/mm"), "spring_rate", 41e3),
+    (PINT.Quantity(106, "degree"), "cam_angle", math.radians(106)),
+    (PINT.Quantity(0.5), "ratio", 0.5),
+    (0, "compression", 0.0),
+    (-0.001, "compression", -0.001),
+]
+
+
+@pytest.mark.parametrize(("value", "quantity", "expected"), GIVEN)
+def test_a_public_function_takes_si_text_and_quantities(value, quantity, expected):
+    assert si(value, quantity) == pytest.approx(expected, rel=1e-6 if isinstance(value, np.float32) else 1e-14)
+    assert type(si(value, quantity)) is float
+
+
+SLIPS = [
+    (3.8, "wire_diameter", "3.8 m of wire diameter can only be meant as 3.8 mm; write 0.0038 or '3.8 mm'"),
+    ("3.8 m", "wire_diameter", "can only be meant as 3.8 mm"),
+    (PINT.Quantity(3.8, "m"), "wire_diameter", "can only be meant as 3.8 mm"),
+    (0.15, "wire_diameter", "can only be meant as 0.15 inch"),
+    (3.8e-6, "wire_diameter", "lies outside 0.2 mm to 20 mm; check the number and its unit"),
+    (7, "pitch", "7 m of pitch can only be meant as 7 mm"),
+    (22, "mean_diameter", "can only be meant as 22 mm"),
+    (3000, "engine_speed", "engine speed 28647.9 rpm; did you mean '3000 rpm'? If not, write '28647.9 rpm'"),
+    (28648, "engine_speed", "can only be meant as 28648 rpm"),
+    ("5 rpm", "engine_speed", "lies outside 10 rpm to 30000 rpm"),
+    (PINT.Quantity(35, "Hz"), "engine_speed", "is a frequency, but a rotational speed is needed"),
+    (106, "cam_angle", "can only be meant as 106 deg"),
+    (41, "spring_rate", "can only be meant as 41 N/mm"),
+    (206, "modulus", "can only be meant as 206 GPa"),
+    (206_000, "modulus", "can only be meant as 206000 MPa"),
+    (0.00785, "density", "can only be meant as 0.00785 g/mm^3"),
+    (7.85, "density", "write 7850 or '7.85 g/cm^3'"),
+    (45, "mass", "can only be meant as 45 g"),
+    ("3.8", "wire_diameter", "has no unit"),
+    (True, "wire_diameter", "is no single number"),
+    (None, "wire_diameter", "is no single number"),
+    (1j, "wire_diameter", "is no single number"),
+    (np.ones(2), "wire_diameter", "is no single number"),
+    (PINT.Quantity(np.ones(2), "mm"), "wire_diameter", "is no single number"),
+    (10**400, "wire_diameter", "not a finite number"),
+    (math.nan, "wire_diameter", "not a finite number"),
+]
+
+
+@pytest.mark.parametrize(("value", "quantity", "words"), SLIPS)
+def test_slips_of_units_are_refused_with_the_likely_meaning(value, quantity, words):
+    with pytest.raises(InputError) as caught:
+        si(value, quantity, "somewhere")
+    assert words in str(caught.value)
+    assert str(caught.value).startswith("somewhere: ")
+
+
+@pytest.mark.parametrize("name", PLAUSIBLE)
+def test_the_ends_of_every_window_are_inside_it(name):
+    window = PLAUSIBLE[name]
+    for end in (window.low, window.high):
+        assert si(format_quantity(end, window.usual_unit, None), name) == pytest.approx(end)
+    assert si(min(window.high, window.bare_high), name) > 0
+
+
+SPEEDS = [
+    ("1000:9000:100 rpm", 81, 1000),
+    ("4200, 5600 rpm", 2, 4200),
+    (["3000 rpm", PINT.Quantity(4000, "rpm")], 2, 3000),
+    (PINT.Quantity([3000.0, 4000.0, 4000.0], "rpm"), 2, 3000),
+    (PINT.Quantity(3000, "rpm"), 1, 3000),
+    (np.array([100.0, 200.0]) * np.pi, 2, 3000),
+    (np.float64(100 * np.pi), 1, 3000),
+    (100 * math.pi, 1, 3000),
+]
+
+
+@pytest.mark.parametrize(("values", "count", "first"), SPEEDS)
+def test_speeds_come_one_by_one_in_sequences_and_in_ranges(values, count, first):
+    speeds = si_speeds(values)
+    assert len(speeds) == count
+    assert speeds[0] == pytest.approx(first * math.pi / 30)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ([3000, 4000], "did you mean '3000 rpm'"),
+        ("1000:9000:100", "has no unit"),
+        ("9000:1000:100 rpm", "leads nowhere"),
+        ("1:9000:0.1 rpm", "more than 10000 speeds"),
+        ("1000:900000:1000 rpm", "lies outside 10 rpm to 30000 rpm"),
+        (range(100, 100_000), "more than 10000 speeds"),
+        ((), "holds no speed"),
+        ("0 rpm", "is not positive"),
+        ([-1.0], "is not positive"),
+        (None, "no single number"),
+        ([[100.0]], "no single number"),
+    ],
+)
+def test_speeds_that_lead_nowhere_are_refused(values, words):
+    with pytest.raises(InputError, match=words):
+        si_speeds(values)

@@ -6,10 +6,10 @@ from typing import Any
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("build_lift_law", "LAWS"):
-        from valvetrain.cam import build
+    if name == "build_lift_law":
+        from valvetrain.cam.build import build_lift_law
 
-        return getattr(build, name)
+        return build_lift_law
     if name in ("PeriodicPieces", "tabulate"):
         from valvetrain.cam import pieces
 

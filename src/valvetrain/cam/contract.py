@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.schema_lift import LiftModel
 
 Array = NDArray[np.float64]
 TURN = 2 * math.pi
@@ -33,6 +36,14 @@ class LiftLaw(Protocol):
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         """Lift (m) or its ``derivative``-th derivative, 0 to 3 (m per rad**derivative); the shape of ``cam_angle``."""
         ...
+
+
+@dataclass(frozen=True, slots=True)
+class LiftSpec:
+    """What the registry holds of a lift law: ``make`` takes SI keyword arguments, ``table`` is the [lift_law] table that gives them."""
+
+    make: Callable[..., LiftLaw]
+    table: type[LiftModel]
 
 
 def after(start: float, cam_angle: ArrayLike) -> Array:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import TURN, Array
-from valvetrain.cam.flanks import FlankEvents, flanked
+from valvetrain.cam.contract import TURN, Array, LiftSpec
+from valvetrain.cam.flanks import FlankEvents, FlankModel, flanked
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,3 +25,6 @@ def _shape(x: Array, derivative: int) -> Array:
     if derivative == 1:
         return 1 - np.cos(TURN * x)
     return TURN * np.sin(TURN * x) if derivative == 2 else TURN**2 * np.cos(TURN * x)
+
+
+SPEC = LiftSpec(Cycloidal, FlankModel)

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 
 from valvetrain.cam.contract import TURN, Array, after, check_derivative
 from valvetrain.errors import InputError
+from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.schema_types import Angle, PositiveLength
 
 #: ``shape(x, derivative)``: rise from 0 to 1 for x in [0, 1], with zero velocity at both ends.
 Shape = Callable[[Array, int], Array]
@@ -41,6 +43,16 @@ class FlankEvents:
     @property
     def joints(self) -> tuple[float, ...]:
         return (self.opening_start, self.opening_end, self.closing_start, self.closing_end)
+
+
+class FlankModel(LiftModel):
+    """Dwell, rise, dwell, return: cycloidal, modified sine, harmonic."""
+
+    maximum_lift: PositiveLength
+    opening_start: Angle
+    opening_end: Angle
+    closing_start: Angle
+    closing_end: Angle
 
 
 def flanked(law: FlankEvents, shape: Shape, cam_angle: ArrayLike, derivative: int) -> Array:

@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import Array
-from valvetrain.cam.flanks import FlankEvents, flanked
+from valvetrain.cam.contract import Array, LiftSpec
+from valvetrain.cam.flanks import FlankEvents, FlankModel, flanked
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,3 +28,6 @@ def _shape(x: Array, derivative: int) -> Array:
     if derivative == 1:
         return np.pi / 2 * np.sin(np.pi * x)
     return np.pi**2 / 2 * np.cos(np.pi * x) if derivative == 2 else -(np.pi**3) / 2 * np.sin(np.pi * x)
+
+
+SPEC = LiftSpec(Harmonic, FlankModel)

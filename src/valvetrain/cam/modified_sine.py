@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import Array
-from valvetrain.cam.flanks import FlankEvents, flanked
+from valvetrain.cam.contract import Array, LiftSpec
+from valvetrain.cam.flanks import FlankEvents, FlankModel, flanked
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,3 +35,6 @@ def _shape(x: Array, derivative: int) -> Array:
     line = np.pi * x if derivative == 0 else np.full_like(x, np.pi if derivative == 1 else 0.0)
     steps = (0.0, 2.0, 4.0) if derivative == 0 else (0.0, 0.0, 0.0)
     return np.select([x < 0.125, x < 0.875], [steps[0] + line - ends, steps[1] + line - middle], steps[2] + line - ends) / (4 + np.pi)
+
+
+SPEC = LiftSpec(ModifiedSine, FlankModel)

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import TURN, Array, after, check_derivative
+from valvetrain.cam.contract import TURN, Array, LiftSpec, after, check_derivative
 from valvetrain.cam.flanks import polynomial_value, rise_factors
 from valvetrain.errors import InputError
+from valvetrain.parameters.schema_lift import Exponents, LiftModel
+from valvetrain.parameters.schema_types import Angle, Mass, PositiveLength, Stiffness, problem, quantity
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,3 +59,32 @@ class Polydyne:
         if derivative == 0:
             polynomial = 1 + polynomial
         return np.where(since < 2 * half, self.maximum_lift * polynomial, 0.0)
+
+
+DesignSpeed = Annotated[float, quantity("angular speed", low=0.0)]
+
+
+class PolydyneModel(LiftModel):
+    """Polydyne: the valve follows a nose-centred polynomial at the design speed, the cam adds the deflection of the train."""
+
+    maximum_lift: PositiveLength
+    opening_start: Angle
+    closing_end: Angle
+    exponents: Exponents = (2, 10, 18, 26, 34)
+    effective_mass: Mass | None = None
+    effective_stiffness: Stiffness | None = None
+    design_engine_speed: DesignSpeed | None = None
+
+    def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class; refuses a deflection given in part."""
+        own = super().values(folder)
+        parts = (own.pop("effective_mass"), own.pop("effective_stiffness"), own.pop("design_engine_speed"))
+        if any(part is None for part in parts):
+            if any(part is not None for part in parts):
+                raise problem("a polydyne law needs effective_mass, effective_stiffness and design_engine_speed together, or none of them")
+            return own | {"dynamic_deflection": 0.0}
+        mass, stiffness, engine_speed = parts
+        return own | {"dynamic_deflection": mass / stiffness * (engine_speed / 2) ** 2}
+
+
+SPEC = LiftSpec(Polydyne, PolydyneModel)

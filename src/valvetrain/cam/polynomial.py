@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import Array
-from valvetrain.cam.flanks import FlankEvents, flanked, polynomial_value, rise_factors
+from valvetrain.cam.contract import Array, LiftSpec
+from valvetrain.cam.flanks import FlankEvents, FlankModel, flanked, polynomial_value, rise_factors
+from valvetrain.parameters.schema_lift import Exponents
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,3 +27,12 @@ class Polynomial(FlankEvents):
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         factors = rise_factors(self.exponents)
         return flanked(self, lambda x, order: polynomial_value(self.exponents, factors, x, order), cam_angle, derivative)
+
+
+class PolynomialModel(FlankModel):
+    """The same with a polynomial flank such as 3-4-5."""
+
+    exponents: Exponents = (3, 4, 5)
+
+
+SPEC = LiftSpec(Polynomial, PolynomialModel)

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Annotated, Any
+
+from valvetrain.cam.contract import LiftSpec
 from valvetrain.cam.stations import Stations
 from valvetrain.errors import InputError
+from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.schema_types import Angle, PositiveLength, problem, quantity
 
 
 def ramped(
@@ -43,3 +49,30 @@ def ramp_states(ramp_lift: float, length: float, blend: float) -> tuple[float, f
     """Velocity of the ramp (m/rad) and the lift (m) at which it is reached: half the velocity times the blend."""
     velocity = ramp_lift / (length * (1 - blend / 2))
     return velocity, velocity * blend * length / 2
+
+
+RampBlend = Annotated[float, quantity("ratio", low=0.01, high=1.0)]
+NegativeAcceleration = Annotated[float, quantity("cam acceleration", high=0.0)]
+
+
+class RampedModel(LiftModel):
+    """Constant-velocity ramps on both sides of a quintic main event."""
+
+    maximum_lift: PositiveLength
+    ramp_lift: PositiveLength
+    ramp_start: Angle
+    event_start: Angle
+    event_end: Angle
+    ramp_end: Angle
+    ramp_blend: RampBlend = 0.3
+    nose_acceleration: NegativeAcceleration | None = None
+
+    def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class; refuses ramps above the lift and events out of order."""
+        self.in_order("ramp_start", "event_start", "event_end", "ramp_end")
+        if self.ramp_lift >= self.maximum_lift:
+            raise problem("ramp_lift is not below maximum_lift; lower it", ("ramp_lift",))
+        return {name: getattr(self, name) for name in type(self).model_fields if name not in LiftModel.model_fields}
+
+
+SPEC = LiftSpec(ramped, RampedModel)

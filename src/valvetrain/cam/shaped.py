@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import TURN, Array
+from valvetrain.cam.contract import TURN, Array, LiftSpec
 from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, with_base_circle
 from valvetrain.cam.ramped import ramp_states
 from valvetrain.errors import InputError
+from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.schema_types import Angle, Numbers, PositiveLength, quantity
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,3 +97,26 @@ class Shaped:
     def polynomial_pieces(self) -> PeriodicPieces:
         """The exact flat form."""
         return self._pieces
+
+
+OpenRampBlend = Annotated[float, quantity("ratio", low=0.01, high=0.99)]
+
+
+class ShapedModel(LiftModel):
+    """Ramps and an event, symmetric about the nose, whose flank acceleration a few control values draw."""
+
+    maximum_lift: PositiveLength
+    ramp_lift: PositiveLength
+    ramp_start: Angle
+    event_start: Angle
+    nose: Angle
+    flank_shape: Numbers
+    ramp_blend: OpenRampBlend = 0.3
+
+    def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class; refuses events out of order."""
+        self.in_order("ramp_start", "event_start", "nose")
+        return {name: getattr(self, name) for name in type(self).model_fields if name not in LiftModel.model_fields}
+
+
+SPEC = LiftSpec(Shaped, ShapedModel)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import TURN, Array, after, check_derivative
+from valvetrain.cam.contract import TURN, Array, LiftSpec, after, check_derivative
 from valvetrain.errors import InputError
+from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.schema_types import Angle, PositiveLength, problem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,3 +53,21 @@ class SinePower:
             steep = n * (n - 1) * (n - 2) * sine ** (n - 3) * cosine**2 if n > 2 else 0.0
             value = cosine * (steep - n * (3 * n - 2) * sine ** (n - 1))
         return np.where(inside, self.maximum_lift * rate**derivative * value, 0.0)
+
+
+class SinePowerModel(LiftModel):
+    """``maximum_lift * sin(pi (angle - opening_start) / duration) ** power``."""
+
+    maximum_lift: PositiveLength
+    opening_start: Angle
+    closing_end: Angle
+    power: int = 4
+
+    def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class; refuses a power out of range."""
+        if not 2 <= self.power <= 40:
+            raise problem("power must be a whole number from 2 to 40", ("power",))
+        return super().values(folder)
+
+
+SPEC = LiftSpec(SinePower, SinePowerModel)

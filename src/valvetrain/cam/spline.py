@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import TURN, Array
+from valvetrain.cam.contract import TURN, Array, LiftSpec
 from valvetrain.cam.pieces import PeriodicPieces, with_base_circle
 from valvetrain.errors import InputError
+from valvetrain.parameters.lift_table import event_of_table, read_lift_table
+from valvetrain.parameters.schema_lift import LiftModel, check_angles
+from valvetrain.parameters.schema_types import Angle, Angles, Length, Lengths, guarded, problem
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,3 +75,62 @@ class Spline:
     def polynomial_pieces(self) -> PeriodicPieces:
         """The exact flat form."""
         return self._pieces
+
+
+class SplineModel(LiftModel):
+    """A spline through a table of lifts; ``mirror_angle`` completes half a table."""
+
+    law: ClassVar[str] = "spline"
+    cam_angles: Angles | None = None
+    lifts: Lengths | None = None
+    file: str | None = None
+    angle_unit: Literal["deg", "rad"] | None = None
+    angle_of: Literal["cam", "crank"] | None = None
+    lift_unit: str | None = None
+    mirror_angle: Angle | None = None
+    degree: Literal[5, 7] = 5
+    smoothing: Length = 0.0
+
+    def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class; refuses tables that contradict themselves."""
+        angles, lifts = self._table(folder)
+        if len(angles) != len(lifts):
+            raise problem(f"lifts has {len(lifts)} entries but cam_angles {len(angles)}; give one lift per angle", ("lifts",))
+        check_angles(angles, ("cam_angles",))
+        if self.mirror_angle is not None:
+            angles, lifts = _mirrored(angles, lifts, self.mirror_angle)
+            check_angles(angles, ("mirror_angle",))
+        if self.smoothing < 0:
+            raise problem("smoothing is the allowed root-mean-square deviation from the table, zero or more", ("smoothing",))
+        noise = max(self.smoothing, 1e-9)
+        if min(lifts) < -10 * noise:
+            raise problem("lifts must not be negative (beyond ten times the smoothing); correct the table", ("lifts",))
+        angles, lifts = guarded(event_of_table, angles, lifts, noise, path=("lifts",))
+        check_angles(angles, ("cam_angles",))
+        return {"cam_angles": angles, "lifts": lifts, "degree": self.degree, "smoothing": self.smoothing}
+
+    def _table(self, folder: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        inline = self.cam_angles is not None or self.lifts is not None
+        if inline == (self.file is not None):
+            raise problem("a lift table is given either by cam_angles and lifts or by file; give one of them")
+        if self.file is None:
+            if self.cam_angles is None or self.lifts is None:
+                raise problem("cam_angles and lifts belong together; add the missing one")
+            return self.cam_angles, self.lifts
+        for name in ("angle_unit", "angle_of", "lift_unit"):
+            if getattr(self, name) is None:
+                raise problem(f"{name} is missing: a lift file does not say it itself; add {name}", ())
+        table: tuple[tuple[float, ...], tuple[float, ...]] = guarded(
+            read_lift_table, folder / self.file, self.angle_unit, self.angle_of, self.lift_unit, path=("file",)
+        )
+        return table
+
+
+def _mirrored(angles: tuple[float, ...], lifts: tuple[float, ...], about: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    if abs(angles[-1] - about) > 1e-6:
+        last, mirror = math.degrees(angles[-1]), math.degrees(about)
+        raise problem(f"half a table must end at mirror_angle; it ends at {last:g} deg, not {mirror:g} deg", ("mirror_angle",))
+    return (*angles[:-1], *(2 * about - angle for angle in angles[::-1])), (*lifts[:-1], *lifts[::-1])
+
+
+SPEC = LiftSpec(Spline, SplineModel)

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import TURN, Array
+from valvetrain.cam.contract import TURN, Array, LiftSpec
 from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, with_base_circle
 from valvetrain.errors import InputError
+from valvetrain.parameters.schema_lift import LiftModel, check_angles
+from valvetrain.parameters.schema_types import Angles, Lengths, problem, quantities
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,3 +52,28 @@ class Stations:
     def polynomial_pieces(self) -> PeriodicPieces:
         """The exact flat form."""
         return self._pieces
+
+
+CamVelocities = Annotated[tuple[float, ...], quantities("cam velocity")]
+CamAccelerations = Annotated[tuple[float, ...], quantities("cam acceleration")]
+
+
+class StationsModel(LiftModel):
+    """Quintic pieces between stations at which lift, velocity and acceleration (per cam angle) are all given."""
+
+    cam_angles: Angles
+    lifts: Lengths
+    velocities: CamVelocities
+    accelerations: CamAccelerations
+
+    def values(self, folder: Path) -> dict[str, Any]:
+        """Keyword arguments of the law's class; refuses stations of unequal number or out of order."""
+        own = super().values(folder)
+        for name in ("lifts", "velocities", "accelerations"):
+            if len(own[name]) != len(self.cam_angles):
+                raise problem(f"{name} has {len(own[name])} entries but cam_angles {len(self.cam_angles)}; give one each", (name,))
+        check_angles(self.cam_angles, ("cam_angles",))
+        return own
+
+
+SPEC = LiftSpec(Stations, StationsModel)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import HIGHEST_DERIVATIVE, Array, check_derivative
+from valvetrain.cam.contract import HIGHEST_DERIVATIVE, Array, LiftSpec, check_derivative
+from valvetrain.parameters.schema_lift import LiftModel
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,3 +26,10 @@ class Zero:
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         check_derivative(derivative)
         return np.zeros_like(np.asarray(cam_angle, dtype=float))
+
+
+class ZeroModel(LiftModel):
+    """No lift at all."""
+
+
+SPEC = LiftSpec(Zero, ZeroModel)

@@ -10,32 +10,33 @@ from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from typing import Any
 
+from valvetrain import registry
 from valvetrain.contact.restitution import damping_number
+from valvetrain.contact.spec import ContactSpec
 from valvetrain.errors import InputError
+from valvetrain.parameters.schema_contact import ContactTable
 
-REFERENCE_FORCE = 500.0
+_DEFAULTS = {name: field.default for name, field in ContactTable.model_fields.items()}
+REFERENCE_FORCE: float = _DEFAULTS["reference_force"]
 """Force (N) at which laws of different exponents have the same penetration: a usual cam force."""
-REFERENCE_VELOCITY = 0.2
+REFERENCE_VELOCITY: float = _DEFAULTS["reference_velocity"]
 """Approach velocity (m/s) at which a restitution becomes a damping: a usual seating velocity."""
 RESTITUTION = 0.7
 """Restitution of steel on steel where a law needs a loss and the table gives none."""
 HERTZ_EXPONENT = 1.5
-SHARED = ("reference_force", "reference_velocity")
-#: Laws whose ``damping`` is c of c d' (N s/m), and the one whose ``damping`` is q of 1 + q d' (s/m).
-VISCOUS, FACTOR = ("linear", "impact", "impact-as-printed"), ("hunt-crossley",)
 
 
 def law_values(
-    name: str, law: type[Any], values: Mapping[str, float], known: set[str], stiffness_exponent: float | None, damping_unit: str
+    name: str, spec: ContactSpec, values: Mapping[str, float], stiffness_exponent: float | None, damping_unit: str
 ) -> dict[str, float]:
-    """The fields of ``law`` (SI) from a table that may have been written for another law.
+    """The fields of ``spec.law`` (SI) from a table that may have been written for another law.
 
-    ``known``: every field of any law; ``stiffness_exponent`` n of the N/m**n in which the stiffness is given (None: the law's own);
+    ``stiffness_exponent`` n of the N/m**n in which the stiffness is given (None: the law's own);
     ``damping_unit`` ``N s/m`` or ``s/m`` (empty: the law's own). Raises :class:`InputError` for a key no law has and for values that are
     no positive number where one is needed.
     """
-    _refuse_unknown(name, values, known)
-    own = {item.name: item for item in fields(law) if item.name != "name"}
+    _refuse_unknown(name, values)
+    own = {item.name: item for item in fields(spec.law) if item.name != "name"}
     chosen = {key: value for key, value in values.items() if key in own and own[key].init}
     if "contact_stiffness" not in values:
         return chosen
@@ -47,7 +48,7 @@ def law_values(
     if abs(written - exponent) > 1e-3:  # a unit holds three decimals of 10/9
         chosen["contact_stiffness"] = force / depth**exponent
     if "damping" in own:
-        chosen |= _damping(name, values, force, damping_unit)
+        chosen |= _damping(name, spec, values, force, damping_unit)
     if "restitution" in own:
         chosen.setdefault("restitution", RESTITUTION)
     if "full_damping_depth" in own:
@@ -55,11 +56,14 @@ def law_values(
     return chosen
 
 
-def _refuse_unknown(name: str, values: Mapping[str, float], known: set[str]) -> None:
+def _refuse_unknown(name: str, values: Mapping[str, float]) -> None:
+    if all(key in ContactTable.model_fields for key in values):
+        return
+    known = {key: None for word in registry.words("contacts") for key in registry.find("contacts", word).table.model_fields if key != "law"}
     for key in values:
-        if key not in known and key not in SHARED:
-            near = difflib.get_close_matches(key, [*known, *SHARED], n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"contact tables hold {', '.join(sorted(known))}, {', '.join(SHARED)}"
+        if key not in known:
+            near = difflib.get_close_matches(key, known, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else f"contact tables hold {', '.join(known)}"
             raise InputError(f"contact law '{name}' has no value '{key}', nor has any other law; {hint}")
 
 
@@ -72,15 +76,15 @@ def _exponent(own: Mapping[str, Any], values: Mapping[str, float]) -> float:
     return float(values.get("exponent", default)) if fixed.init else default
 
 
-def _damping(name: str, values: Mapping[str, float], force: float, unit: str) -> dict[str, float]:
+def _damping(name: str, spec: ContactSpec, values: Mapping[str, float], force: float, unit: str) -> dict[str, float]:
     """``damping`` in the law's own unit: q F = c at the reference force F; from a restitution q = (q v) / v at the reference velocity."""
-    viscous = name in VISCOUS
+    viscous = spec.damping_unit == "N s/m"
     if "damping" in values:
         given_viscous = viscous if not unit else unit == "N s/m"
         if given_viscous == viscous:
             return {"damping": values["damping"]}
         return {"damping": values["damping"] * force if viscous else values["damping"] / force}
-    if name == "linear" and "restitution" not in values:
+    if "restitution" not in values and any(item.name == "damping" and item.default is not MISSING for item in fields(spec.law)):
         return {}
     velocity = _positive(name, "reference_velocity", values.get("reference_velocity", REFERENCE_VELOCITY))
     factor = damping_number(values.get("restitution", RESTITUTION)) / velocity

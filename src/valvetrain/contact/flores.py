@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pydantic import Field
+
 from valvetrain.contact import kernels
 from valvetrain.contact.law import SLOWEST_IMPACT, Array, require_exponent, require_positive, require_restitution, row
 from valvetrain.contact.power import DampedPower
+from valvetrain.contact.spec import ContactSpec
+from valvetrain.parameters.schema_contact import ContactTable
+from valvetrain.parameters.schema_types import Ratio
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,3 +41,13 @@ class Flores(DampedPower):
     def damping_factor(self, impact_rate: float) -> float:
         """Factor (s/m) of the rate in F = K d**n (1 + factor d')."""
         return 1.6 * (1 - self.restitution) / (self.restitution * max(impact_rate, SLOWEST_IMPACT))
+
+
+class FloresTable(ContactTable):
+    """``contact_stiffness`` in N/m**n and ``restitution``."""
+
+    restitution: Ratio = Field(0.7, description="velocity of rebound over that of approach (steel on steel)")
+    exponent: Ratio = Field(1.5, description="n of K d^n")
+
+
+SPEC = ContactSpec(Flores, FloresTable)

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from valvetrain.contact import kernels
 from valvetrain.contact.law import Array, require_positive, row
 from valvetrain.contact.power import DampedPower
+from valvetrain.contact.spec import ContactSpec
+from valvetrain.parameters.schema_contact import ContactTable
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,3 +28,10 @@ class HertzLine(DampedPower):
 
     def parameters(self) -> Array:
         return row(self.contact_stiffness, self.exponent)
+
+
+class HertzLineTable(ContactTable):
+    """``contact_stiffness`` in N/m**(10/9)."""
+
+
+SPEC = ContactSpec(HertzLine, HertzLineTable)

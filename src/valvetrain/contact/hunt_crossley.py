@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pydantic import Field
+
 from valvetrain.contact import kernels
 from valvetrain.contact.law import Array, require_exponent, require_not_negative, require_positive, row
 from valvetrain.contact.power import DampedPower
+from valvetrain.contact.spec import ContactSpec
+from valvetrain.parameters.schema_contact import ContactTable
+from valvetrain.parameters.schema_types import Ratio
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,3 +42,12 @@ class HuntCrossley(DampedPower):
     def damping_factor(self, impact_rate: float) -> float:
         """Factor (s/m) of the rate in F = K d**n (1 + factor d')."""
         return self.damping
+
+
+class HuntCrossleyTable(ContactTable):
+    """``contact_stiffness`` in N/m**n, ``damping`` in s/m."""
+
+    exponent: Ratio = Field(1.5, description="n of K d^n")
+
+
+SPEC = ContactSpec(HuntCrossley, HuntCrossleyTable, "s/m")

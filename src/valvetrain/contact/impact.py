@@ -6,9 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from valvetrain.contact import kernels
 from valvetrain.contact.law import SLOWEST_IMPACT, Array, overlap, require_exponent, require_not_negative, require_positive, row
+from valvetrain.contact.spec import ContactSpec
+from valvetrain.parameters.schema_contact import ContactTable
+from valvetrain.parameters.schema_types import Ratio
 
 #: The rate (m/s) that the printed sum of force and damping stands for in millimetres, newtons and seconds.
 PRINTED_RATE = 1e-3
@@ -114,3 +118,13 @@ class ImpactAsPrinted:
 
     def stiffness(self, penetration: float) -> float:
         return float(self.tangent(penetration, 0.0))
+
+
+class ImpactTable(ContactTable):
+    """``contact_stiffness`` in N/m**n, ``damping`` in N s/m, ``full_damping_depth``."""
+
+    exponent: Ratio = Field(1.5, description="n of K d^n")
+
+
+SPEC = ContactSpec(ImpactContact, ImpactTable, "N s/m")
+AS_PRINTED = ContactSpec(ImpactAsPrinted, ImpactTable, "N s/m")

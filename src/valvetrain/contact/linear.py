@@ -6,9 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from valvetrain.contact import kernels
 from valvetrain.contact.law import SLOWEST_IMPACT, Array, overlap, require_not_negative, require_positive, row
+from valvetrain.contact.spec import ContactSpec
+from valvetrain.parameters.schema_contact import ContactDamping, ContactTable
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,3 +46,12 @@ class LinearContact:
 
     def stiffness(self, penetration: float) -> float:
         return self.contact_stiffness
+
+
+class LinearTable(ContactTable):
+    """``contact_stiffness`` in N/m, ``damping`` in N s/m."""
+
+    damping: ContactDamping = Field(0.0, description="c of c d' (N s/m)")
+
+
+SPEC = ContactSpec(LinearContact, LinearTable, "N s/m")

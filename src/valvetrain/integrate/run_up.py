@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import CycleRecord, TrainOptions, TrainState, runner
+from valvetrain.system.train_rest import TrainRest
 from valvetrain.system.train_system import TrainSystem
 
 TURN = 2 * math.pi
@@ -15,7 +16,7 @@ MOST_TURNS = 10_000
 
 def run_up(
     system: TrainSystem, first_cam_speed: float, last_cam_speed: float, cam_acceleration: float, options: TrainOptions | None = None,
-    start: TrainState | None = None,
+    start: TrainState | None = None, rest: TrainRest | None = None,
 ) -> tuple[CycleRecord, ...]:  # fmt: skip
     """Records of consecutive stretches, each one nominal cam period long at its own first speed, until ``last_cam_speed`` (rad/s) is
     reached.
@@ -26,7 +27,7 @@ def run_up(
     """
     if cam_acceleration == 0 or (last_cam_speed - first_cam_speed) * cam_acceleration <= 0:
         raise InputError("the cam acceleration of a run-up must lead from its first to its last speed; change its sign or the speeds")
-    ready = runner(system, first_cam_speed, options, cam_acceleration)
+    ready = runner(system, first_cam_speed, options, cam_acceleration, rest)
     if (last_cam_speed - first_cam_speed) / cam_acceleration > MOST_TURNS * TURN / first_cam_speed:
         raise InputError(f"a run-up of more than {MOST_TURNS} cam turns is a slip of the pen; raise the acceleration")
     step, state, records = ready.time_step, start or ready.initial_state(), []

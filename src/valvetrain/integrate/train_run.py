@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.system.train_forces import (
-    generalised_forces,
-    highest_frequency,
-    own_time_step,
-    reference_force,
-    springs_time_step,
-    stable_time_step,
-)
+from valvetrain.springs.contract import SpringModel
+from valvetrain.system.train_forces import highest_frequency, springs_time_step
+from valvetrain.system.train_rest import TrainRest, rest_of
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
@@ -104,8 +98,9 @@ class TrainRunner:
     cam_speed: float
     steps: int
     options: TrainOptions
+    rest: TrainRest
     cam_acceleration: float = 0.0
-    springs: tuple[Any, ...] = field(default_factory=tuple)
+    springs: tuple[SpringModel, ...] = ()
     fixed_step: float | None = None
 
     @property
@@ -115,10 +110,7 @@ class TrainRunner:
 
     def initial_state(self) -> TrainState:
         """Static equilibrium at cam angle zero."""
-        known = self.system.known
-        if "rest" not in known:
-            known["rest"] = static_equilibrium(self.system, 0.0)
-        q = known["rest"].copy()
+        q = self.rest.equilibrium.copy()
         lift = float(q[self.system.arrays.retainer])
         states = tuple(np.asarray(s.initial_state(lift), dtype=float) for s in self.springs)
         return TrainState(q, np.zeros_like(q), states, self.system.arrays.law_parameters.copy(), np.array([0.0, 0.0, 0.0, 0.0, lift]))
@@ -168,7 +160,7 @@ class TrainRunner:
                 "lower the step (time_step or step_fraction) or check masses and stiffnesses",
             )  # fmt: skip
         worst = float(np.max(peaks, initial=0.0))
-        if worst > reference_force(self.system):
+        if worst > self.rest.reference_force:
             limit = 2 / highest_frequency(self.system, worst)
             if self.time_step > limit:
                 return Status(
@@ -178,23 +170,25 @@ class TrainRunner:
         return COMPLETED
 
 
-def recorded_entries(spring: Any) -> int:
+def recorded_entries(spring: SpringModel) -> int:
     """How much of a spring's state a record keeps: positions and velocities; of very large models the positions alone."""
     return int(spring.unknowns if spring.unknowns > LARGE_SPRING else 2 * spring.unknowns)
 
 
-def runner(system: TrainSystem, cam_speed: float, options: TrainOptions | None = None, cam_acceleration: float = 0.0) -> TrainRunner:
-    """A train ready to run at ``cam_speed`` (rad/s; ``cam_acceleration`` rad/s2 for a run-up).
+def runner(
+    system: TrainSystem, cam_speed: float, options: TrainOptions | None = None, cam_acceleration: float = 0.0, rest: TrainRest | None = None
+) -> TrainRunner:
+    """A train ready to run at ``cam_speed`` (rad/s; ``cam_acceleration`` rad/s2 for a run-up); ``rest`` where it is known already.
 
     Raises :class:`InputError` for a speed that is not positive, contacts too stiff for any sensible step, or a prescribed step that the
     contacts or springs cannot resolve.
     """
-    chosen = options or TrainOptions()
+    chosen, still = options or TrainOptions(), rest or rest_of(system)
     if not (np.isfinite(cam_speed) and cam_speed > 0):
         raise InputError(f"the cam speed must be positive; it is {cam_speed:g} rad/s")
     period = TURN / cam_speed
     if chosen.time_step is None:
-        step = chosen.step_fraction * own_time_step(system)
+        step = chosen.step_fraction * still.own_time_step
         if step < SHORTEST_STEP:
             raise InputError(
                 f"the stiffest contact or link of train '{system.name}' asks for steps of {step:.1e} s; lower its stiffness (a contact of "
@@ -204,7 +198,7 @@ def runner(system: TrainSystem, cam_speed: float, options: TrainOptions | None =
         step = step if carried >= step else SPRING_FRACTION * carried
     else:
         step = chosen.time_step
-    limit = stable_time_step(system)
+    limit = springs_time_step(system, still.own_time_step)
     if step > limit:
         raise InputError(
             f"a time step of {step:.2e} s cannot resolve the stiffest contact of train '{system.name}'; use at most {limit:.2e} s "
@@ -213,25 +207,4 @@ def runner(system: TrainSystem, cam_speed: float, options: TrainOptions | None =
     base = chosen.samples * max(chosen.exchange, 1)
     steps = base * max(1, int(np.ceil(period / step / base)))
     springs = tuple(spring.with_time_step(period / steps) for spring in system.springs)
-    return TrainRunner(system.with_springs(springs), float(cam_speed), steps, chosen, float(cam_acceleration), springs)
-
-
-def static_equilibrium(system: TrainSystem, cam_angle: float) -> Array:
-    """Rest positions (N,) at a cam angle, by damped Newton with a numeric tangent; free bodies stay where they are."""
-    q = np.zeros(len(system.masses))
-    scale = np.maximum(system.masses, 1e-9)
-    damping = 1e3
-    residual = generalised_forces(system, q, cam_angle)
-    for _ in range(200):
-        size = float(np.sum(residual**2 / scale))
-        tangent = np.array([(generalised_forces(system, q + 1e-9 * row, cam_angle) - residual) / 1e-9 for row in np.eye(len(q))]).T
-        step = np.linalg.solve(-tangent + damping * np.diag(scale), residual)
-        step *= min(1.0, 2e-4 / max(float(np.max(np.abs(step))), 1e-30))
-        trial = generalised_forces(system, q + step, cam_angle)
-        if float(np.sum(trial**2 / scale)) <= size:
-            q, residual, damping = q + step, trial, max(damping / 5, 1e-3)
-        else:
-            damping *= 10
-        if float(np.max(np.abs(residual))) < 1e-7 or damping > 1e18:
-            break
-    return q
+    return TrainRunner(system.with_springs(springs), float(cam_speed), steps, chosen, still, float(cam_acceleration), springs)

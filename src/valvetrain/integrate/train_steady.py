@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,11 +28,6 @@ class SteadyTrain:
     record: CycleRecord
     wall_time_per_cycle: float = field(default=0.0, compare=False)
     tolerance: float = TOLERANCE
-
-    @cached_property
-    def known(self) -> dict[Any, Any]:
-        """What was found from the record, by question: outputs of springs serve events and traces alike."""
-        return {}
 
     @property
     def status(self) -> Status:

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.changes import changed, differences
 from valvetrain.parameters.damping import DampingParameters
+from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring, Rubbing
 from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.solution.record import PublishedValue
+from valvetrain.parameters.train import TrainParameters
+from valvetrain.solution.record import CaseRecord, PublishedValue
 
 __all__ = [
-    "Case", "CaseSummary", "DampingParameters", "Installation", "LiftLawParameters",
-    "Note", "Operation", "PublishedValue", "RodOptions", "SpringCard",
+    "Case", "CaseSummary", "CoilContact", "DampingParameters", "InstalledSpring", "LiftLawParameters",
+    "Note", "Operation", "PublishedValue", "Rubbing",
 ]  # fmt: skip
 
 ValueStatus = Literal["measured", "published", "assumed", "identified"]
@@ -33,48 +34,18 @@ class Note:
 
 
 @dataclass(frozen=True, slots=True)
-class Installation:
-    """How the spring stands in the engine.
-
-    ``precompression`` (m): shortening from the free length at zero lift. ``installed_height`` (m): the same as a height,
-    None when the case gives the precompression. ``seats``: ``planes`` where the end coils may touch flat seats beyond their held
-    turns, ``clamps`` where nothing but the held ends is touched.
-    """
-
-    precompression: float = 0.0
-    installed_height: float | None = None
-    seats: Literal["planes", "clamps"] = "planes"
-
-
-@dataclass(frozen=True, slots=True)
 class Operation:
-    """What is run: ``engine_speeds`` (rad/s of the crank, twice the cam's) and ``cycles`` (cam revolutions, the last is reported)."""
+    """What is run: ``engine_speeds`` (rad/s of the crank, twice the cam's), ``cycles`` (cam revolutions, the last is reported) and
+    ``output_step`` (cam rad) between the values kept."""
 
     engine_speeds: tuple[float, ...] = ()
     cycles: int = 2
+    output_step: float = math.radians(0.5)
 
     @property
     def cam_speeds(self) -> tuple[float, ...]:
         """Cam speeds (rad/s), half the engine speeds."""
         return tuple(speed / 2 for speed in self.engine_speeds)
-
-
-@dataclass(frozen=True, slots=True)
-class RodOptions:
-    """Numerical constants of the finite-element rod.
-
-    ``elements_per_coil``; ``contact_stiffness`` line stiffness of coil on coil (N/m per m of wire = Pa; 0: coils pass
-    through); ``contact_damping_time`` (s), Kelvin-Voigt; ``output_step`` (cam rad);
-    ``curvature_correction`` of the section stiffness for the bar's curvature;
-    ``time_step`` (s), None to let the stability limit decide.
-    """
-
-    elements_per_coil: int = 24
-    contact_stiffness: float = 2e10
-    contact_damping_time: float = 1e-6
-    output_step: float = math.radians(0.5)
-    curvature_correction: bool = True
-    time_step: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,35 +60,44 @@ class CaseSummary:
 
 @dataclass(frozen=True)
 class Case:
-    """Everything that defines a study; SI throughout. See docs/architecture.md for the fields."""
+    """Everything that defines a study; SI throughout.
+
+    ``springs``: one or two, outer first, under prescribed motion of their retainer; a ``train`` holds its own. ``study``: word of the
+    published study that the case re-runs. ``text``: the case file as resolved, with what was changed from outside; read again it gives
+    an equal case. ``changed``: key paths that were set from outside the file. Text and changes take no part in comparisons.
+    """
 
     name: str
     title: str = ""
     description: str = ""
-    spring: SpringDefinition | None = None
-    spring_card: SpringCard | None = None
+    springs: tuple[InstalledSpring, ...] = ()
+    rubbing: Rubbing = Rubbing()
     lift_law: LiftLawParameters | None = None
-    installation: Installation = Installation()
-    damping: DampingParameters = field(default_factory=DampingParameters)
     operation: Operation = Operation()
-    rod: RodOptions = RodOptions()
-    train: Any = None
+    train: TrainParameters | None = None
     published: tuple[PublishedValue, ...] = ()
     notes: Mapping[str, Note] = field(default_factory=FrozenMapping)
     sources: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+    study: str = ""
+    text: str = field(default="", compare=False, repr=False)
+    changed: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "notes", FrozenMapping(self.notes))
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **fields: Any) -> Case:
-        """A copy with fields changed; ``changes`` takes dotted paths: ``case.replace({"rod.elements_per_coil": 12}, name="coarse")``.
+        """A copy with fields changed; ``changes`` takes dotted paths: ``case.replace({"springs.0.precompression": 0.006}, name="short")``.
 
+        The new values are SI and stand behind ``text`` as remarks; ``changed`` names their paths.
         Raises :class:`InputError` for a path that does not exist, with the nearest one that does.
         """
-        result = changed(self, {**(changes or {}), **fields})
+        every = {**(changes or {}), **fields}
+        result = changed(self, every)
         assert isinstance(result, Case)
-        return result
+        told = [path for path in every if path.split(".")[0] not in ("name", "title", "description", "text", "changed")]
+        remarks = "".join(f"# changed: {path} = {' '.join(repr(every[path]).split())}\n" for path in told)
+        return replace(result, text=result.text + remarks, changed=tuple(dict.fromkeys((*result.changed, *told)))) if told else result
 
     def diff(self, other: Case) -> dict[str, tuple[Any, Any]]:
         """Key path -> (value here, value in ``other``) of everything that differs."""
@@ -129,10 +109,21 @@ class Case:
         keys = [text.split(",")[0].strip() for text in texts]
         return tuple(dict.fromkeys(key for key in keys if key and " " not in key))
 
+    @property
+    def spring(self) -> SpringDefinition | None:
+        """Wire of the first spring; None where the case has no spring or knows it by its card only."""
+        return self.springs[0].wire if self.springs else None
+
     def require_spring(self) -> SpringDefinition:
-        """The spring definition. Raises :class:`InputError` when the case has none."""
+        """Wire of the first spring. Raises :class:`InputError` when the case has none."""
         if self.spring is None:
             if self.train is not None:
                 raise InputError(f"case '{self.name}' is a valvetrain; give a case whose [spring] table holds one of its wires")
-            raise InputError(f"case '{self.name}' defines no spring; add a [spring] table to it")
+            raise InputError(f"case '{self.name}' defines no wire of a spring; give wire_diameter and so on in its [spring] table")
         return self.spring
+
+    def record(self) -> CaseRecord:
+        """What may be shown of this case: words, sources, published values and the resolved text."""
+        from valvetrain.parameters.words import case_record
+
+        return case_record(self)

@@ -8,6 +8,7 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.lift_law import FrozenMapping
 
 
 def nearest(name: str, valid: list[str] | tuple[str, ...]) -> str:
@@ -19,7 +20,10 @@ def nearest(name: str, valid: list[str] | tuple[str, ...]) -> str:
 
 
 def changed(target: Any, changes: Mapping[str, Any], where: str = "") -> Any:
-    """A copy of the dataclass ``target`` with the dotted paths in ``changes`` set; raises :class:`InputError` for unknown paths."""
+    """A copy of the dataclass ``target`` with the dotted paths in ``changes`` set; raises :class:`InputError` for unknown paths.
+
+    Places in a tuple are numbers (``springs.0.precompression``); a path may lead through a mapping.
+    """
     direct: dict[str, Any] = {}
     nested: dict[str, dict[str, Any]] = {}
     for path, value in changes.items():
@@ -30,19 +34,35 @@ def changed(target: Any, changes: Mapping[str, Any], where: str = "") -> Any:
         else:
             direct[head] = value
     for head, inner in nested.items():
-        base = direct.get(head, getattr(target, head, None))
-        if not is_dataclass(base):
+        base = direct.get(head, _part(target, head))
+        if not is_dataclass(base) and not isinstance(base, (tuple, Mapping)):
             raise InputError(f"{where}{head} has no parts to set; it is {base!r}")
         direct[head] = changed(base, inner, f"{where}{head}.")
+    if isinstance(target, tuple):
+        return tuple(direct.get(str(place), item) for place, item in enumerate(target))
+    if isinstance(target, Mapping):
+        return FrozenMapping({**target, **direct})
     own = getattr(target, "replace", None)
     # Case.replace comes back here, so only parts use their own replace.
     return own(**direct) if own is not None and where else replace(target, **direct)
 
 
+def _part(target: Any, head: str) -> Any:
+    if isinstance(target, tuple):
+        return target[int(head)]
+    return target.get(head, FrozenMapping()) if isinstance(target, Mapping) else getattr(target, head, None)
+
+
 def _check_name(target: Any, name: str, where: str) -> None:
-    names = [field.name for field in fields(target)]
-    values = getattr(target, "values", None)
-    names += list(values) if isinstance(values, Mapping) else []
+    if isinstance(target, tuple):
+        names = [str(place) for place in range(len(target))]
+    elif isinstance(target, Mapping):
+        # Options that the case does not give may be set; InstalledSpring refuses those that no model has.
+        names = [*target, name] if "options." in where else list(target)
+    else:
+        names = [field.name for field in fields(target)]
+        values = getattr(target, "values", None)
+        names += list(values) if isinstance(values, Mapping) else []
     if name not in names:
         raise InputError(f"there is no value '{where}{name}'; {nearest(name, names)}")
 
@@ -50,12 +70,15 @@ def _check_name(target: Any, name: str, where: str) -> None:
 def differences(first: Any, second: Any, path: str = "") -> dict[str, tuple[Any, Any]]:
     """Key path -> (value in ``first``, value in ``second``) of everything that differs."""
     if is_dataclass(first) and type(first) is type(second):
-        names = [field.name for field in fields(first)]
+        names = [field.name for field in fields(first) if field.compare]
         parts = [differences(getattr(first, name), getattr(second, name), f"{path}.{name}".lstrip(".")) for name in names]
         return {key: value for part in parts for key, value in part.items()}
     if isinstance(first, Mapping) and isinstance(second, Mapping):
         names = list(dict.fromkeys([*first, *second]))
         parts = [differences(first.get(name), second.get(name), f"{path}.{name}") for name in names]
+        return {key: value for part in parts for key, value in part.items()}
+    if isinstance(first, tuple) and isinstance(second, tuple) and len(first) == len(second) and any(is_dataclass(item) for item in first):
+        parts = [differences(one, other, f"{path}.{place}") for place, (one, other) in enumerate(zip(first, second, strict=True))]
         return {key: value for part in parts for key, value in part.items()}
     return {} if _same(first, second) else {path: (first, second)}
 

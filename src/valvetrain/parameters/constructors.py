@@ -1,4 +1,7 @@
-"""Springs in the words of the trade: cylindrical, conical, barrel, hourglass, beehive, variable pitch."""
+"""Springs in the words of the trade: cylindrical, conical, barrel, hourglass, beehive, variable pitch.
+
+Every length is taken as :func:`valvetrain.units.si` takes it: in m, as text with a unit ("22 mm") or as a pint quantity.
+"""
 
 from __future__ import annotations
 
@@ -8,17 +11,23 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.curve_forms import Parabola
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC, Material
-from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+from valvetrain.units import Given, si
 
 CLOSED_GROUND = EndCoil()
 
 
 def pitch_with_closed_ends(
-    total_coils: float, wire_diameter: float, pitch: float, closed_lower: float = 1.0, closed_upper: float = 1.0, ramp: float = 0.5
+    total_coils: float, wire_diameter: Given, pitch: Given, closed_lower: float = 1.0, closed_upper: float = 1.0, ramp: float = 0.5
 ) -> PiecewiseLinear:
-    """Pitch law (m per turn): wire diameter over the closed turns, ``pitch`` between, ramps of ``ramp`` turns."""
+    """Pitch law (m per turn): wire diameter over the closed turns, ``pitch`` between, ramps of ``ramp`` turns.
+
+    >>> pitch_with_closed_ends(7, "3.8 mm", "7 mm").value(3.5)
+    np.float64(0.007)
+    """
+    wire, free = si(wire_diameter, "wire_diameter", "wire_diameter"), si(pitch, "pitch", "pitch")
     knots = [0.0, closed_lower, closed_lower + ramp, total_coils - closed_upper - ramp, total_coils - closed_upper, total_coils]
-    values = [wire_diameter, wire_diameter, pitch, pitch, wire_diameter, wire_diameter]
+    values = [wire, wire, free, free, wire, wire]
     if closed_lower == 0:
         knots, values = knots[2:], values[2:]
         knots[0] = 0.0
@@ -31,43 +40,76 @@ def pitch_with_closed_ends(
 
 
 def cylindrical(
-    wire_diameter: float, mean_diameter: float, pitch: float, total_coils: float, *, material: Material = OTEVA_90_SC,
-    closed_coils: float = 1.0, lower_end: EndCoil = CLOSED_GROUND, upper_end: EndCoil = CLOSED_GROUND, name: str = "cylindrical",
+    wire_diameter: Given, mean_diameter: Given, pitch: Given, total_coils: float, *, material: Material = OTEVA_90_SC,
+    closed_coils: float = 1.0, lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "cylindrical",
 ) -> SpringDefinition:  # fmt: skip
-    """Cylindrical spring of constant pitch with ``closed_coils`` closed turns at either end (0 for open ends); lengths in m."""
+    """Cylindrical spring of constant pitch.
+
+    Parameters
+    ----------
+    wire_diameter, mean_diameter : lengths (m, "3.8 mm" or a pint quantity); the mean diameter is that of the wire's axis.
+    pitch : rise of the wire's axis per turn, a length, between the closed turns.
+    total_coils : all turns, tip to tip.
+    material : of the wire, :class:`Material`.
+    closed_coils : turns lying closed at either end; 0 for open ends.
+    lower_end, upper_end : how the ends meet their seats; left out, closed and ground, or open where ``closed_coils`` is 0.
+    name : word for the spring in messages and results.
+
+    Raises :class:`InputError` for a spring that cannot exist and for slips of units.
+
+    >>> spring = cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
+    >>> round(spring.free_length, 6)
+    0.0391
+    """
     law = _even_pitch(total_coils, wire_diameter, pitch, closed_coils)
-    return _spring(wire_diameter, Constant(mean_diameter), law, total_coils, material, lower_end, upper_end, name)
+    return _spring(wire_diameter, Constant(_coil(mean_diameter)), law, total_coils, material, lower_end, upper_end, name, closed_coils)
 
 
 def conical(
-    wire_diameter: float, lower_mean_diameter: float, upper_mean_diameter: float, pitch: float, total_coils: float, *,
-    material: Material = OTEVA_90_SC, closed_coils: float = 1.0, lower_end: EndCoil = CLOSED_GROUND,
-    upper_end: EndCoil = CLOSED_GROUND, name: str = "conical",
+    wire_diameter: Given, lower_mean_diameter: Given, upper_mean_diameter: Given, pitch: Given, total_coils: float, *,
+    material: Material = OTEVA_90_SC, closed_coils: float = 1.0, lower_end: EndCoil | None = None,
+    upper_end: EndCoil | None = None, name: str = "conical",
 ) -> SpringDefinition:  # fmt: skip
-    """Conical spring: mean diameter linear from lower to upper end; lengths in m."""
-    diameter = PiecewiseLinear((0.0, total_coils), (lower_mean_diameter, upper_mean_diameter))
+    """Conical spring: mean diameter linear from ``lower_mean_diameter`` to ``upper_mean_diameter`` (lengths).
+
+    Other arguments and errors as :func:`cylindrical`.
+
+    >>> conical("3 mm", "26 mm", "18 mm", "6 mm", 6).mean_diameter.value(3.0).round(6)
+    np.float64(0.022)
+    """
+    diameter = PiecewiseLinear((0.0, total_coils), (_coil(lower_mean_diameter), _coil(upper_mean_diameter)))
     law = _even_pitch(total_coils, wire_diameter, pitch, closed_coils)
-    return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name)
+    return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name, closed_coils)
 
 
 def barrel(
-    wire_diameter: float, end_mean_diameter: float, middle_mean_diameter: float, pitch: float, total_coils: float, *,
-    material: Material = OTEVA_90_SC, closed_coils: float = 1.0, lower_end: EndCoil = CLOSED_GROUND,
-    upper_end: EndCoil = CLOSED_GROUND, name: str = "barrel",
+    wire_diameter: Given, end_mean_diameter: Given, middle_mean_diameter: Given, pitch: Given, total_coils: float, *,
+    material: Material = OTEVA_90_SC, closed_coils: float = 1.0, lower_end: EndCoil | None = None,
+    upper_end: EndCoil | None = None, name: str = "barrel",
 ) -> SpringDefinition:  # fmt: skip
-    """Barrel (or, with a slimmer middle, hourglass) spring: mean diameter parabolic over the turns; lengths in m."""
+    """Barrel (or, with a slimmer middle, hourglass) spring: mean diameter parabolic from the ends to the middle (lengths).
+
+    Other arguments and errors as :func:`cylindrical`.
+
+    >>> barrel("4 mm", "20 mm", "26 mm", "8 mm", 7).mean_diameter.value(3.5).round(6)
+    np.float64(0.026)
+    """
     law = _even_pitch(total_coils, wire_diameter, pitch, closed_coils)
-    diameter = Parabola(end_mean_diameter, middle_mean_diameter, total_coils)
-    return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name)
+    diameter = Parabola(_coil(end_mean_diameter), _coil(middle_mean_diameter), total_coils)
+    return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name, closed_coils)
 
 
 def hourglass(
-    wire_diameter: float, end_mean_diameter: float, middle_mean_diameter: float, pitch: float, total_coils: float, *,
-    material: Material = OTEVA_90_SC, closed_coils: float = 1.0, lower_end: EndCoil = CLOSED_GROUND,
-    upper_end: EndCoil = CLOSED_GROUND, name: str = "hourglass",
+    wire_diameter: Given, end_mean_diameter: Given, middle_mean_diameter: Given, pitch: Given, total_coils: float, *,
+    material: Material = OTEVA_90_SC, closed_coils: float = 1.0, lower_end: EndCoil | None = None,
+    upper_end: EndCoil | None = None, name: str = "hourglass",
 ) -> SpringDefinition:  # fmt: skip
-    """Hourglass spring: as :func:`barrel`, with a middle slimmer than the ends."""
-    if middle_mean_diameter >= end_mean_diameter:
+    """Hourglass spring: as :func:`barrel`, with a middle slimmer than the ends (:class:`InputError` otherwise).
+
+    >>> hourglass("4 mm", "26 mm", "20 mm", "8 mm", 7).name
+    'hourglass'
+    """
+    if _coil(middle_mean_diameter) >= _coil(end_mean_diameter):
         raise InputError("an hourglass spring is slimmer in the middle than at its ends; use barrel for the other way round")
     return barrel(
         wire_diameter, end_mean_diameter, middle_mean_diameter, pitch, total_coils, material=material,
@@ -76,33 +118,53 @@ def hourglass(
 
 
 def beehive(
-    wire_diameter: float, mean_diameter: float, top_mean_diameter: float, taper_from_coil: float, pitch: Curve, total_coils: float, *,
-    material: Material = OTEVA_90_SC, lower_end: EndCoil = CLOSED_GROUND, upper_end: EndCoil = CLOSED_GROUND, name: str = "beehive",
+    wire_diameter: Given, mean_diameter: Given, top_mean_diameter: Given, taper_from_coil: float, pitch: Curve, total_coils: float, *,
+    material: Material = OTEVA_90_SC, lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "beehive",
 ) -> SpringDefinition:  # fmt: skip
-    """Beehive spring: cylindrical up to ``taper_from_coil``, then tapering linearly to ``top_mean_diameter``; lengths in m."""
-    diameter = PiecewiseLinear((0.0, taper_from_coil, total_coils), (mean_diameter, mean_diameter, top_mean_diameter))
+    """Beehive spring: cylindrical up to coil number ``taper_from_coil``, then tapering linearly to ``top_mean_diameter`` (a length).
+
+    ``pitch``: curve over the coil number (m per turn), such as :func:`pitch_with_closed_ends`. Other arguments and errors as
+    :func:`cylindrical`; ends left out are closed and ground.
+
+    >>> law = pitch_with_closed_ends(7, "3.8 mm", "7 mm")
+    >>> beehive("3.8 mm", "22 mm", "18 mm", 4, law, 7).mean_diameter.value(7.0).round(6)
+    np.float64(0.018)
+    """
+    diameter = PiecewiseLinear((0.0, taper_from_coil, total_coils), (_coil(mean_diameter), _coil(mean_diameter), _coil(top_mean_diameter)))
     return _spring(wire_diameter, diameter, pitch, total_coils, material, lower_end, upper_end, name)
 
 
 def variable_pitch(
-    wire_diameter: float, mean_diameter: float, pitch: Curve, total_coils: float, *, material: Material = OTEVA_90_SC,
-    lower_end: EndCoil = CLOSED_GROUND, upper_end: EndCoil = CLOSED_GROUND, name: str = "variable pitch",
+    wire_diameter: Given, mean_diameter: Given, pitch: Curve, total_coils: float, *, material: Material = OTEVA_90_SC,
+    lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "variable pitch",
 ) -> SpringDefinition:  # fmt: skip
-    """Cylindrical spring whose pitch follows any curve over the coil number; lengths in m."""
-    return _spring(wire_diameter, Constant(mean_diameter), pitch, total_coils, material, lower_end, upper_end, name)
+    """Cylindrical spring whose pitch follows any curve over the coil number (m per turn).
+
+    Other arguments and errors as :func:`cylindrical`; ends left out are closed and ground.
+
+    >>> law = PiecewiseLinear((0, 1, 2, 5, 6, 7), (3.8e-3, 3.8e-3, 6e-3, 8e-3, 3.8e-3, 3.8e-3))
+    >>> variable_pitch("3.8 mm", "22 mm", law, 7).total_coils
+    7
+    """
+    return _spring(wire_diameter, Constant(_coil(mean_diameter)), pitch, total_coils, material, lower_end, upper_end, name)
 
 
-def _even_pitch(total_coils: float, wire_diameter: float, pitch: float, closed_coils: float) -> Curve:
+def _coil(mean_diameter: Given) -> float:
+    return si(mean_diameter, "mean_diameter", "mean diameter")
+
+
+def _even_pitch(total_coils: float, wire_diameter: Given, pitch: Given, closed_coils: float) -> Curve:
     if closed_coils <= 0:
-        return Constant(pitch)
+        return Constant(si(pitch, "pitch", "pitch"))
     return pitch_with_closed_ends(total_coils, wire_diameter, pitch, closed_coils, closed_coils)
 
 
 def _spring(
-    wire_diameter: float, diameter: Curve, pitch: Curve, total_coils: float, material: Material,
-    lower_end: EndCoil, upper_end: EndCoil, name: str,
+    wire_diameter: Given, diameter: Curve, pitch: Curve, total_coils: float, material: Material,
+    lower_end: EndCoil | None, upper_end: EndCoil | None, name: str, closed_coils: float = 1.0,
 ) -> SpringDefinition:  # fmt: skip
+    usual = CLOSED_GROUND if closed_coils > 0 else OPEN_END
     return SpringDefinition(
-        wire_diameter=Constant(wire_diameter), mean_diameter=diameter, pitch=pitch, total_coils=total_coils,
-        material=material, lower_end=lower_end, upper_end=upper_end, name=name,
+        wire_diameter=Constant(si(wire_diameter, "wire_diameter", "wire_diameter")), mean_diameter=diameter, pitch=pitch,
+        total_coils=total_coils, material=material, lower_end=lower_end or usual, upper_end=upper_end or usual, name=name,
     )  # fmt: skip

@@ -12,6 +12,7 @@ from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.damping import DampingParameters
 from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.spring_options import options_problem
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +49,11 @@ class InstalledSpring:
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=FrozenMapping)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "options", FrozenMapping(self.options))
+        object.__setattr__(self, "options", FrozenMapping({word: FrozenMapping(values) for word, values in self.options.items()}))
         if (self.wire is None) == (self.card is None):
             raise InputError("an installed spring is known by its wire or by its card; give one of them")
+        if (wrong := options_problem(self.options, self.card is not None)) is not None:
+            raise InputError(wrong[2])
         if self.card is not None:
             object.__setattr__(self, "precompression", self.card.preload / self.card.rate)
         if self.wire is not None and not 0 <= self.precompression < self.wire.free_length - self.wire.solid_height:
@@ -98,6 +101,14 @@ class InstalledSpring:
         if self.card is not None:
             return replace(self, card=replace(self.card, preload=0.0))
         return replace(self, precompression=0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Rubbing:
+    """Friction between nested springs: ``coefficient`` and the radial ``normal_force`` (N) with which they press on each other."""
+
+    coefficient: float = 0.0
+    normal_force: float = 0.0
 
 
 def binding_lift(springs: tuple[InstalledSpring, ...], maximum_lift: float) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,12 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.case import Case, CaseSummary
 from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.moved import refuse_moved
 from valvetrain.parameters.overrides import with_values
 from valvetrain.parameters.schema_case import CaseModel
 from valvetrain.parameters.schema_types import first_problem
 from valvetrain.parameters.toml_lines import find_line
+from valvetrain.parameters.toml_text import resolved, toml_text
 
 LIBRARY = Path(__file__).parent / "library"
 #: Larger files are no case file.
@@ -51,12 +54,17 @@ def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str 
     """The case written in ``text``; ``folder`` is where the files it names are looked for, ``where`` names it in messages."""
     tree = _parse_toml(text, where)
     if not tree:
-        raise InputError("the case file is empty; it needs at least one of [spring], [spring_card], [lift_law] and [train]", where)
+        raise InputError("the case file is empty; it needs at least one of [spring], [lift_law] and [train]", where)
     try:
-        bare, notes, bad = split_notes(with_values(tree, changes) if changes else tree)
+        tree = with_values(tree, changes) if changes else tree
+        bare, notes, bad = split_notes(tree)
         for note_path, reason in bad.items():
             raise _located(text, tuple(note_path.split(".")), reason, where)
-        return CaseModel.model_validate(bare).build(name, folder, notes)
+        refuse_moved(bare)
+        case = CaseModel.model_validate(bare).build(name, folder, notes, text, tuple(changes or ()))
+        # A lift law from a file is written out, so that the text alone gives the case again.
+        from_file = case.lift_law is not None and "file" in bare["lift_law"]
+        return replace(case, text=toml_text(resolved(tree, case.lift_law if from_file else None))) if changes or from_file else case
     except ValidationError as error:
         raise _located(text, *first_problem(error), where) from None
     except PydanticCustomError as error:
@@ -76,7 +84,7 @@ def list_cases() -> tuple[CaseSummary, ...]:
     summaries = []
     for name in library_names():
         tree = _parse_toml(_read_text(LIBRARY / f"{name}.toml"), name)
-        holds = tuple(key for key in ("spring", "spring_card", "lift_law", "train", "published") if key in tree)
+        holds = tuple(key for key in ("spring", "lift_law", "train", "published") if key in tree)
         summaries.append(CaseSummary(name, str(tree.get("title", "")), holds, tuple(map(str, tree.get("sources", ())))))
     return tuple(summaries)
 

@@ -6,43 +6,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import PlainValidator
 
-from valvetrain.parameters.case import PublishedValue
-from valvetrain.parameters.schema_types import AngularSpeed, StrictModel, guarded, problem, validate_as
+from valvetrain.parameters.schema_types import AngularSpeed, StrictModel, guarded, placed, problem, validate_as
+from valvetrain.solution.definition import definition_of
+from valvetrain.solution.record import PublishedValue
 from valvetrain.units import dimension_of, parse_quantity
-
-#: Dimension by the ending of a quantity's name (docs/quantities.md); the first ending that fits counts.
-DIMENSION_BY_ENDING: tuple[tuple[str, str], ...] = (
-    ("preload", "force"),
-    ("_force", "force"),
-    ("_load", "force"),
-    ("_cam_angle", "angle"),
-    ("_frequency", "frequency"),
-    ("_velocity", "velocity"),
-    ("_velocity_range", "velocity"),
-    ("_acceleration", "acceleration"),
-    ("_displacement", "length"),
-    ("_displacement_range", "length"),
-    ("_compression", "length"),
-    ("_gap", "length"),
-    ("_length", "length"),
-    ("_height", "length"),
-    ("_lift", "length"),
-    ("_diameter", "length"),
-    ("_duration", "time"),
-    ("_rate", "stiffness"),
-    ("_impulse", "impulse"),
-    ("_energy", "energy"),
-    ("_stress", "pressure"),
-    ("_mass", "mass"),
-    ("_speed", "angular speed"),
-    ("_ratio", "ratio"),
-    ("_count", "ratio"),
-)
 
 
 def dimension_of_quantity(name: str) -> str | None:
-    """Dimension (see `valvetrain.units`) that the name of a quantity promises; None when it promises none."""
-    return next((dimension for ending, dimension in DIMENSION_BY_ENDING if name.endswith(ending)), None)
+    """Dimension (see `valvetrain.units`) of a quantity by the table of quantities; None where its name promises none."""
+    return definition_of(name).dimension or None
 
 
 class ValueModel(StrictModel):
@@ -88,7 +60,7 @@ class PublishedModel(StrictModel):
         """The flat list of values; raises a located problem."""
         values = []
         for name, entry in self.quantities.items():
-            value, unit, tolerance = _placed(entry, name)
+            value, unit, tolerance = placed(("quantities", name), entry.read, name)
             values.append(
                 PublishedValue(
                     quantity=name,
@@ -104,13 +76,3 @@ class PublishedModel(StrictModel):
                 )
             )
         return tuple(values)
-
-
-def _placed(entry: ValueModel, name: str) -> tuple[float, str, float | None]:
-    from pydantic_core import PydanticCustomError
-
-    try:
-        return entry.read(name)
-    except PydanticCustomError as error:
-        context = error.context or {}
-        raise problem(str(context.get("reason", error)), ("quantities", name, *context.get("path", ()))) from error

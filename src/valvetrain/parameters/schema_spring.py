@@ -1,4 +1,4 @@
-"""The [spring] and [spring_card] tables of a case file."""
+"""The wire and the card of a spring block in a case file."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import PlainValidator
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.case import SpringCard
+from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.curve_forms import add_curves
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.materials import material_by_name
@@ -44,10 +44,8 @@ class EndModel(StrictModel):
 
     def build(self) -> EndCoil:
         """The end coil, with the usual turns of its kind where none are given."""
-        usual = EndCoil() if self.kind == "closed-ground" else EndCoil(self.kind, 0.0 if self.kind == "open" else 0.75, 0.0)
-        held = usual.inactive_coils if self.inactive_coils is None else self.inactive_coils
-        ground = usual.ground_coils if self.ground_coils is None else self.ground_coils
-        return EndCoil(self.kind, held, ground)
+        given = {"inactive_coils": self.inactive_coils, "ground_coils": self.ground_coils}
+        return EndCoil(self.kind, **{name: turns for name, turns in given.items() if turns is not None})
 
 
 def _read_end(raw: Any) -> EndModel:
@@ -92,7 +90,7 @@ EndField = Annotated[EndModel, PlainValidator(_read_end)]
 
 
 class SpringModel(StrictModel):
-    """The [spring] table."""
+    """The wire of a spring block."""
 
     name: str = ""
     wire_diameter: CurveField
@@ -145,7 +143,7 @@ class SpringModel(StrictModel):
 
 
 class SpringCardModel(StrictModel):
-    """The [spring_card] table: a spring by its catalogue card. Rate, or two loads and the lift between them."""
+    """The card of a spring block: rate, or two loads and the lift between them."""
 
     name: str = "spring card"
     preload: Force

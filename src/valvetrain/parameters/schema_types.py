@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
@@ -44,6 +45,16 @@ def guarded(function: Callable[..., Any], *arguments: Any, path: tuple[str | int
         raise problem(error.reason, path) from error
 
 
+def placed(where: str | int | tuple[str | int, ...], function: Callable[..., Any], *arguments: Any) -> Any:
+    """Call ``function`` and put ``where`` before the path of any problem in it."""
+    path = where if isinstance(where, tuple) else (where,)
+    try:
+        return guarded(function, *arguments)
+    except PydanticCustomError as error:
+        context = error.context or {}
+        raise problem(str(context.get("reason", error)), (*path, *context.get("path", ()))) from error
+
+
 def validate_as(model: type[Model], raw: Any, path: tuple[str | int, ...] = ()) -> Model:
     """Validate ``raw`` as ``model`` from within another validator, keeping the place of the error."""
     try:
@@ -73,6 +84,13 @@ def _show(value: Any) -> str:
     return text if len(text) <= 40 else text[:37] + "..."
 
 
+@dataclass(frozen=True)
+class Quantity(BeforeValidator):
+    """A validator that tells its ``dimension`` (a key of `valvetrain.units.DIMENSIONS`, None for any)."""
+
+    dimension: str | None = None
+
+
 def quantity(dimension: str | None, *, low: float | None = None, high: float | None = None, open_low: bool = False) -> BeforeValidator:
     """Reads an SI float given as text with a unit; bounds are SI, ``open_low`` excludes ``low`` itself."""
 
@@ -84,7 +102,7 @@ def quantity(dimension: str | None, *, low: float | None = None, high: float | N
             raise problem(f"'{raw}' is too large; give a value of at most {high:g} (SI)")
         return value
 
-    return BeforeValidator(read)
+    return Quantity(read, dimension=dimension)
 
 
 def quantities(dimension: str | None) -> BeforeValidator:
@@ -93,7 +111,7 @@ def quantities(dimension: str | None) -> BeforeValidator:
     def read(raw: Any) -> tuple[float, ...]:
         return tuple(guarded(parse_quantities, raw, dimension))
 
-    return BeforeValidator(read)
+    return Quantity(read, dimension=dimension)
 
 
 Length = Annotated[float, quantity("length")]

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing
 from valvetrain.parameters.lift_law import FrozenMapping
-from valvetrain.parameters.spring import SpringDefinition
 
 TrainKind = Literal["direct", "finger", "rocker", "pushrod"]
 TrainModel = Literal["planar", "lumped", "single-mass"]
@@ -215,31 +215,6 @@ class CrankParameters:
 
 
 @dataclass(frozen=True, slots=True)
-class InstalledSpring:
-    """A wire definition as it stands in the engine: ``installed_height`` (m) between its seats with the valve closed."""
-
-    definition: SpringDefinition
-    installed_height: float
-
-    def __post_init__(self) -> None:
-        if not self.definition.solid_height < self.installed_height <= self.definition.free_length:
-            raise InputError(
-                f"installed_height {self.installed_height * 1e3:g} mm of spring '{self.definition.name}' must lie between its solid height "
-                f"{self.definition.solid_height * 1e3:.2f} mm and its free length {self.definition.free_length * 1e3:.2f} mm"
-            )
-
-    @property
-    def name(self) -> str:
-        """Name of the spring."""
-        return self.definition.name
-
-    @property
-    def precompression(self) -> float:
-        """Compression (m) with the valve closed."""
-        return self.definition.free_length - self.installed_height
-
-
-@dataclass(frozen=True, slots=True)
 class TrainVariant:
     """One of the runs that a case asks for: what differs from the train itself.
 
@@ -269,15 +244,9 @@ class TrainVariant:
         changed = train.replace(**changes)
         if self.without_preload:
             chosen = changed.spring_set or next(iter(changed.springs))
-            bare = tuple(_without_preload(part) for part in changed.spring_parts())
+            bare = tuple(spring.without_preload() for spring in changed.spring_parts())
             changed = changed.replace(springs={**changed.springs, chosen: bare})
         return changed
-
-
-def _without_preload(part: Any) -> Any:
-    if isinstance(part, InstalledSpring):
-        return replace(part, installed_height=part.definition.free_length)
-    return replace(part, preload=0.0)
 
 
 @dataclass(frozen=True)
@@ -285,10 +254,10 @@ class TrainParameters:
     """One valvetrain. ``model``: planar rigid bodies with the true cam profile, lumped masses with constant ratios, or a single mass.
 
     ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and ``rocker``. ``springs``: sets of
-    springs by name, each a tuple of one or two :class:`InstalledSpring` or :class:`SpringCard` (outer first); ``spring_set`` is the one
-    in use and ``spring_model`` the word for its fidelity. ``variants``: the runs a case asks for (none: one run as it stands).
-    ``spring_options``: keyword arguments of spring models (damping, masses). ``gravity``: vector (m/s2). ``cycles``: most cam turns run
-    until the motion repeats; None for the usual number.
+    springs by name, each a tuple of one or two :class:`InstalledSpring` (outer first); ``spring_set`` is the one in use and
+    ``spring_model`` the word for its fidelity. ``rubbing``: friction between nested springs. ``variants``: the runs a case asks for
+    (none: one run as it stands). ``gravity``: vector (m/s2). ``cycles``: most cam turns run until the motion repeats; None for the
+    usual number.
     """
 
     kind: TrainKind
@@ -296,10 +265,10 @@ class TrainParameters:
     follower: FollowerParameters
     valve: ValveParameters
     contacts: Mapping[str, ContactParameters]
-    springs: Mapping[str, tuple[Any, ...]] = field(default_factory=FrozenMapping)
+    springs: Mapping[str, tuple[InstalledSpring, ...]] = field(default_factory=FrozenMapping)
     spring_set: str = ""
     spring_model: str = "multi-mass"
-    spring_options: Mapping[str, Any] = field(default_factory=FrozenMapping)
+    rubbing: Rubbing = Rubbing()
     lever: LeverParameters | None = None
     pushrod: PushrodParameters | None = None
     support: SupportParameters | None = None
@@ -312,7 +281,7 @@ class TrainParameters:
     cycles: int | None = None
 
     def __post_init__(self) -> None:
-        for name in ("contacts", "springs", "spring_options"):
+        for name in ("contacts", "springs"):
             object.__setattr__(self, name, FrozenMapping(getattr(self, name)))
         if self.kind not in ("direct", "finger", "rocker", "pushrod"):
             raise InputError(f"train kind '{self.kind}' is unknown; use direct, finger, rocker or pushrod")
@@ -342,8 +311,8 @@ class TrainParameters:
         found: ContactParameters = self.contacts[place]
         return found
 
-    def spring_parts(self, name: str | None = None) -> tuple[Any, ...]:
-        """Definitions or cards of one spring set (the one in use by default)."""
+    def spring_parts(self, name: str | None = None) -> tuple[InstalledSpring, ...]:
+        """The springs of one spring set (the one in use by default), outer first."""
         chosen = name or self.spring_set or next(iter(self.springs), "")
         if chosen not in self.springs:
             raise InputError(f"spring set '{chosen}' is unknown; the case holds {', '.join(self.springs) or 'none'}")

@@ -4,41 +4,36 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from valvetrain.solution.comparison import Comparison
-from valvetrain.solution.quantity import Quantity, unit_of
+from valvetrain.solution.quantity import Quantity, same_speed, unit_of
+from valvetrain.solution.record import PublishedValue
 
-if TYPE_CHECKING:
-    from valvetrain.parameters.case import PublishedValue
-
-#: What produced a published value -> the spring model of ours that stands for the same thing.
-COUNTERPARTS = {"solid finite elements": "finite-element", "engine head test": "finite-element", "analytical modal": "modal-varied"}
 #: A whole turn (rad).
 TURN = 2 * np.pi
-#: Angles of one kind that are counted through a cycle: an extra one early on would shift the count of all that follow.
-_COUNTED = re.compile(r"(clash|stage_1_peak)_\d+_cam_angle")
 
 
 def compare(
-    published: Iterable[PublishedValue], quantities: Mapping[Quantity, float], counterparts: Mapping[str, str] = COUNTERPARTS
-) -> tuple[Comparison, ...]:
+    published: Iterable[PublishedValue], quantities: Mapping[Quantity, float], counterparts: Mapping[str, str], counted: Sequence[str] = (),
+) -> tuple[Comparison, ...]:  # fmt: skip
     """One row per published value, in their order.
 
-    A published value meets the computed one of the same name and engine speed by the counterpart of its model; where
-    there is none the row says so. Counted angles (collisions, peaks of Stage I) meet the computed ones of their kind one to one.
+    A published value meets the computed one of the same name and engine speed in the run that ``counterparts`` names for what produced
+    it (label of ours; values at rest have no label). ``counted``: words of angles that are counted through a cycle, such as ``clash``
+    for ``clash_3_cam_angle``; an extra one early on would shift the count of all that follow, so they meet one to one in their order.
     """
     rows, listed = [], tuple(published)
-    counted = _counted(listed, quantities, counterparts)
+    pattern = re.compile(rf"({'|'.join(map(re.escape, counted))})_\d+_cam_angle") if counted else re.compile(r"(?!)")
+    partners = _counted(listed, quantities, counterparts, pattern)
     for value in listed:
-        model = _model(value, counterparts)
-        computed = counted[id(value)] if _COUNTED.fullmatch(value.quantity) else _find(value, model, quantities)
+        label = _label(value, counterparts)
+        computed = partners[id(value)] if id(value) in partners else _of_run(value, label, quantities).get(value.quantity)
         difference = None if computed is None else _difference(value, computed)
         rows.append(
             Comparison(
-                quantity=value.quantity, engine_speed=value.engine_speed, model=model, origin=value.model, unit=value.unit,
+                quantity=value.quantity, engine_speed=value.engine_speed, model=label, origin=value.model, unit=value.unit,
                 published=value.value, computed=computed, difference=difference, role=value.role, tolerance=value.tolerance,
                 verdict=verdict(value, difference), source=value.source,
             )
@@ -46,33 +41,29 @@ def compare(
     return tuple(rows)
 
 
-def _model(value: PublishedValue, counterparts: Mapping[str, str]) -> str:
+def _label(value: PublishedValue, counterparts: Mapping[str, str]) -> str:
     return "" if value.engine_speed is None else counterparts.get(value.model, "")
 
 
-def _of_run(value: PublishedValue, model: str, quantities: Mapping[Quantity, float]) -> dict[str, float]:
+def _of_run(value: PublishedValue, label: str, quantities: Mapping[Quantity, float]) -> dict[str, float]:
     speed = value.engine_speed
-    return {key.name: number for key, number in quantities.items() if key.label == model and same_speed(key.engine_speed, speed)}
-
-
-def _find(value: PublishedValue, model: str, quantities: Mapping[Quantity, float]) -> float | None:
-    return _of_run(value, model, quantities).get(value.quantity)
+    return {key.name: number for key, number in quantities.items() if key.label == label and same_speed(key.engine_speed, speed)}
 
 
 def _counted(
-    published: tuple[PublishedValue, ...], quantities: Mapping[Quantity, float], counterparts: Mapping[str, str]
-) -> dict[int, float | None]:
+    published: tuple[PublishedValue, ...], quantities: Mapping[Quantity, float], counterparts: Mapping[str, str], pattern: re.Pattern[str],
+) -> dict[int, float | None]:  # fmt: skip
     """Computed partner of every counted published angle, by ``id``: one to one within an origin, engine speed and kind."""
     series: dict[tuple[str, float | None, str], list[PublishedValue]] = {}
     for value in published:
-        match = _COUNTED.fullmatch(value.quantity)
+        match = pattern.fullmatch(value.quantity)
         if match:
             series.setdefault((value.model, value.engine_speed, match[1]), []).append(value)
     partners: dict[int, float | None] = {}
     for (_, _, kind), values in series.items():
         values.sort(key=lambda value: value.value)
-        mine = _of_run(values[0], _model(values[0], counterparts), quantities)
-        computed = [number for name, number in mine.items() if (match := _COUNTED.fullmatch(name)) and match[1] == kind]
+        mine = _of_run(values[0], _label(values[0], counterparts), quantities)
+        computed = [number for name, number in mine.items() if (match := pattern.fullmatch(name)) and match[1] == kind]
         found = pair_angles([value.value for value in values], computed)
         partners |= {id(value): partner for value, partner in zip(values, found, strict=True)}
     return partners
@@ -104,13 +95,6 @@ def _pair_in_order(published: Sequence[float], computed: Sequence[float], alone:
             row.append(min(choices, key=lambda choice: choice[0]))
         best = row
     return best[-1]
-
-
-def same_speed(one: float | None, other: float | None) -> bool:
-    """True for two engine speeds (rad/s) that agree to 0.01 %, or that are both absent."""
-    if one is None or other is None:
-        return one is other
-    return abs(one - other) <= 1e-4 * max(abs(one), abs(other))
 
 
 def _difference(value: PublishedValue, computed: float) -> float:

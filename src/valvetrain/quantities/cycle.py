@@ -67,6 +67,11 @@ class Cycle:
         return np.asarray(self.solution.channels["coil_number" if dimension == "wire_point" else "upper_coil"].values)
 
 
+def is_closed(solution: Solution) -> bool:
+    """Whether the samples are one closed period whose end follows on its beginning: so for trains, not under prescribed motion."""
+    return solution.provenance.system == "train"
+
+
 def reported_cycle(solution: Solution) -> Cycle:
     """The last whole cam turn of a run; :class:`InputError` for a run without two samples."""
     angle = solution.cam_angle

@@ -1,30 +1,23 @@
-"""Named quantities of a spring as it is defined: before anything is solved."""
+"""Named quantities of a spring as it is installed: before anything is solved."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from valvetrain.errors import InputError
-
-if TYPE_CHECKING:
-    from valvetrain.parameters.case import Case, SpringCard
-    from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.spring import SpringDefinition
 
 _SAMPLES = 4001
 
 
-def design_quantities(case: Case) -> dict[str, float]:
-    """Quantities (SI, docs/quantities.md) of the case's spring definition or card; empty for a case that has neither."""
-    found: dict[str, float] = {}
-    if case.spring is not None:
-        found |= definition_quantities(case.spring)
-        found["installed_compression"] = case.installation.precompression
-        found["installed_height"] = case.spring.free_length - case.installation.precompression
-    if case.spring_card is not None:
-        found |= card_quantities(case.spring_card)
-    return found
+def design_quantities(spring: InstalledSpring) -> dict[str, float]:
+    """Quantities (SI, docs/quantities.md) of an installed spring's wire or card."""
+    if spring.card is not None:
+        return card_quantities(spring.card)
+    assert spring.wire is not None
+    installed = {"installed_compression": spring.precompression, "installed_height": spring.wire.free_length - spring.precompression}
+    return definition_quantities(spring.wire) | installed
 
 
 def definition_quantities(spring: SpringDefinition) -> dict[str, float]:
@@ -63,18 +56,3 @@ def card_quantities(card: SpringCard) -> dict[str, float]:
         "card_surge_frequency": card.surge_frequency,
     }  # fmt: skip
     return {name: value for name, value in values.items() if value is not None}
-
-
-def check_room(case: Case) -> None:
-    """Raise :class:`InputError` when the lift presses the installed spring beyond solid; cases without spring or lift pass."""
-    if case.spring is None or case.lift_law is None:
-        return
-    from valvetrain.cam.build import build_lift_law
-
-    travel = case.spring.free_length - case.spring.solid_height
-    lift = float(np.max(build_lift_law(case.lift_law).lift(np.linspace(0.0, 2 * np.pi, 721))))
-    if case.installation.precompression + lift >= travel:
-        raise InputError(
-            f"the spring of case '{case.name}' binds: {case.installation.precompression * 1e3:.4g} mm installed and {lift * 1e3:.4g} mm of "
-            f"lift compress it by more than the {travel * 1e3:.4g} mm at which it is solid; lift less, install it higher or take out coils"
-        )

@@ -1,62 +1,88 @@
-"""All named quantities of runs, static curve and modes in one call."""
+"""Events and named numbers of a run, the same for every system and every spring model."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from dataclasses import replace
 
-from valvetrain.quantities.collisions import collision_quantities, separation_angle
-from valvetrain.quantities.cycle import reported_cycle
+import numpy as np
+
+from valvetrain import registry
+from valvetrain.quantities.clash import clash_events, clash_numbers
+from valvetrain.quantities.cycle import Cycle, is_closed, reported_cycle
 from valvetrain.quantities.energy import energy_quantities
-from valvetrain.quantities.filters import bandwidth_quantities
+from valvetrain.quantities.forces import clearance_quantities, force_quantities
+from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.main_clash import find_clash_window, main_clash_quantities
-from valvetrain.quantities.nodes import (
-    acceleration_quantities,
-    displacement_quantities,
-    velocity_quantities,
-)
-from valvetrain.quantities.stages import Stages, stage_quantities
-from valvetrain.quantities.statics import modal_quantities, static_quantities
-from valvetrain.solution.modal import ModalResult
-from valvetrain.solution.quantity import Quantity, named
+from valvetrain.quantities.spectrum import surge_quantities
+from valvetrain.quantities.stress import stress_quantities
+from valvetrain.quantities.train_events import LOGGED, RigidCycle, rigid_cycle, train_events
+from valvetrain.quantities.train_numbers import train_quantities
+from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
-from valvetrain.solution.static import StaticCurve
+
+#: Channels of rigid theory that are added to a train's run -> SI unit and words.
+RIGID_CHANNELS = {
+    "rigid_valve_lift": ("valve_lift", "m", "valve lift of rigid parts"),
+    "rigid_contact_force": ("contact_force", "N", "contact force at the cam of rigid parts"),
+}
 
 
-def run_quantities(solution: Solution, *, surge_frequency: float | None = None, stages: Stages | None = Stages()) -> dict[Quantity, float]:
-    """Every quantity that one spring run supports (docs/quantities.md); SI, angles in cam rad.
+def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
+    """The run with its events and every quantity that it supports (docs/quantities.md); SI, angles in cam rad.
 
-    ``surge_frequency`` (Hz): first axial natural frequency, which tells separate collisions from one. What the run does not
-    cover, because it lacks the channel or ended early, is absent; so is what speaks of stages where ``stages`` is None.
+    What the run does not cover, because it lacks the channel or ended early, is absent. A run that holds numbers that are not finite
+    comes back with nothing found. ``frame.source`` adds the quantities of a published study.
+    Raises :class:`InputError` for an unknown source.
     """
-    if len(solution.time) < 3:
-        return {}
+    if len(solution.time) < 3 or not _is_finite(solution):
+        return solution.with_found((), {})
     cycle = reported_cycle(solution)
-    separation = separation_angle(cycle, surge_frequency)
-    found = stage_quantities(cycle, separation, stages)
-    found |= displacement_quantities(cycle, stages)
-    found |= velocity_quantities(cycle, stages)
-    if cycle.whole:
-        found |= acceleration_quantities(cycle, separation)
-        found |= collision_quantities(cycle, separation, surge_frequency, stages)
-        found |= bandwidth_quantities(cycle, stages)
-        window = find_clash_window(cycle, surge_frequency, stages) if surge_frequency and solution.has("coil_gap") else None
-        found |= main_clash_quantities(cycle, window) if window is not None else {}
+    rigid = rigid_cycle(solution, frame.rigid) if frame.rigid is not None and is_closed(solution) else None
+    events = _events(solution, frame, rigid)
+    found = _whole_cycle(cycle, frame, events) if cycle.whole else {}
     found |= energy_quantities(solution)
-    return named(found, solution.engine_speed, solution.model)
+    if rigid is not None:
+        found |= train_quantities(solution, rigid, events)
+    done = _with_rigid(solution, rigid).with_found(events, found)
+    if not frame.source:
+        return done
+    return done.with_found(events, found | registry.find("sources", frame.source).quantities(done, frame))
 
 
-def study_quantities(
-    static_curve: StaticCurve | None, modal_result: ModalResult | None, solutions: Iterable[Solution], *,
-    precompression: float, stages: Stages | None = Stages(),
-) -> dict[Quantity, float]:  # fmt: skip
-    """Quantities of a whole spring study; statics and modes carry no engine speed and no model."""
-    found: dict[Quantity, float] = {}
-    surge_frequency = None
-    if static_curve is not None:
-        found |= named(static_quantities(static_curve, precompression), None, "")
-    if modal_result is not None:
-        found |= named(modal_quantities(modal_result), None, "")
-        surge_frequency = float(modal_result.axial_frequencies[0]) if modal_result.axial_modes else None
-    for solution in solutions:
-        found |= run_quantities(solution, surge_frequency=surge_frequency, stages=stages)
+def _is_finite(solution: Solution) -> bool:
+    names = ("valve_lift", "seat_force", "retainer_force")
+    return all(bool(np.all(np.isfinite(solution.channel(name)))) for name in names if solution.has(name))
+
+
+def _meets(frame: Frame) -> bool:
+    """Whether coils can meet: not where the contact of every spring has no stiffness, whatever gaps a model shows."""
+    return not frame.springs or any(spring.contact.stiffness > 0 for spring in frame.springs)
+
+
+def _events(solution: Solution, frame: Frame, rigid: RigidCycle | None) -> tuple[Event, ...]:
+    clashes = clash_events(solution) if _meets(frame) else ()
+    kept = [event for event in solution.events if event.kind not in (*LOGGED, "clash")] if rigid is None else train_events(solution, rigid)
+    return tuple(sorted((*kept, *clashes), key=lambda event: event.cam_angle))
+
+
+def _whole_cycle(cycle: Cycle, frame: Frame, events: tuple[Event, ...]) -> dict[str, float]:
+    solution = cycle.solution
+    found = force_quantities(cycle) | clearance_quantities(solution, cycle, frame.springs)
+    found |= surge_quantities(cycle, frame) | stress_quantities(cycle, frame)
+    if _meets(frame):
+        first = float(cycle.solution.cam_angle[cycle.samples.start])
+        found |= clash_numbers(solution, tuple(event for event in events if is_closed(solution) or event.cam_angle >= first - 1e-9))
+    if frame.surge_frequency is not None and frame.lift_event is not None and solution.has("seat_force", "valve_lift"):
+        window = find_clash_window(cycle, frame.surge_frequency, frame.lift_event)
+        found |= main_clash_quantities(cycle, window) if window is not None else {}
     return found
+
+
+def _with_rigid(solution: Solution, rigid: RigidCycle | None) -> Solution:
+    if rigid is None:
+        return solution
+    added = {
+        name: (("sample",), getattr(rigid, column), {"units": unit, "long_name": words})
+        for name, (column, unit, words) in RIGID_CHANNELS.items()
+    }
+    return replace(solution, channels=solution.channels.assign(added))

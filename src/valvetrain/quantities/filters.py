@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.quantities.cycle import Cycle
-from valvetrain.quantities.stages import Stages, spike_index
+from valvetrain.quantities.cycle import is_closed
 from valvetrain.solution.result import Solution
 
 Array = NDArray[np.float64]
@@ -18,8 +17,8 @@ BANDWIDTHS = (10e3, 20e3)
 FILTER_ORDER = 4
 
 
-def low_pass(time: Array, values: Array, cutoff_frequency: float) -> Array:
-    """Zero-phase low-pass of evenly sampled ``values``; cutoff in Hz, 6 dB down there.
+def low_pass(time: Array, values: Array, cutoff_frequency: float, closed: bool = False) -> Array:
+    """Zero-phase low-pass of evenly sampled ``values``; cutoff in Hz, 6 dB down there; ``closed``: they are one whole period.
 
     Raises :class:`InputError` when the samples are uneven or too far apart for the cutoff.
     """
@@ -32,8 +31,8 @@ def low_pass(time: Array, values: Array, cutoff_frequency: float) -> Array:
         raise InputError(f"a bandwidth of {needed}; refine the output step")
     # Forward and backward runs of the digital filter multiply the spectrum by the square of its gain. The mirrored
     # pads are longer than its memory, so that the ends do not see each other. (scipy.signal would cost half a second to load.)
-    pad = min(len(values) - 1, int(np.ceil(20 * nyquist / cutoff_frequency)))
-    padded = np.concatenate([2 * values[0] - values[pad:0:-1], values, 2 * values[-1] - values[-2 : -pad - 2 : -1]])
+    pad = 0 if closed else min(len(values) - 1, int(np.ceil(20 * nyquist / cutoff_frequency)))
+    padded = np.concatenate([2 * values[0] - values[pad:0:-1], values, 2 * values[-1] - values[-2 : -pad - 2 : -1]]) if pad else values
     warped = np.tan(np.pi / 2 * np.fft.rfftfreq(len(padded), 0.5)) / np.tan(np.pi / 2 * cutoff_frequency / nyquist)
     return np.fft.irfft(np.fft.rfft(padded) / (1.0 + warped ** (2 * FILTER_ORDER)), len(padded))[pad : pad + len(values)]
 
@@ -46,7 +45,7 @@ def filtered_force(solution: Solution, cutoff_frequency: float, channel: str = "
     try:
         if solution.has(f"{channel}_fine"):
             return _filtered_substeps(solution, cutoff_frequency, f"{channel}_fine")
-        return low_pass(solution.time, solution.channel(channel), cutoff_frequency)
+        return low_pass(solution.time, solution.channel(channel), cutoff_frequency, is_closed(solution))
     except InputError:
         return None
 
@@ -79,22 +78,7 @@ def fine_filtered(solution: Solution, cutoff_frequency: float, channel: str = "s
     try:
         # Steps follow from the angle by rounding only; the mean step makes them even again.
         even = np.linspace(time[0], time[-1], len(time))
-        return low_pass(even if np.allclose(even, time, rtol=0, atol=1e-3 * (even[1] - even[0])) else time, values, cutoff_frequency)
+        evened = even if np.allclose(even, time, rtol=0, atol=1e-3 * (even[1] - even[0])) else time
+        return low_pass(evened, values, cutoff_frequency, is_closed(solution))
     except InputError:
         return None
-
-
-def bandwidth_quantities(cycle: Cycle, stages: Stages | None = Stages()) -> dict[str, float]:
-    """Height (N) of the Stage III spike at the highest instant recorded and below 10 and 20 kHz, where the run's samples allow it."""
-    found: dict[str, float] = {}
-    if stages is None or not stages.covered(cycle, 3):
-        return found
-    if cycle.solution.has("seat_force_fine"):
-        highest = cycle.channel("seat_force_fine").max(axis=1)
-        found["stage_3_every_instant_peak_force"] = float(highest[spike_index(cycle, highest, stages)])
-    for cutoff in BANDWIDTHS:
-        force = filtered_force(cycle.solution, cutoff)
-        if force is not None:
-            part = force[cycle.samples]
-            found[f"stage_3_below_{cutoff / 1e3:.0f}_khz_peak_force"] = float(part[spike_index(cycle, part, stages)])
-    return found

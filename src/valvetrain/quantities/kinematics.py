@@ -36,51 +36,73 @@ class RigidTable:
         return self.columns[name]
 
 
-def rigid_table(system: TrainSystem, train: TrainParameters, cam_speed: float, samples: int = 720) -> RigidTable:
-    """Kinematics and quasi-statics of a planar train over one cam turn (lumped ones give no contact geometry)."""
-    angle = np.arange(samples) * 2 * np.pi / samples
-    motion = system.mechanism.kinematics
-    lift, velocity, acceleration, jerk = (motion.valve_lift(angle, n) * cam_speed**n for n in range(4))
-    poses = _poses(system)
-    inertia, spring = _inertia(poses, lift, velocity, acceleration), _spring(system, lift)
-    moving = lift > 0
-    demand = np.where(moving, inertia + spring - poses.weight(lift), 0.0)
-    per_lift, per_angle = _cam_gradients(system, poses, angle, lift + np.where(moving, motion.lash, 0.0))
-    contact = np.where(moving, demand / per_lift, 0.0)
-    columns = {
-        "valve_lift": lift, "valve_velocity": velocity, "valve_acceleration": acceleration, "valve_jerk": jerk,
-        "motion_ratio": 1 / per_lift, "reduced_mass": poses.mass(lift), "inertia_force": inertia, "spring_force": spring,
-        "spring_margin": np.where(moving, spring - poses.weight(lift) + inertia, spring),
-        "contact_force": contact, "cam_torque": contact * per_angle,
-    }  # fmt: skip
-    columns |= _contact_geometry(system, train, poses, angle, lift, velocity, cam_speed, contact)
-    return RigidTable(angle, cam_speed, columns)
+@dataclass(frozen=True, eq=False)
+class RigidMotion:
+    """Rigid motion of one train over ``cam_angle`` (S,), everything in it that does not depend on the cam speed; SI units.
 
-
-def contact_loss_cam_speed(system: TrainSystem, samples: int = 1440) -> tuple[float, float]:
-    """Cam speed (rad/s) at which rigid theory first lets a contact go, and the cam angle (rad) where; infinite when it never does.
-
-    The contact force is (static part) + (inertia per speed squared) * cam_speed**2, so its first zero is a ratio.
+    ``derivatives`` (4, S): valve lift and its derivatives by the cam angle. ``static_force``: springs at rest less weight (N).
+    ``inertia``: inertia force at the valve per cam speed squared. ``per_lift``, ``per_angle``: travel of the cam normal per valve travel
+    and per cam angle. ``geometry``: columns of the cam contact; ``sliding_velocity`` per cam speed, ``pressure_root`` (Pa per sqrt N).
     """
+
+    cam_angle: Array
+    derivatives: Array
+    reduced_mass: Array
+    spring_force: Array
+    weight: Array
+    inertia: Array
+    per_lift: Array
+    per_angle: Array
+    geometry: Mapping[str, Array]
+
+    def table(self, cam_speed: float) -> RigidTable:
+        """Kinematics and quasi-statics at ``cam_speed`` (rad/s)."""
+        lift, velocity, acceleration, jerk = (self.derivatives[n] * cam_speed**n for n in range(4))
+        inertia, moving = self.inertia * cam_speed**2, lift > 0
+        contact = np.where(moving, (inertia + self.spring_force - self.weight) / self.per_lift, 0.0)
+        columns = {
+            "valve_lift": lift, "valve_velocity": velocity, "valve_acceleration": acceleration, "valve_jerk": jerk,
+            "motion_ratio": 1 / self.per_lift, "reduced_mass": self.reduced_mass, "inertia_force": inertia,
+            "spring_force": self.spring_force,
+            "spring_margin": np.where(moving, self.spring_force - self.weight + inertia, self.spring_force),
+            "contact_force": contact, "cam_torque": contact * self.per_angle,
+        }  # fmt: skip
+        columns |= {name: self.geometry[name] for name in ("contact_radius", "contact_offset") if name in self.geometry}
+        if "sliding_velocity" in self.geometry:
+            columns["sliding_velocity"] = self.geometry["sliding_velocity"] * cam_speed
+            columns["hertz_pressure"] = self.geometry["pressure_root"] * np.sqrt(np.maximum(contact, 0.0))
+        return RigidTable(self.cam_angle, cam_speed, columns)
+
+    def contact_loss(self) -> tuple[float, float]:
+        """Cam speed (rad/s) at which rigid theory first lets a contact go, and the cam angle (rad) where; infinite when it never does.
+
+        The contact force is (static part) + (inertia per speed squared) * cam_speed**2, so its first zero is a ratio.
+        """
+        risky = (self.derivatives[0] > 0) & (self.inertia < 0)
+        if not np.any(risky):
+            return np.inf, np.nan
+        squares = np.where(risky, -(self.spring_force - self.weight) / np.where(risky, self.inertia, -1.0), np.inf)
+        worst = int(np.argmin(squares))
+        return float(np.sqrt(max(squares[worst], 0.0))), float(self.cam_angle[worst])
+
+
+def rigid_motion(system: TrainSystem, train: TrainParameters | None = None, samples: int = 720) -> RigidMotion:
+    """Rigid motion of a train on ``samples`` cam angles, found once for all speeds; ``train`` adds the geometry of a planar cam contact."""
     angle = np.arange(samples) * 2 * np.pi / samples
-    motion, poses = system.mechanism.kinematics, _poses(system)
-    lift, velocity, acceleration = (motion.valve_lift(angle, n) for n in range(3))
-    per_speed = _inertia(poses, lift, velocity, acceleration)
-    static = _spring(system, lift) - poses.weight(lift)
-    risky = (lift > 0) & (per_speed < 0)
-    if not np.any(risky):
-        return np.inf, np.nan
-    squares = np.where(risky, -static / np.where(risky, per_speed, -1.0), np.inf)
-    worst = int(np.argmin(squares))
-    return float(np.sqrt(max(squares[worst], 0.0))), float(angle[worst])
+    motion, poses = system.mechanism.kinematics, rigid_poses(system)
+    derivatives = np.stack([motion.valve_lift(angle, n) for n in range(4)])
+    lift = derivatives[0]
+    grid = np.linspace(0.0, max(float(lift.max()), 1e-6), 33)
+    spring = np.interp(lift, grid, system.spring_forces(grid))
+    per_lift, per_angle = _cam_gradients(system, poses, angle, lift + np.where(lift > 0, motion.lash, 0.0))
+    geometry = {} if train is None else _contact_geometry(system, train, poses, angle, lift, derivatives[1])
+    inertia = _inertia(poses, lift, derivatives[1], derivatives[2])
+    return RigidMotion(angle, derivatives, poses.mass(lift), spring, poses.weight(lift), inertia, per_lift, per_angle, geometry)
 
 
-def _poses(system: TrainSystem) -> RigidPoses:
-    """Rigid poses of the train, found once: a sweep asks at every speed."""
-    if "rigid poses" not in system.known:
-        system.known["rigid poses"] = rigid_poses(system)
-    found: RigidPoses = system.known["rigid poses"]
-    return found
+def rigid_table(system: TrainSystem, train: TrainParameters, cam_speed: float, samples: int = 720) -> RigidTable:
+    """Kinematics and quasi-statics at one cam speed (rad/s); for several speeds of one train see :func:`rigid_motion`."""
+    return rigid_motion(system, train, samples).table(cam_speed)
 
 
 def _inertia(poses: RigidPoses, lift: Array, velocity: Array, acceleration: Array) -> Array:
@@ -88,48 +110,27 @@ def _inertia(poses: RigidPoses, lift: Array, velocity: Array, acceleration: Arra
     return np.where(lift > 0, poses.mass(lift) * acceleration + poses.mass(lift, 1) * velocity**2 / 2, 0.0)
 
 
-def _spring(system: TrainSystem, lift: Array) -> Array:
-    """Static spring force (N) over the lift, tabulated once."""
-    grid = np.linspace(0.0, max(float(lift.max()), 1e-6), 33)
-    key = ("spring curve", float(grid[-1]))
-    if key not in system.known:
-        system.known[key] = system.spring_forces(grid)
-    return np.interp(lift, grid, system.known[key])
-
-
 def _cam_gradients(system: TrainSystem, poses: RigidPoses, angle: Array, lift: Array) -> tuple[Array, Array]:
     """Travel of the cam normal per valve travel (1) and per cam angle (m/rad) along the rigid motion."""
-    key = ("cam gradients", len(angle))
-    if key in system.known:
-        found: tuple[Array, Array] = system.known[key]
-        return found
     cam = system.mechanism.interaction_index("cam")
     positions, modes = poses.positions(lift), poses.mode(lift)
     along, slope = np.zeros(len(angle)), np.zeros(len(angle))
     for row, theta in enumerate(angle):
         _, gradients, slopes = gap_state(system, positions[row], float(theta))
         along[row], slope[row] = -gradients[cam] @ modes[row], slopes[cam]
-    system.known[key] = along, slope
     return along, slope
 
 
 def _contact_geometry(
-    system: TrainSystem,
-    train: TrainParameters,
-    poses: RigidPoses,
-    angle: Array,
-    lift: Array,
-    velocity: Array,
-    cam_speed: float,
-    contact: Array,
+    system: TrainSystem, train: TrainParameters, poses: RigidPoses, angle: Array, lift: Array, slope_of_lift: Array
 ) -> dict[str, Array]:
-    """Cam radius at the contact, its offset from the follower's axis, sliding velocity (m/s) and Hertz pressure (Pa)."""
+    """Cam radius at the contact, offset from the follower's axis, sliding velocity per cam speed (m) and Hertz pressure per sqrt(N)."""
     interaction = system.mechanism.interactions[system.mechanism.interaction_index("cam")]
     if interaction.kind not in (CAM_FLAT, CAM_ROUND):
         return {}
     row, table = interaction.geometry_row(), system.mechanism.tables[interaction.table]
     body = poses.positions(lift)[:, system.mechanism.index(interaction.coordinates[0])]
-    rate = poses.mode(lift)[:, system.mechanism.index(interaction.coordinates[0])] * velocity
+    rate = poses.mode(lift)[:, system.mechanism.index(interaction.coordinates[0])] * slope_of_lift
     x, y, turn = _points(row, body)
     sense = row[10]
     direction = row[8] + turn if interaction.kind == CAM_FLAT else np.arctan2(y, x)
@@ -142,13 +143,12 @@ def _contact_geometry(
         normal = (value * radial + sense * slope * around) / np.hypot(value, slope)
         point = np.stack([x, y]) - train.follower.radius * normal
     tangent = np.stack([-normal[1], normal[0]])
-    cam_surface = cam_speed * sense * (point[0] * tangent[1] - point[1] * tangent[0])
+    cam_surface = sense * (point[0] * tangent[1] - point[1] * tangent[0])
     body_surface = _body_velocity(row, rate, point, tangent)
     sliding = np.zeros_like(angle) if train.follower.shape == "roller" else cam_surface - body_surface
-    pressure = _pressure(train, contact, radius)
     return {
         "contact_radius": radius, "contact_offset": -sense * slope if interaction.kind == CAM_FLAT else np.arctan2(slope, value),
-        "sliding_velocity": sliding, "hertz_pressure": pressure,
+        "sliding_velocity": sliding, "pressure_root": _pressure_root(train, radius),
     }  # fmt: skip
 
 
@@ -177,8 +177,8 @@ def _body_velocity(row: Array, rate: Array, point: Array, tangent: Array) -> Arr
     return spin * (-(point[1] - row[2]) * tangent[0] + (point[0] - row[1]) * tangent[1])
 
 
-def _pressure(train: TrainParameters, contact: Array, radius: Array) -> Array:
-    """Peak line pressure (Pa), p0 = sqrt(F E* / (pi L R)) with 1/R = 1/R_cam + 1/R_follower (Johnson 1985, chapter 4)."""
+def _pressure_root(train: TrainParameters, radius: Array) -> Array:
+    """Peak line pressure per root of force, p0 = sqrt(F E* / (pi L R)) with 1/R = 1/R_cam + 1/R_follower (Johnson 1985, chapter 4)."""
     modulus = train.cam.youngs_modulus / (2 * (1 - train.cam.poisson_ratio**2))
     curvature = 1 / radius + (1 / train.follower.radius if train.follower.radius > 0 else 0.0)
-    return np.sqrt(np.maximum(contact, 0.0) * np.maximum(curvature, 0.0) * modulus / (np.pi * train.cam.width))
+    return np.sqrt(np.maximum(curvature, 0.0) * modulus / (np.pi * train.cam.width))

@@ -1,4 +1,4 @@
-"""The main clash of coils 1 and 2 after the event: one spike, named the same way on every mesh and for every contact constant."""
+"""The main clash of the coils after the event: one spike, named the same way on every mesh and for every contact constant."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ import numpy as np
 
 from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.quantities.filters import BANDWIDTHS, fine_filtered, fine_series
+from valvetrain.quantities.forces import within_cycle
 from valvetrain.quantities.peaks import Index, prominent_peaks
-from valvetrain.quantities.stages import STAGE_3_SHARE, Stages
+from valvetrain.solution.study import LiftEvent
 
+#: A spike stands out by this share of the force range of the run, so that a ripple on the falling flank is none.
+SPIKE_SHARE = 0.01
 #: The main clash is the first spike after the event that rises above the base circle's force by this share of the highest one.
 MAIN_SHARE = 0.6
 #: Its window reaches this share of a period of the first mode to either side.
@@ -19,6 +22,9 @@ WINDOW_SHARE = 0.3
 FINDING_BANDWIDTH = BANDWIDTHS[0]
 #: The impulse is taken over this time (s) either side of the spike: a collision of valve spring coils takes some 80 us.
 IMPULSE_TIME = 1e-4
+
+
+TURN = 2 * np.pi
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,30 +46,30 @@ class _Force:
     base: float
 
 
-def find_clash_window(cycle: Cycle, surge_frequency: float, stages: Stages | None = Stages()) -> ClashWindow | None:
+def find_clash_window(cycle: Cycle, surge_frequency: float, lift_event: LiftEvent) -> ClashWindow | None:
     """Window about the main clash of a run; None where no coil meets another or the samples are too coarse. ``surge_frequency`` in Hz."""
     force = _force(cycle)
-    if force is None or stages is None:
+    if force is None:
         return None
-    late = np.flatnonzero((force.cam_angle >= stages.second_end) & (force.cam_angle < stages.bounds(3)[1]))
+    late = np.flatnonzero((force.cam_angle >= lift_event.end) & (force.cam_angle < TURN))
     part = force.filtered[FINDING_BANDWIDTH][late]
-    peaks = prominent_peaks(part, max(STAGE_3_SHARE * float(np.ptp(force.raw)), 1e-12))
+    peaks = prominent_peaks(part, max(SPIKE_SHARE * float(np.ptp(force.raw)), 1e-12))
     if len(peaks) == 0:
         return None
     height = part[peaks] - force.base
     main = peaks[int(np.flatnonzero(height >= MAIN_SHARE * np.max(height))[0])]
     centre = float(force.cam_angle[late][main])
     reach = WINDOW_SHARE * cycle.solution.engine_speed / 2 / surge_frequency
-    window = ClashWindow(max(stages.second_end, centre - reach), min(stages.bounds(3)[1], centre + reach))
+    window = ClashWindow(max(lift_event.end, centre - reach), min(TURN, centre + reach))
     return window if _touched(cycle, window) else None
 
 
 def _touched(cycle: Cycle, window: ClashWindow) -> bool:
     """Whether any coil meets the one below anew within the window; without it a spike is a wave, not a clash."""
-    if not cycle.solution.has("coil_contact_force"):
-        return False
-    pressed = cycle.channel("coil_contact_force")[cycle.window(window.first, window.last)] > 0
-    return bool(np.any(pressed[1:] & ~pressed[:-1]))
+    inside, solution = cycle.window(window.first, window.last), cycle.solution
+    names = [solution.channel_of(spring, "coil_contact_force") for spring in solution.springs]
+    pressed = [cycle.channel(name)[inside] > 0 for name in names if solution.has(name)]
+    return any(bool(np.any(force[1:] & ~force[:-1])) for force in pressed)
 
 
 def main_clash_quantities(cycle: Cycle, window: ClashWindow) -> dict[str, float]:
@@ -94,11 +100,9 @@ def _force(cycle: Cycle) -> _Force | None:
     filtered = {bandwidth: values for bandwidth in BANDWIDTHS if (values := fine_filtered(solution, bandwidth)) is not None}
     if len(filtered) < len(BANDWIDTHS):
         return None
-    begin = solution.cam_angle[cycle.samples.start]
-    # The record starts at the cycle that is reported and ends with it, one sample more or less.
-    mine = slice(int(np.searchsorted(angle, begin - 1e-9)), int(np.searchsorted(angle, begin + 2 * np.pi - 1e-9)))
+    mine, begin = within_cycle(cycle, angle)
     parts = {bandwidth: values[mine] for bandwidth, values in filtered.items()}
-    within = angle[mine] - begin + cycle.cam_angle[0]
+    within = angle[mine] - begin
     lift = np.interp(within, cycle.cam_angle, cycle.channel("valve_lift"))
     base = float(np.mean(raw[mine][lift <= 1e-3 * float(np.max(lift))]))
     return _Force(time[mine], within, raw[mine], parts, base)

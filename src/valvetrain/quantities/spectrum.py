@@ -1,15 +1,21 @@
-"""Order spectrum: amplitude of a channel per cam revolution."""
+"""Order spectrum: amplitude per cam revolution, and what of it the surge of the spring is."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.quantities.cycle import Cycle
+from valvetrain.quantities.frame import Frame
 
 Array = NDArray[np.float64]
+#: Cam orders whose amplitude is told.
+ORDERS = 40
+#: Surge shows in the cam orders within this share of its own, below and above.
+SURGE_BAND = (0.5, 1.5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,16 +32,60 @@ def order_spectrum(cycle: Cycle, channel: str = "seat_force", largest_order: int
 
     The cycle is resampled to even cam angles first. A jump between its ends (a run not yet periodic) leaks into all orders.
     """
-    values, count = cycle.channel(channel), len(cycle.cam_angle)
-    even = np.arange(count) * 2 * np.pi / count
-    resampled = np.interp(even, cycle.cam_angle, values, period=2 * np.pi)
-    amplitude = np.abs(np.fft.rfft(resampled)) / count
-    amplitude[1 : (count + 1) // 2] *= 2
+    amplitude = order_amplitudes(cycle.cam_angle, cycle.channel(channel))
     keep = len(amplitude) if largest_order is None else min(largest_order + 1, len(amplitude))
     unit = str(cycle.solution.channels[channel].attrs.get("units", "1"))
     return OrderSpectrum(np.arange(keep, dtype=float), amplitude[:keep], unit)
 
 
+def order_amplitudes(cam_angle: Array, values: Array) -> Array:
+    """Amplitude (0 to peak) of every order of ``values`` over one turn; ``cam_angle`` (rad) ascending."""
+    count = len(cam_angle)
+    even = np.arange(count) * 2 * np.pi / count
+    amplitude: Array = np.abs(np.fft.rfft(np.interp(even, cam_angle, values, period=2 * np.pi))) / count
+    amplitude[1 : (count + 1) // 2] *= 2
+    return amplitude
+
+
 def surge_order(natural_frequency: float, engine_speed: float) -> float:
     """Cam order of a natural frequency (Hz) at ``engine_speed`` (rad/s of the crank)."""
     return natural_frequency * 2 * np.pi / (engine_speed / 2)
+
+
+def surge_residual(cycle: Cycle, frame: Frame) -> Array | None:
+    """Seat force less the static force at the same lift (N; sample) over the cycle; None where either is not known."""
+    solution = cycle.solution
+    if not solution.has("seat_force", "valve_lift"):
+        return None
+    if solution.has("static_retainer_force"):
+        return cycle.channel("seat_force") - cycle.channel("static_retainer_force")
+    static = frame.static_force(cycle.channel("valve_lift"), solution.model)
+    return None if static is None else cycle.channel("seat_force") - static
+
+
+def surge_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
+    """Surge frequency, its cam order, the nearest harmonic of the lift, and the surge in the seat force by cam order."""
+    found: dict[str, float] = {}
+    residual, highest = surge_residual(cycle, frame), frame.surge_frequency
+    amplitude = None if residual is None else order_amplitudes(cycle.cam_angle, residual)
+    if amplitude is not None:
+        found |= {f"surge_order_{order}_force": float(size) for order, size in enumerate(amplitude[: ORDERS + 1]) if order > 0}
+    if highest is None or not cycle.solution.engine_speed > 0:
+        return found
+    place = surge_order(highest, cycle.solution.engine_speed)
+    found |= {"surge_frequency": highest, "surge_cam_order": place}
+    if len(frame.surge_frequencies) == len(cycle.solution.springs) > 1:
+        found |= {f"{name}_surge_frequency": one for name, one in zip(cycle.solution.springs, frame.surge_frequencies, strict=True)}
+    if frame.valve_lift is not None:
+        nearest = max(1, round(place))
+        found |= {"nearest_lift_harmonic_order": float(nearest), "nearest_lift_harmonic_lift": lift_harmonic(frame.valve_lift, nearest)}
+    first, last = int(np.ceil(SURGE_BAND[0] * place)), int(np.floor(SURGE_BAND[1] * place))
+    if amplitude is not None and max(first, 1) <= last < len(amplitude):
+        found["surge_amplitude_force"] = float(np.max(amplitude[max(first, 1) : last + 1]))
+    return found
+
+
+def lift_harmonic(valve_lift: Callable[[Array], Array], order: int) -> float:
+    """Amplitude (m, 0 to peak) of one cam harmonic of a lift law."""
+    count = max(4096, 16 * order)
+    return float(2 * np.abs(np.fft.rfft(valve_lift(np.arange(count) * 2 * np.pi / count))[order]) / count)

@@ -1,21 +1,15 @@
-"""Spring models side by side: what each computed about the installed state, and how far they stand apart."""
+"""One spring at rest by several models: what each computed about the installed state, and how far they stand apart."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.solution.modal import ModalResult
-from valvetrain.solution.provenance import Provenance
-from valvetrain.solution.result import Solution
-from valvetrain.solution.static import StaticCurve
-
-if TYPE_CHECKING:
-    from valvetrain.parameters.case import Case
+from valvetrain.solution.static import SpringAtRest, StaticCurve
 
 Array = NDArray[np.float64]
 
@@ -25,17 +19,6 @@ FREQUENCY_SCALE = 0.1
 LEAST_AGREEMENT = 0.25
 #: Share of the way to the installed state at which forces are compared, besides the installed state and the end of the curve.
 FORCE_PLACES = (0.25, 0.5, 0.75)
-
-
-@dataclass(frozen=True, eq=False)
-class ModelStatics:
-    """Static curve and modes of one spring model; ``facts`` tell mesh and cost, ``wall_time`` in s."""
-
-    model: str
-    curve: StaticCurve
-    modes: ModalResult
-    facts: Mapping[str, float | int | str] = field(default_factory=dict)
-    wall_time: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,55 +41,25 @@ class Difference:
         return None if one is None or not other else one / other - 1
 
 
-@dataclass(frozen=True, eq=False)
-class SpringComparison:
-    """A spring case by several models: ``reference`` is the model that the others are set against (the solid where there is one)."""
+def differences(members: Sequence[SpringAtRest], installed: float) -> tuple[Difference, ...]:
+    """Forces and stiffness at compressions that the first member computed, then every mode of the first member beside the others'.
 
-    case: Case
-    installed: float
-    reach: float
-    members: tuple[ModelStatics, ...]
-    differences: tuple[Difference, ...]
-    rides: tuple[Solution, ...] = ()
-    notes: tuple[str, ...] = ()
-    provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
-
-    @property
-    def models(self) -> tuple[str, ...]:
-        """Names of the models, the reference first."""
-        return tuple(member.model for member in self.members)
-
-    @property
-    def reference(self) -> str:
-        """The model that the others are set against."""
-        return self.members[0].model
-
-    @property
-    def failures(self) -> tuple[str, ...]:
-        """A sentence per part that did not complete."""
-        found = [f"{item.model}, static curve: {item.curve.status.sentence()}" for item in self.members if not item.curve.status.completed]
-        found += [
-            f"{item.model}, modes: {item.modes.status.sentence()}" for item in self.members
-            if not item.modes.status.completed and item.curve.status.completed
-        ]  # fmt: skip
-        return (*found, *(f"{run.model}, ride: {run.status.sentence()}" for run in self.rides if not run.status.completed))
-
-
-def differences(members: Sequence[ModelStatics], installed: float) -> tuple[Difference, ...]:
-    """Forces and stiffness at compressions that the first member computed, then every mode of the first member beside the others'."""
+    ``installed``: precompression (m). The first member is the reference; members without curve or modes stand out of what needs them.
+    """
     if not members:
         return ()
     return (*_static_differences(members, installed), *_modal_differences(members))
 
 
-def _static_differences(members: Sequence[ModelStatics], installed: float) -> list[Difference]:
-    at = members[0].curve.compression
-    if len(at) < 4:
+def _static_differences(members: Sequence[SpringAtRest], installed: float) -> list[Difference]:
+    curves = {item.model: item.curve for item in members if item.curve is not None}
+    if members[0].curve is None or len(members[0].curve.compression) < 4:
         return []
+    at = members[0].curve.compression
     end = installed if 0 < installed <= at[-1] * (1 + 1e-9) else float(at[-1])
     chosen = [int(np.argmin(np.abs(at - share * end))) for share in FORCE_PLACES]
     places = sorted({*chosen, int(np.argmin(np.abs(at - end))), len(at) - 1} - {0})
-    force = {item.model: curve_at(item.curve, at) for item in members}
+    force = {model: curve_at(curve, at) for model, curve in curves.items()}
     rows = [Difference("force", "N", float(at[i]), {name: float(v[i]) for name, v in force.items() if np.isfinite(v[i])}) for i in places]
     # The same difference quotient for all, so that the steps of the curves do not enter.
     first, second = chosen[1], int(np.argmin(np.abs(at - end)))
@@ -122,17 +75,19 @@ def curve_at(curve: StaticCurve, compression: Array) -> Array:
     return np.where(inside, np.interp(compression, curve.compression, curve.force), np.nan)
 
 
-def _modal_differences(members: Sequence[ModelStatics]) -> list[Difference]:
-    first, *others = members
-    modes = first.modes
-    partners = {item.model: match_modes(modes, item.modes) for item in others}
+def _modal_differences(members: Sequence[SpringAtRest]) -> list[Difference]:
+    first, modes = members[0], members[0].modes
+    if modes is None:
+        return []
+    others = {item.model: item.modes for item in members[1:] if item.modes is not None}
+    partners = {model: match_modes(modes, theirs) for model, theirs in others.items()}
     rows = []
     for mode, natural_frequency in enumerate(modes.natural_frequency):
         values, agreement = {first.model: float(natural_frequency)}, {}
-        for item in others:
-            partner, share = partners[item.model].get(mode, (None, 0.0))
+        for model, theirs in others.items():
+            partner, share = partners[model].get(mode, (None, 0.0))
             if partner is not None:
-                values[item.model], agreement[item.model] = float(item.modes.natural_frequency[partner]), share
+                values[model], agreement[model] = float(theirs.natural_frequency[partner]), share
         axial = modes.axial_modes.index(mode) + 1 if mode in modes.axial_modes else 0
         rows.append(Difference("natural frequency", "Hz", mode + 1.0, values, axial, agreement))
     return rows

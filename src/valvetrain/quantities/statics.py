@@ -7,11 +7,17 @@ from collections.abc import Iterable
 import numpy as np
 
 from valvetrain.solution.modal import ModalResult
-from valvetrain.solution.static import Array, StaticCurve
+from valvetrain.solution.static import Array, SpringAtRest, StaticCurve
 
 #: Slopes that differ by less than this share are one slope: no stiffness change is reported. Large deflection alone bends the curve of
 #: an evenly wound spring by about 1 % up to the installed height; one coil of six that closes raises the slope by some 20 %.
 SLOPE_SHARE = 0.02
+
+
+def rest_quantities(rest: SpringAtRest, wanted: Iterable[str] = ()) -> dict[str, float]:
+    """All named numbers (SI) of one spring at rest; ``wanted``: names such as ``natural_3_frequency`` that a publication numbers so."""
+    found = {} if rest.curve is None else static_quantities(rest.curve, rest.precompression)
+    return found if rest.modes is None else found | modal_quantities(rest.modes) | natural_quantities(rest.modes, wanted)
 
 
 def static_quantities(curve: StaticCurve, precompression: float) -> dict[str, float]:

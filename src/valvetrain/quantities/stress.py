@@ -1,4 +1,4 @@
-"""Named stresses of a run: peaks over wire and cycle, amplitude and mean at each point of the wire, quasi-static beside dynamic."""
+"""Named stresses of a run: by EN 13906-1 from the force, and along the wire where the model gives section loads."""
 
 from __future__ import annotations
 
@@ -6,11 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from valvetrain.quantities.cycle import Array, reported_cycle
-from valvetrain.solution.result import Solution
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.quantities.cycle import Array, Cycle
+from valvetrain.quantities.forces import spring_extremes
+from valvetrain.quantities.frame import Frame
 from valvetrain.solution.static import StaticStress
+from valvetrain.springs.stress import LOADS, bergstraesser, wire_stress
 
 SHEAR, EQUIVALENT = "inner_fibre_shear_stress", "inner_fibre_equivalent_stress"
+_SAMPLES = 4001
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,34 +43,89 @@ class WireStress:
         return int(np.argmax(self.largest_shear))
 
 
-def wire_stress_of(solution: Solution) -> WireStress | None:
-    """Extremes over the reported cycle; None without the stress channels or without a cycle."""
-    if not solution.has(SHEAR, EQUIVALENT) or len(solution.time) < 3:
-        return None
-    cycle = reported_cycle(solution)
-    shear, coil = cycle.channel(SHEAR), np.asarray(solution.channels["coil_number"].values)
-    return WireStress(coil, shear.min(axis=0), shear.max(axis=0), cycle.channel(EQUIVALENT).max(axis=0))
+def stress_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
+    """All stresses (Pa) that the run and its springs support; of a nested pair the largest, and each with its spring's name in front."""
+    names, found = cycle.solution.springs, {}
+    for name, spring in zip(names, frame.springs, strict=False):
+        mine = _nominal(cycle, name, spring) | _of_wire(cycle, name, spring, frame)
+        found |= {f"{name}_{word}": value for word, value in mine.items()} if len(names) > 1 else mine
+    if len(names) > 1:
+        peaks = {name: found[key] for name in names if (key := f"{name}_nominal_peak_shear_stress") in found}
+        if peaks:
+            worst = max(peaks, key=lambda name: peaks[name])
+            found |= {f"nominal_{word}_shear_stress": found[f"{worst}_nominal_{word}_shear_stress"] for word in ("peak", "minimum")}
+    return found
 
 
-def stress_quantities(solution: Solution, static: StaticStress | None = None, precompression: float = 0.0) -> dict[str, float]:
-    """Peak, amplitude and mean of the stress of one run (Pa), its place, and its ratio to the quasi-static one (docs/quantities.md)."""
-    stress = wire_stress_of(solution)
-    if stress is None:
+def _nominal(cycle: Cycle, name: str, spring: InstalledSpring) -> dict[str, float]:
+    """Peak and least shear by EN 13906-1 at the worst place of the wire, as if the seat force went through the whole wire at once."""
+    extremes = spring_extremes(cycle, name)
+    if spring.wire is None or extremes is None:
         return {}
-    cycle, worst, most = reported_cycle(solution), stress.worst, int(np.argmax(stress.amplitude))
-    shear = cycle.channel(SHEAR)[:, worst]
+    factor = nominal_stress_per_force(spring.wire)
+    return {"nominal_peak_shear_stress": factor * extremes[1], "nominal_minimum_shear_stress": factor * extremes[0]}
+
+
+def nominal_stress_per_force(wire: SpringDefinition) -> float:
+    """Largest of k 8 D / (pi d**3) (Pa per N) over the free turns, k = (w + 0.5) / (w - 0.75), w = D / d (EN 13906-1)."""
+    coil = np.linspace(*wire.free_coils, _SAMPLES)
+    diameter, mean = wire.wire_diameter.value(coil), wire.mean_diameter.value(coil)
+    return float(np.max(bergstraesser(mean / diameter) * 8 * mean / (np.pi * diameter**3)))
+
+
+def wire_stress_of(cycle: Cycle, spring: str = "spring", wire: SpringDefinition | None = None) -> WireStress | None:
+    """Extremes over the cycle, from stress channels or, with ``wire``, from section loads; None where the run has neither."""
+    traces = _traces(cycle, spring, wire)
+    if traces is None:
+        return None
+    coil, shear, equivalent = traces
+    return WireStress(coil, shear.min(axis=0), shear.max(axis=0), equivalent.max(axis=0))
+
+
+def _traces(cycle: Cycle, spring: str, wire: SpringDefinition | None) -> tuple[Array, Array, Array] | None:
+    """Coil numbers, shear and equivalent stress at the inner fibre (sample, wire point) of one spring."""
+    solution, name = cycle.solution, cycle.solution.channel_of
+    for first in (name(spring, SHEAR), name(spring, LOADS[0])):
+        if solution.has(first):
+            coil = next(
+                np.asarray(axis.values)
+                for axis in solution.channels[first].coords.values()
+                if axis.dims == solution.channels[first].dims[1:]
+            )
+            if solution.has(name(spring, SHEAR), name(spring, EQUIVALENT)):
+                return coil, cycle.channel(name(spring, SHEAR)), cycle.channel(name(spring, EQUIVALENT))
+            if wire is not None and solution.has(*(name(spring, load) for load in LOADS)):
+                values = wire_stress({load: cycle.channel(name(spring, load)) for load in LOADS}, wire, coil)
+                return coil, values[SHEAR], values[EQUIVALENT]
+    return None
+
+
+def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> dict[str, float]:
+    """Peak, least, amplitude and mean along the wire, their places, and the ratio to the quasi-static peak (docs/quantities.md)."""
+    traces = _traces(cycle, name, spring.wire)
+    if traces is None:
+        return {}
+    coil, shear, equivalent = traces
+    stress = WireStress(coil, shear.min(axis=0), shear.max(axis=0), equivalent.max(axis=0))
+    worst, most = stress.worst, int(np.argmax(stress.amplitude))
     found = {
         "peak_shear_stress": float(stress.largest_shear[worst]),
-        "peak_shear_stress_cam_angle": float(cycle.cam_angle[int(np.argmax(shear))]),
-        "peak_shear_stress_coil_number": float(stress.coil_number[worst]),
+        "peak_shear_stress_cam_angle": float(cycle.cam_angle[int(np.argmax(shear[:, worst]))]),
+        "peak_shear_stress_coil_number": float(coil[worst]),
+        "minimum_shear_stress": float(stress.least_shear[worst]),
         "peak_equivalent_stress": float(np.max(stress.largest_equivalent)),
         "largest_amplitude_shear_stress": float(stress.amplitude[most]),
         "largest_amplitude_mean_shear_stress": float(stress.mean[most]),
-        "largest_amplitude_coil_number": float(stress.coil_number[most]),
+        "largest_amplitude_coil_number": float(coil[most]),
     }
-    if static is not None and solution.has("valve_lift"):
-        slow = static.shear_at(precompression + cycle.channel("valve_lift"))
+    static = _static_stress(frame, spring)
+    if static is not None and cycle.solution.has("valve_lift"):
+        slow = static.shear_at(spring.precompression + cycle.channel("valve_lift"))
         found["quasi_static_peak_shear_stress"] = float(np.max(slow))
         found["quasi_static_amplitude_shear_stress"] = float(np.max(np.ptp(slow, axis=0)) / 2)
         found["dynamic_to_static_stress_ratio"] = found["peak_shear_stress"] / found["quasi_static_peak_shear_stress"]
     return found
+
+
+def _static_stress(frame: Frame, spring: InstalledSpring) -> StaticStress | None:
+    return next((one.stress for one in frame.rest if one.spring == spring.name and one.stress is not None), None)

@@ -40,6 +40,14 @@ SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
 }
 
 
+#: Channels on substeps of the samples: what the integrator saw.
+FINE: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "seat_force_fine": (("subsample",), "N", "seat force at even substeps after each sample"),
+    "retainer_force_fine": (("subsample",), "N", "retainer force at even substeps after each sample"),
+    "coil_contact_peak_force": (("coil_pair",), "N", "largest contact force since the last sample"),
+}
+
+
 def spring_channels(
     time: ArrayLike, cam_angle: ArrayLike, values: Mapping[str, ArrayLike], *,
     coil_number: ArrayLike | None = None, upper_coil: ArrayLike | None = None,
@@ -63,7 +71,7 @@ def spring_channels(
         dims, unit, long_name = declared[name]
         kind = np.int64 if name == "contact_status" else np.float64
         variables[name] = (("sample", *dims), np.asarray(array, dtype=kind), {"units": unit, "long_name": long_name})
-    coords: dict[str, tuple] = {
+    coords: dict[str, tuple[object, ...]] = {
         "time": (("sample",), np.asarray(time, dtype=float), {"units": "s", "long_name": "time"}),
         "cam_angle": (("sample",), np.asarray(cam_angle, dtype=float), {"units": "rad", "long_name": "cam angle, unwrapped"}),
     }

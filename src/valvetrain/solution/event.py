@@ -29,6 +29,6 @@ class Event:
     def __post_init__(self) -> None:
         object.__setattr__(self, "details", MappingProxyType(dict(self.details)))
 
-    def __reduce__(self):  # a mappingproxy does not pickle, and sweeps send results between processes
+    def __reduce__(self) -> tuple[object, ...]:  # a mappingproxy does not pickle, and sweeps send results between processes
         values = (self.kind, self.cam_angle, self.time, self.duration, self.size, self.unit, self.where, dict(self.details))
         return Event, values

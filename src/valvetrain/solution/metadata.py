@@ -30,7 +30,7 @@ def pack(kind: str, *, status: Status, provenance: Provenance | None = None, eve
 def unpack(text: str, kind: str, where: str) -> dict[str, Any]:
     """The content of :func:`pack` with its objects rebuilt; :class:`InputError` when it is not a ``kind`` of this package."""
     try:
-        content = json.loads(text)
+        content: dict[str, Any] = json.loads(text)
         found, version = content["format"], content["version"]
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(f"is not a valvetrain {kind} file; give one that this package wrote", where) from error

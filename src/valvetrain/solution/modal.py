@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.solution.display import Figure, frame, plotted, table, words
 from valvetrain.solution.status import COMPLETED, Status
+
+if TYPE_CHECKING:
+    import pandas
 
 Array = NDArray[np.float64]
 
@@ -43,3 +48,28 @@ class ModalResult:
     def axial_frequencies(self) -> Array:
         """Natural frequencies (Hz) of the axial modes, ascending."""
         return np.asarray(self.natural_frequency)[list(self.axial_modes)]
+
+    def __repr__(self) -> str:
+        first = ", ".join(f"{one:.5g}" for one in self.axial_frequencies[:6])
+        more = ", ..." if len(self.axial_modes) > 6 else ""
+        lines = [f"ModalResult at {words(self.compression, 'm')} compression, {len(self.shape)} modes, {self.status.sentence()}"]
+        return "\n  ".join([*lines, f"{len(self.axial_modes)} axial: {first}{more} Hz"] if first else lines)
+
+    def _repr_html_(self) -> str:
+        kinds = ["axial" if index in self.axial_modes else "" for index in range(len(self.natural_frequency))]
+        numbers = zip(self.natural_frequency, self.axial_transmission, kinds, strict=True)
+        rows = [(str(number), words(one, "Hz"), f"{share:.3g}", kind) for number, (one, share, kind) in enumerate(numbers, start=1)]
+        return table(repr(self), ("mode", "natural frequency", "axial transmission", ""), rows)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row per mode: natural frequency (Hz), axial transmission, whether it is axial."""
+        numbers = np.arange(1, len(self.natural_frequency) + 1)
+        columns = {
+            "mode": numbers, "natural_frequency": self.natural_frequency, "axial_transmission": self.axial_transmission,
+            "axial": np.isin(numbers - 1, self.axial_modes),
+        }  # fmt: skip
+        return frame(columns, "mode", {"natural_frequency": "Hz", "axial_transmission": "1"})
+
+    def plot(self) -> Figure:
+        """Axial displacement of the axial modes over the coils as a plotly figure."""
+        return plotted("plot_modes", self)

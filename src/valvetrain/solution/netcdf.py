@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -113,7 +113,7 @@ def _write(dataset: xarray.Dataset, text: str, path: _PathLike) -> Path:
     return Path(path)
 
 
-def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict]:
+def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
     import xarray
 
     where = str(path)

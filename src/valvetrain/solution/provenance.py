@@ -46,7 +46,7 @@ class Provenance:
         object.__setattr__(self, "springs", tuple(self.springs))
         object.__setattr__(self, "label", self.label or self.model)
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[object, ...]:
         return Provenance, (
             self.case_name, self.model, self.engine_speed, self.case_digest, self.package_version, self.python_version,
             dict(self.dependencies), dict(self.options), self.created_at, self.citations, self.label, self.spring_set, self.system,

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.solution.definition import definition_of
+from valvetrain.solution.display import frame, table, words
 
-#: Last word of a quantity's name -> SI unit.
-UNITS = {
-    "force": "N", "preload": "N", "angle": "rad", "frequency": "Hz", "velocity": "m/s", "acceleration": "m/s2", "displacement": "m",
-    "compression": "m", "gap": "m", "clearance": "m", "length": "m", "height": "m", "lift": "m", "diameter": "m", "duration": "s",
-    "rate": "N/m", "impulse": "N s", "energy": "J", "stress": "Pa", "mass": "kg", "speed": "rad/s", "ratio": "1", "count": "1",
-    "order": "1", "torque": "N m", "power": "W", "pressure": "Pa",
-}  # fmt: skip
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,11 +31,8 @@ class Quantity:
 
 
 def unit_of(name: str) -> str:
-    """SI unit of a quantity, from the last word of its name; a range has the unit of what ranges."""
-    words = name.split("_")
-    if words[-1] == "range" and len(words) > 1:
-        return UNITS.get(words[-2], "1")
-    return UNITS.get(words[-1], "1")
+    """SI unit of a quantity as the table of quantities has it; ``1`` for plain numbers."""
+    return definition_of(name).si_unit
 
 
 def named(values: Mapping[str, float], engine_speed: float | None, label: str) -> dict[Quantity, float]:
@@ -44,7 +41,18 @@ def named(values: Mapping[str, float], engine_speed: float | None, label: str) -
 
 
 class Quantities(Mapping[Quantity, float]):
-    """Read-only mapping of :class:`Quantity` to SI values; a plain name serves where it is unique: ``quantities["preload"]``."""
+    """Read-only mapping of :class:`Quantity` to SI values; a plain name serves where it is unique: ``quantities["preload"]``.
+
+    Raises :class:`KeyError` for a name that was not computed and :class:`InputError` for one that several runs gave.
+
+    >>> quantities = Quantities({Quantity("preload"): 301.5, Quantity("peak_seat_force", 586.43, "massless"): 820.0})
+    >>> quantities["preload"]
+    301.5
+    >>> quantities
+    Quantities: 2 values of 2 names
+      preload 301.5 N
+      peak_seat_force 820 N (massless, 5600 rpm)
+    """
 
     __slots__ = ("_values",)
 
@@ -69,9 +77,27 @@ class Quantities(Mapping[Quantity, float]):
         return len(self._values)
 
     def __repr__(self) -> str:
-        return f"Quantities({len(self._values)} of {len({key.name for key in self._values})} names)"
+        lines = [f"Quantities: {len(self._values)} values of {len({key.name for key in self._values})} names"]
+        for key in list(self._values)[:4]:
+            run = _run_words(key)
+            lines.append(f"{key.name} {words(self._values[key], key.unit)}{f' ({run})' if run else ''}")
+        return "\n  ".join([*lines, f"and {len(self._values) - 4} more"] if len(self._values) > 4 else lines)
 
-    def __reduce__(self):
+    def _repr_html_(self) -> str:
+        rows = [(key.name, _run_words(key), words(value, key.unit)) for key, value in self._values.items()]
+        return table(repr(self).partition("\n")[0], ("quantity", "run", "value"), rows)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row per value (SI): quantity, label, engine_speed (rad/s of the crank, missing where none applies), value, unit."""
+        keys = list(self._values)
+        columns = {
+            "quantity": [key.name for key in keys], "label": [key.label for key in keys],
+            "engine_speed": np.array([np.nan if key.engine_speed is None else key.engine_speed for key in keys], dtype=float),
+            "value": np.array(list(self._values.values()), dtype=float), "unit": [key.unit for key in keys],
+        }  # fmt: skip
+        return frame(columns, units={"engine_speed": "rad/s"})
+
+    def __reduce__(self) -> tuple[object, ...]:
         return Quantities, (self._values,)
 
     def at_rest(self, label: str | None = None) -> dict[str, float]:
@@ -82,6 +108,10 @@ class Quantities(Mapping[Quantity, float]):
         """Name -> value of the run of ``label`` at ``engine_speed`` (rad/s of the crank)."""
         mine = ((key, value) for key, value in self._values.items() if key.label == label)
         return {key.name: value for key, value in mine if key.engine_speed is not None and same_speed(key.engine_speed, engine_speed)}
+
+
+def _run_words(key: Quantity) -> str:
+    return ", ".join(filter(None, (key.label, words(key.engine_speed, "rad/s") if key.engine_speed else "")))
 
 
 def same_speed(one: float | None, other: float | None) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -11,11 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.solution.display import Figure, frame, plotted, span, table, words
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.status import COMPLETED, Status
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 Array = NDArray[np.float64]
@@ -29,6 +33,14 @@ class Solution:
     ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad, unwrapped) along it; a reduced solution has none.
     ``quantities``: named numbers (SI) found by :func:`valvetrain.quantities.evaluate.evaluate`. Raises :class:`InputError`
     when a channel breaks that rule.
+
+    >>> from valvetrain.solution.channels import spring_channels
+    >>> channels = spring_channels(time=[0.0, 0.01], cam_angle=[0.0, 2.0], values={"seat_force": [310.0, 620.0]})
+    >>> solution = Solution(channels, quantities={"peak_seat_force": 620.0})
+    >>> solution.channel("seat_force").max()
+    np.float64(620.0)
+    >>> list(solution.to_pandas().columns)
+    ['cam_angle', 'seat_force']
     """
 
     channels: xarray.Dataset
@@ -44,7 +56,7 @@ class Solution:
         object.__setattr__(self, "quantities", MappingProxyType(dict(self.quantities)))
         object.__setattr__(self, "statistics", MappingProxyType(dict(self.statistics)))
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[object, ...]:
         return Solution, (self.channels, self.events, self.status, dict(self.statistics), self.provenance, dict(self.quantities))
 
     @property
@@ -112,6 +124,49 @@ class Solution:
 
         empty = xarray.Dataset(coords={name: (("sample",), np.zeros(0)) for name in ("time", "cam_angle")})
         return replace(self, channels=empty, quantities=dict(self.quantities), statistics=dict(self.statistics))
+
+    def __repr__(self) -> str:
+        lines = [self._head()]
+        if self.channels.sizes["sample"]:
+            angle = span(self.cam_angle, "rad").replace("deg", "deg of the cam")
+            lines.append(f"{self.channels.sizes['sample']} samples, {angle}; {len(self.channels.data_vars)} channels")
+        for name in [one for one in ("seat_force", "retainer_force", "valve_lift") if self.has(one)][:2]:
+            lines.append(f"{name} {span(self.channel(name), self.channels[name].attrs['units'])}")
+        if self.events:
+            kinds = Counter(event.kind for event in self.events)
+            lines.append(f"{len(self.events)} events: {', '.join(f'{count} {kind}' for kind, count in kinds.items())}")
+        if self.quantities:
+            named = [f"{name} {words(value, unit_of(name))}" for name, value in list(self.quantities.items())[:3]]
+            lines.append(f"{len(self.quantities)} quantities: {', '.join(named)}{', ...' if len(self.quantities) > 3 else ''}")
+        return "\n  ".join(lines)
+
+    def _repr_html_(self) -> str:
+        rows = [(name, words(value, unit_of(name))) for name, value in self.quantities.items()]
+        return table(repr(self), ("quantity", "value"), rows)
+
+    def _head(self) -> str:
+        speed = f", {words(self.engine_speed, 'rad/s')}" if self.engine_speed else ""
+        return f"Solution of {self.provenance.case_name or 'a case'}, {self.label or 'unnamed model'}{speed}: {self.status.sentence()}"
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Channels (SI) by time (s) as a frame, a channel over wire points or coil pairs one column each: ``coil_gap[3.5]``.
+
+        ``attrs["units"]`` holds the units. A reduced solution gives no rows; its numbers stand in ``quantities``.
+        """
+        columns: dict[str, Array] = {"time": self.time, "cam_angle": self.cam_angle}
+        units = {"time": "s", "cam_angle": "rad"}
+        for label, channel in self.channels.data_vars.items():
+            values = np.asarray(channel.values).reshape(len(self.time), -1)
+            coils = [coord for coord in channel.coords.values() if channel.ndim == 2 and coord.dims == channel.dims[1:]]
+            places = np.asarray(coils[0].values) if coils else np.arange(values.shape[1])
+            names = [f"{label}[{place:g}]" for place in places] if channel.ndim > 1 else [str(label)]
+            columns |= dict(zip(names, values.T, strict=True))
+            units |= dict.fromkeys(names, channel.attrs["units"])
+        return frame(columns, "time", units)
+
+    def plot(self) -> Figure:
+        """Spring forces and valve lift over the cam angle as a plotly figure; :class:`InputError` for a reduced solution."""
+        return plotted("plot_solution", self)
 
     def cite(self) -> tuple[str, ...]:
         """References behind this run, the papers to cite with it."""

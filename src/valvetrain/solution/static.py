@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.solution.display import Figure, frame, plotted, span, table, words
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.status import COMPLETED, Status
+
+if TYPE_CHECKING:
+    import pandas
 
 Array = NDArray[np.float64]
 
@@ -22,6 +27,15 @@ class StaticCurve:
     ``compression`` (step) m, ``force`` (step) N, ``stiffness`` (step) N/m tangent; ``coil_gap`` (step, coil_pair) m and
     ``coil_contact_force`` (step, coil_pair) N with ``upper_coil`` (coil_pair); ``axial_position`` (step, wire_point) m
     with ``coil_number`` (wire_point). Arrays that a model does not compute have zero pairs or points.
+
+    >>> import numpy as np
+    >>> steps, none = np.linspace(0, 8e-3, 9), np.zeros((9, 0))
+    >>> curve = StaticCurve(steps, 40e3 * steps, np.full(9, 40e3), none, none, np.zeros(0), none, np.zeros(0))
+    >>> round(curve.force_at(7.5e-3), 9)
+    300.0
+    >>> curve
+    StaticCurve: 0 to 8 mm in 9 steps, 0 to 320 N, completed
+      stiffness 40 N/mm first, 40 N/mm last
     """
 
     compression: Array
@@ -43,6 +57,34 @@ class StaticCurve:
         for name, shape in expected.items():
             if np.shape(getattr(self, name)) != shape:
                 raise InputError(f"{name} of a static curve must have shape {shape}; it has {np.shape(getattr(self, name))}")
+
+    def __repr__(self) -> str:
+        reach = f"{span(self.compression, 'm')} in {len(self.compression)} steps, {span(self.force, 'N')}"
+        lines = [f"StaticCurve: {reach}, {self.status.sentence()}"]
+        if len(self.compression):
+            pairs = f"; {len(self.upper_coil)} coil pairs" if len(self.upper_coil) else ""
+            lines.append(f"stiffness {words(self.stiffness[0], 'N/m')} first, {words(self.stiffness[-1], 'N/m')} last{pairs}")
+        return "\n  ".join(lines)
+
+    def _repr_html_(self) -> str:
+        chosen = np.unique(np.linspace(0, len(self.compression) - 1, 12).astype(int)) if len(self.compression) else []
+        numbers = zip(self.compression[chosen], self.force[chosen], self.stiffness[chosen], strict=True) if len(chosen) else ()
+        rows = [(words(one, "m"), words(force, "N"), words(rate, "N/m")) for one, force, rate in numbers]
+        return table(repr(self), ("compression", "force", "stiffness"), rows)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Force, stiffness, gaps and contact forces of the coils (SI) by compression (m); ``attrs["units"]`` holds the units."""
+        columns: dict[str, Array] = {"compression": self.compression, "force": self.force, "stiffness": self.stiffness}
+        units = {"compression": "m", "force": "N", "stiffness": "N/m"}
+        for name, unit, values in (("coil_gap", "m", self.coil_gap), ("coil_contact_force", "N", self.coil_contact_force)):
+            names = [f"{name}[{coil:g}]" for coil in self.upper_coil]
+            columns |= dict(zip(names, np.asarray(values).T, strict=True))
+            units |= dict.fromkeys(names, unit)
+        return frame(columns, "compression", units)
+
+    def plot(self) -> Figure:
+        """Force and stiffness over compression as a plotly figure."""
+        return plotted("plot_static_curve", self)
 
     def force_at(self, compression: float) -> float:
         """Force (N) at a compression (m), straight between steps; :class:`InputError` outside the curve."""

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.solution.comparison import Comparison, Finding
+from valvetrain.solution.display import Figure, plotted, table, words
 from valvetrain.solution.provenance import Provenance
-from valvetrain.solution.quantity import Quantities, Quantity, named, same_speed
+from valvetrain.solution.quantity import Quantities, Quantity, named, same_speed, unit_of
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
+
+if TYPE_CHECKING:
+    import pandas
 
 Array = NDArray[np.float64]
 
@@ -34,6 +39,13 @@ class Study:
     ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep. ``rest``: springs at rest.
     ``still``: quantities that belong to no run, by label (empty: of the case). ``comparisons``, ``findings`` and ``notes`` speak of
     published numbers and are empty for a case of one's own. ``lift_event``: None without lift or where it spans the cam's zero.
+
+    >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
+    >>> study.quantities["preload"]
+    301.5
+    >>> study
+    Study of own-spring (run): no runs
+      1 quantities: preload 301.5 N
     """
 
     record: CaseRecord
@@ -47,6 +59,39 @@ class Study:
     lift_event: LiftEvent | None = None
     provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
     wall_time: float = field(default=0.0, compare=False)
+
+    def __repr__(self) -> str:
+        found = self.quantities
+        lines = [f"Study of {self.record.name} ({self.command}): {len(self.solutions) or 'no'} runs"]
+        if self.solutions:
+            speeds = [words(one, "rad/s") for one in self.engine_speeds]
+            reach = ", ".join(speeds) if len(speeds) < 4 else f"{len(speeds)} engine speeds, {speeds[0]} to {speeds[-1]}"
+            lines.append(f"{', '.join(self.labels)}; {reach}")
+        if found:
+            first = [f"{key.name} {words(value, key.unit)}" for key, value in list(found.items())[:3]]
+            lines.append(f"{len(found)} quantities: {', '.join(first)}{', ...' if len(found) > 3 else ''}")
+        if self.comparisons or self.findings:
+            lines.append(f"{len(self.comparisons)} comparisons with published values, {len(self.findings)} findings")
+        if self.failures:
+            lines.append(f"{len(self.failures)} not completed: {self.failures[0]}")
+        return "\n  ".join(lines)
+
+    def _repr_html_(self) -> str:
+        names = list(dict.fromkeys(name for run in self.solutions for name in run.quantities))[:5]
+        rows = [
+            (run.label, words(run.engine_speed, "rad/s"), run.status.code,
+             *(words(run.quantities[name], unit_of(name)) if name in run.quantities else "" for name in names))
+            for run in self.solutions
+        ]  # fmt: skip
+        return table(repr(self), ("run", "engine speed", "status", *(name.replace("_", " ") for name in names)), rows)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """All named numbers (SI), one row each: quantity, label, engine_speed (rad/s), value, unit."""
+        return self.quantities.to_pandas()
+
+    def plot(self) -> Figure:
+        """Seat force of every run over the cam angle, or in a sweep peak forces over engine speed, as a plotly figure."""
+        return plotted("plot_study", self)
 
     @property
     def engine_speeds(self) -> tuple[float, ...]:

@@ -100,8 +100,8 @@ def _dataset(content: dict[str, Any], lines: list[str]) -> xarray.Dataset:
     columns = content["columns"]
     widths = [int(np.prod(column["shape"])) for column in columns]
     table = np.array(",".join(lines).split(",") if lines else [], dtype=float).reshape(len(lines), sum(widths))
-    variables: dict[str, tuple] = {}
-    coords: dict[str, tuple] = {}
+    variables: dict[str, tuple[object, ...]] = {}
+    coords: dict[str, tuple[object, ...]] = {}
     for column, block in zip(columns, np.split(table, np.cumsum(widths)[:-1], axis=1), strict=True):
         array = block.reshape(len(lines), *column["shape"]).astype(column["type"])
         (coords if column["coord"] else variables)[column["name"]] = (column["dims"], array, column["attributes"])

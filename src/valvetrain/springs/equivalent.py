@@ -8,10 +8,11 @@ from typing import Protocol
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.chain_layout import Array, ChainLayout, chain_from_definition
 from valvetrain.springs.chain_statics import contact_depths, solve_static, static_curve
-from valvetrain.springs.massless import RAYLEIGH_FRACTION, MasslessTable, check_masses
+from valvetrain.springs.masses import check_masses
 from valvetrain.springs.multi_mass import CONTACT_STIFFNESS, MultiMassSpring
 
 #: Elements per turn of the chain that reduces a definition.
@@ -70,6 +71,14 @@ class EquivalentSpring:
         mass, held = float(rate[0]) / (4 * first**2), float(layout.retainer_mass + riding.sum())
         return cls(float(rate[0]), float(force[0]), mass, held, spring.name)
 
+    @classmethod
+    def from_installed(cls, spring: InstalledSpring) -> EquivalentSpring:
+        """From the wire where it is known, else from the card."""
+        if spring.wire is not None:
+            return cls.from_definition(spring.wire, spring.precompression)
+        assert spring.card is not None
+        return cls.from_card(spring.card, spring.name)
+
     @property
     def wave_speed(self) -> float:
         """a = sqrt(rate / mass), spring lengths per second (1/s): twice the first surge frequency."""
@@ -79,28 +88,6 @@ class EquivalentSpring:
     def surge_frequency(self) -> float:
         """First natural frequency (Hz), both ends held: a / 2."""
         return self.wave_speed / 2
-
-
-def massless_table(
-    spring: SpringDefinition,
-    precompression: float,
-    maximum_lift: float,
-    points: int = 41,
-    effective_mass_fraction: float = RAYLEIGH_FRACTION,
-) -> MasslessTable:
-    """Massless spring with the static curve of the wire, coils closing, from ``-precompression`` to ``maximum_lift`` (m from installed).
-
-    ``effective_mass_fraction`` of the vibrating mass rides on the retainer, with the held coils.
-    """
-    if not (maximum_lift > 0 and points >= 3):
-        raise InputError(
-            f"static curve of spring '{spring.name}' needs a positive lift and 3 points or more; it got {maximum_lift} m, {points}"
-        )
-    compressions = np.unique(np.append(np.linspace(0.0, precompression + maximum_lift, points), precompression))
-    forces, _ = static_curve(reduction_chain(spring), compressions)
-    whole = EquivalentSpring.from_definition(spring, precompression)
-    displacements = tuple((compressions - precompression).tolist())
-    return MasslessTable(displacements, tuple(forces.tolist()), whole.active_mass, effective_mass_fraction, whole.inactive_mass)
 
 
 def reduction_chain(spring: SpringDefinition) -> ChainLayout:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import threading
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
 from valvetrain.cosserat.layout import STRIDE, row
@@ -16,13 +17,14 @@ from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
 from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.schema_types import Length, PositiveTime, StrictModel
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import finite_element_kernel as stepping
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
-
-if TYPE_CHECKING:
-    from valvetrain.parameters.case import Case
-
+from valvetrain.springs.spec import SpringModelSpec
+from valvetrain.springs.wire_from_card import wire_from_card
 
 _SCRATCH = threading.local()
 
@@ -46,19 +48,6 @@ class FiniteElementRod:
     def __post_init__(self) -> None:
         if not (np.isfinite(self.precompression) and self.precompression >= 0):
             raise InputError(f"precompression of spring '{self.name}' is {self.precompression} m; give zero or a positive length")
-
-    @classmethod
-    def from_case(cls, case: Case, **changes: Any) -> FiniteElementRod:
-        """The rod of a case: its spring, installation, damping and rod options."""
-        dynamics = RodDynamics(
-            mass_damping=case.damping.mass_damping, stiffness_damping=case.damping.stiffness_damping,
-            contact_stiffness=case.rod.contact_stiffness, contact_damping_time=case.rod.contact_damping_time,
-        )  # fmt: skip
-        model = cls(
-            case.require_spring(), case.installation.precompression, case.rod.elements_per_coil, dynamics,
-            case.rod.curvature_correction, case.installation.seats, case.rod.time_step,
-        )  # fmt: skip
-        return replace(model, **changes)
 
     @cached_property
     def mesh(self) -> RodMesh:
@@ -217,3 +206,35 @@ class FiniteElementRod:
         upper = self.definition.free_coils[1]
         held = self.definition.integrate_along_wire(self.definition.wire_diameter, 2, (upper, self.definition.total_coils))
         return float(np.pi / 4 * self.definition.material.density * held + self.mesh.node_mass[self.mesh.last])
+
+
+class FiniteElementOptions(StrictModel):
+    """Options of the finite-element rod: mesh, curvature correction of the section, step (None: the stable one), and the lift up to which
+    the coils of a wire made from a card stay apart."""
+
+    elements_per_coil: Annotated[int, Field(ge=4, le=1000)] = 24
+    curvature_correction: bool = True
+    time_step: PositiveTime | None = None
+    card_lift: Length = 0.012
+
+
+def _make(spring: InstalledSpring, options: FiniteElementOptions, rest: SpringAtRest | None) -> FiniteElementRod:
+    wire, precompression, seats = spring.wire, spring.precompression, str(spring.seats)
+    if wire is None:
+        assert spring.card is not None
+        wire, precompression = wire_from_card(spring.card, options.card_lift)
+        seats = "clamps"
+    dynamics = RodDynamics(
+        mass_damping=spring.damping.mass_damping, stiffness_damping=spring.damping.stiffness_damping,
+        contact_stiffness=spring.contact.stiffness, contact_damping_time=spring.contact.damping_time,
+    )  # fmt: skip
+    return FiniteElementRod(
+        wire, precompression, options.elements_per_coil, dynamics, options.curvature_correction, seats, options.time_step
+    )
+
+
+SPEC = SpringModelSpec(
+    "finite-element", "finite-element rod", "#1f5aa6", FiniteElementOptions, _make, shows=("sections", "clash", "stress"),
+    processor_time=12.0, knows="geometrically exact wire, all coils in contact, seats, stress",
+    leaves_out="contact patches across the wire",
+)  # fmt: skip

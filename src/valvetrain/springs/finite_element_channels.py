@@ -12,7 +12,7 @@ from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.transient import RodTransient
-from valvetrain.solution.channels import spring_channels
+from valvetrain.solution.channels import FINE, spring_channels
 from valvetrain.springs.finite_element import FiniteElementRod
 
 if TYPE_CHECKING:
@@ -24,13 +24,6 @@ Array = NDArray[np.float64]
 POINTS_PER_COIL = 8
 #: A gap (m) below which coils count as near, and the sliding speed (m/s) from which touching coils count as sliding.
 NEAR_GAP, SLIDING_VELOCITY = 1e-4, 0.01
-
-FINE = {
-    "seat_force_fine": (("subsample",), "N", "seat force at even substeps after each sample"),
-    "retainer_force_fine": (("subsample",), "N", "retainer force at even substeps after each sample"),
-    "coil_contact_peak_force": (("coil_pair",), "N", "largest contact force since the last sample"),
-}
-
 
 SECTION_LOADS = ("torsional_moment", "bending_moment", "binormal_moment", "normal_force", "shear_force")
 
@@ -80,42 +73,50 @@ def static_section_loads(model: FiniteElementRod, states: Sequence[RodState]) ->
 
 def rod_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> xarray.Dataset:
     """All channels of docs/architecture.md for a rod run; cam angle is cam_speed (rad/s) times time."""
+    return _channels(model, run, cam_speed, True)
+
+
+def end_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> xarray.Dataset:
+    """End forces and contacts of a rod run, without sections and energies: what a sweep needs."""
+    return _channels(model, run, cam_speed, False)
+
+
+def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whole: bool) -> xarray.Dataset:
     mesh, installed = model.mesh, model.installed.state
     coil = wire_points(model.definition.total_coils)
-    at = interpolation(mesh, coil)
     height, speed = run.position[..., 2], run.velocity[..., 2]
-    interval = run.time[1] - run.time[0] if len(run.time) > 1 else 1.0
-    axial_velocity = speed @ at.T
-    strains = _strains(mesh, run.position, run.frame)
     pairs, upper_coil, pair_of = _pair_bins(mesh)
     gaps = np.stack([model.statics.gaps(position) for position in np.ascontiguousarray(run.position)])
-    elastic, contact = _energies(model, strains, gaps, run)
     values = {
         "valve_lift": run.displacement - model.precompression,
         "retainer_velocity": -speed[:, -1] if mesh.vertices > mesh.last else np.gradient(run.displacement, run.time),
         "seat_force": run.seat_force,
         "retainer_force": run.retainer_force,
-        "axial_displacement": (height - installed.position[:, 2]) @ at.T,
-        "axial_velocity": axial_velocity,
-        "axial_acceleration": np.diff(axial_velocity, axis=0, prepend=axial_velocity[:1]) / interval,
-        "axial_position": height @ at.T - model.definition.lower_seat_height,
         "coil_gap": _least(gaps[:, :, pairs].min(axis=1), pair_of, len(upper_coil)),
         "coil_contact_force": _sum(run.contact_force.sum(axis=1)[:, pairs], pair_of, len(upper_coil)),
         "coil_contact_peak_force": _sum(run.contact_peak.sum(axis=1)[:, pairs], pair_of, len(upper_coil)),
-        "kinetic_energy": _kinetic(mesh, run),
-        "elastic_energy": elastic,
-        "contact_energy": contact,
         "work_done": run.work_done,
         "energy_dissipated": run.energy_dissipated + run.contact_loss,
     }
-    values["contact_status"] = _status(values, run, mesh, pairs, pair_of, len(upper_coil))
-    on_wire = section_interpolation(mesh, coil)
-    values |= {name: strains[name] @ on_wire.T for name in SECTION_LOADS}
+    if whole:
+        at, strains = interpolation(mesh, coil), _strains(mesh, run.position, run.frame)
+        interval = run.time[1] - run.time[0] if len(run.time) > 1 else 1.0
+        axial_velocity = speed @ at.T
+        elastic, contact = _energies(model, strains, gaps, run)
+        values |= {
+            "axial_displacement": (height - installed.position[:, 2]) @ at.T, "axial_velocity": axial_velocity,
+            "axial_acceleration": np.diff(axial_velocity, axis=0, prepend=axial_velocity[:1]) / interval,
+            "axial_position": height @ at.T - model.definition.lower_seat_height, "kinetic_energy": _kinetic(mesh, run),
+            "elastic_energy": elastic, "contact_energy": contact,
+        }  # fmt: skip
+        values["contact_status"] = _status(values, run, mesh, pairs, pair_of, len(upper_coil))
+        on_wire = section_interpolation(mesh, coil)
+        values |= {name: strains[name] @ on_wire.T for name in SECTION_LOADS}
     dense = (len(run.dense_time) - 1) // max(1, len(run.time) - 1) if len(run.time) > 1 else 1
     for name, series in (("seat_force_fine", run.dense_seat_force), ("retainer_force_fine", run.dense_retainer_force)):
         padded = np.concatenate([series, np.repeat(series[-1:], dense - 1)])
         values[name] = padded[: len(run.time) * dense].reshape(len(run.time), dense)
-    return spring_channels(run.time, cam_speed * run.time, values, coil_number=coil, upper_coil=upper_coil, extra=FINE)
+    return spring_channels(run.time, cam_speed * run.time, values, coil_number=coil if whole else None, upper_coil=upper_coil, extra=FINE)
 
 
 def pair_values(model: FiniteElementRod, gaps: Array) -> tuple[Array, Array, Array]:

@@ -6,16 +6,22 @@ Their inertia is a stated share of the wire's mass that rides on the retainer: o
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.schema_types import StrictModel, quantity
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import massless_kernels
+from valvetrain.springs.chain_statics import static_curve
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
-
-RAYLEIGH_FRACTION = 1.0 / 3.0
+from valvetrain.springs.equivalent import EquivalentSpring, reduction_chain
+from valvetrain.springs.masses import RAYLEIGH_FRACTION, check_masses
+from valvetrain.springs.spec import SpringModelSpec
 
 
 @dataclass(frozen=True)
@@ -91,7 +97,7 @@ class MasslessTable:
     active_mass: float = 0.0
     effective_mass_fraction: float = RAYLEIGH_FRACTION
     inactive_mass: float = 0.0
-    name: str = "massless-table"
+    name: str = "massless"
 
     def __post_init__(self) -> None:
         if len(self.displacements) != len(self.forces) or len(self.forces) < 2:
@@ -158,11 +164,43 @@ class MasslessTable:
         return self.effective_mass_fraction * self.active_mass + self.inactive_mass
 
 
-def check_masses(name: str, preload: float, active_mass: float, fraction: float, inactive_mass: float) -> None:
-    """Raise :class:`InputError` for a preload or mass no spring has."""
-    if not np.isfinite(preload) or preload < 0:
-        raise InputError(f"preload of spring '{name}' is {preload} N; give zero or a positive force")
-    if not (np.isfinite(active_mass) and np.isfinite(inactive_mass) and active_mass >= 0 and inactive_mass >= 0):
-        raise InputError(f"mass of spring '{name}' is {active_mass} kg (held ends {inactive_mass} kg); give zero or positive masses")
-    if not 0 <= fraction <= 1:
-        raise InputError(f"effective_mass_fraction of spring '{name}' is {fraction}; it must lie between 0 and 1 (one third is usual)")
+def massless_table(
+    spring: SpringDefinition,
+    precompression: float,
+    maximum_lift: float,
+    points: int = 41,
+    effective_mass_fraction: float = RAYLEIGH_FRACTION,
+) -> MasslessTable:
+    """Massless spring with the static curve of the wire, coils closing, from ``-precompression`` to ``maximum_lift`` (m from installed).
+
+    ``effective_mass_fraction`` of the vibrating mass rides on the retainer, with the held coils.
+    """
+    if not (maximum_lift > 0 and points >= 3):
+        raise InputError(
+            f"static curve of spring '{spring.name}' needs a positive lift and 3 points or more; it got {maximum_lift} m, {points}"
+        )
+    compressions = np.unique(np.append(np.linspace(0.0, precompression + maximum_lift, points), precompression))
+    forces, _ = static_curve(reduction_chain(spring), compressions)
+    whole = EquivalentSpring.from_definition(spring, precompression)
+    displacements = tuple((compressions - precompression).tolist())
+    return MasslessTable(displacements, tuple(forces.tolist()), whole.active_mass, effective_mass_fraction, whole.inactive_mass)
+
+
+class MasslessOptions(StrictModel):
+    """Options of the massless spring."""
+
+    effective_mass_fraction: Annotated[float, quantity("ratio", low=0.0, high=1.0)] = RAYLEIGH_FRACTION
+
+
+def _make(spring: InstalledSpring, options: MasslessOptions, rest: SpringAtRest | None) -> MasslessSpring | MasslessTable:
+    if spring.card is not None:
+        card = spring.card
+        return MasslessSpring(card.rate, card.preload, card.mass or 0.0, options.effective_mass_fraction)
+    assert spring.wire is not None and spring.room is not None
+    return massless_table(spring.wire, spring.precompression, 0.98 * spring.room, 97, options.effective_mass_fraction)
+
+
+SPEC = SpringModelSpec(
+    "massless", "massless spring", "#7b8794", MasslessOptions, _make, needs_mass=False, processor_time=0.05,
+    knows="rate or static curve k(x), share of its mass on the valve", leaves_out="surge, clash",
+)  # fmt: skip

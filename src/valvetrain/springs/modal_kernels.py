@@ -60,3 +60,43 @@ def advance_modal(parameters, integers, state, retainer_displacement, retainer_v
         lost += time_step * stiffness * lag * (now - carried)
     state[2 * n] += lost
     return retainer, seat
+
+
+@njit(**OPTIONS)
+def advance_modal_varied(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
+    """As :func:`advance_modal` with a static curve: ``parameters`` = precompression (m), mass damping (1/s), 0, 0, per mode share,
+    circular frequency, damping ratio, stiffness over k(x), seat factor over k(x); then compressions (m) and forces (N) of the curve.
+    ``integers`` = [n modes, points of the curve]. The modes move as with constant stiffness; their forces are scaled by k(x) = F(x) / x.
+    """
+    n, points = integers[0], integers[1]
+    at, curve = parameters[0] + retainer_displacement, HEADER + PER_MODE * n
+    low, high = 0, points - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if parameters[curve + middle] <= at:
+            low = middle
+        else:
+            high = middle
+    x, f = curve + low, curve + points + low
+    slope = (parameters[f + 1] - parameters[f]) / (parameters[x + 1] - parameters[x])
+    force = parameters[f] + slope * (at - parameters[x])
+    varied = force / at if at > 0.0 else slope
+    retainer, seat, lost = force, force, 0.0
+    if time_step > 0.0 and state[2 * n + 1] != time_step:
+        _prepare(parameters, n, state, time_step)
+    for i in range(n):
+        base = HEADER + PER_MODE * i
+        share, omega, stiffness = parameters[base], parameters[base + 1], varied * parameters[base + 3]
+        departure, before, carried = state[i] - share * retainer_displacement, state[n + i], share * retainer_velocity
+        now = before
+        if time_step > 0.0:
+            kicked = carried + state[2 * n + 2 + i] * (before - carried) - state[3 * n + 2 + i] * departure
+            state[n + i] = kicked
+            state[i] += time_step * kicked
+            now = 0.5 * (before + kicked)
+        lag = 2.0 * parameters[base + 2] / omega * (now - carried)
+        retainer -= share * stiffness * (departure + lag)
+        seat += varied * parameters[base + 4] * (departure + lag)
+        lost += time_step * stiffness * lag * (now - carried)
+    state[2 * n] += lost
+    return retainer, seat

@@ -10,15 +10,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.schema_types import StrictModel
+from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import modal_kernels
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.springs.spec import SpringModelSpec
 
 #: Places along the spring at which section motion is shown.
 SECTIONS = 25
@@ -149,3 +154,23 @@ class ModalUniform:
         """A third of the active mass less what the modes carry, plus the held coils (kg)."""
         carried = float(np.sum(self.modal_stiffness / self.circular_frequencies**2 * self.shares**2))
         return max(self.spring.active_mass / 3 - carried, 0.0) + self.spring.inactive_mass
+
+
+class ModalUniformOptions(StrictModel):
+    """Options of the modal spring: number of surge ``modes``."""
+
+    modes: Annotated[int, Field(ge=1, le=500)] = 5
+
+
+def _make(spring: InstalledSpring, options: ModalUniformOptions, rest: SpringAtRest | None) -> ModalUniform:
+    damping = spring.damping
+    return ModalUniform(
+        EquivalentSpring.from_installed(spring), options.modes, mass_damping=damping.mass_damping,
+        stiffness_damping=damping.stiffness_damping,
+    )  # fmt: skip
+
+
+SPEC = SpringModelSpec(
+    "modal-uniform", "modal model", "#b0891e", ModalUniformOptions, _make, shows=("sections",), processor_time=0.2,
+    knows="surge modes of a uniform spring of equal rate, mass and first frequency", leaves_out="clash, change of rate", citation="gu2021",
+)  # fmt: skip

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.schema_types import StrictModel
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import chain_kernels, chain_statics
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, uniform_chain
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.spec import SpringModelSpec
 
 CONTACT_STIFFNESS = 1e10
 CONTACT_DAMPING_TIME = 1e-6
@@ -164,3 +169,32 @@ class MultiMassSpring:
     def retainer_mass(self) -> float:
         """Half the last element plus the wire of the upper held coils (kg)."""
         return self.layout.retainer_mass
+
+
+class MultiMassOptions(StrictModel):
+    """Options of the chain: ``masses_per_coil`` of a wire, ``elements`` of a spring known by its card."""
+
+    masses_per_coil: Annotated[int, Field(ge=1, le=2000)] = 12
+    elements: Annotated[int, Field(ge=1, le=100_000)] = 5
+
+
+def _make(spring: InstalledSpring, options: MultiMassOptions, rest: SpringAtRest | None) -> MultiMassSpring:
+    damping = {
+        "mass_damping": spring.damping.mass_damping, "stiffness_damping": spring.damping.stiffness_damping,
+        "contact_damping_time": spring.contact.damping_time,
+    }  # fmt: skip
+    if spring.card is not None:
+        card = spring.card
+        assert card.mass is not None
+        return MultiMassSpring.from_card(card.rate, card.preload, card.mass, elements=options.elements, **damping)
+    assert spring.wire is not None
+    return MultiMassSpring.from_definition(
+        spring.wire, spring.precompression, masses_per_coil=options.masses_per_coil, contact_stiffness=spring.contact.stiffness, **damping
+    )
+
+
+SPEC = SpringModelSpec(
+    "multi-mass", "multi-mass chain", "#7a4fa0", MultiMassOptions, _make, shows=("sections", "clash"), processor_time=1.0,
+    knows="chain along the wire, clash between all coils from the real gaps", leaves_out="lateral and torsional motion",
+    citation="vasilyev2016",
+)  # fmt: skip

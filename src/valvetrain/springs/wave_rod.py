@@ -13,9 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import wave_rod_kernels
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.springs.spec import NoOptions, SpringModelSpec
 
 #: More cells than this add cost and no physics: the grid is then finer than any train excites.
 MOST_CELLS = 1000
@@ -112,3 +115,20 @@ class WaveRod:
     def retainer_mass(self) -> float:
         """Half a cell plus the held end coils (kg); the rest of the inertia acts through the waves."""
         return self.cell_mass / 2 + self.spring.inactive_mass
+
+
+def wave_friction(spring: InstalledSpring, equivalent: EquivalentSpring) -> float:
+    """Friction mu (1/s) of the wave equation that damps the first surge mode as the spring's own damping does: ratio * 2 pi f1."""
+    frequency = equivalent.surge_frequency
+    return float(spring.damping.ratio_at(frequency) * 2 * np.pi * frequency)
+
+
+def _make(spring: InstalledSpring, options: NoOptions, rest: SpringAtRest | None) -> WaveRod:
+    equivalent = EquivalentSpring.from_installed(spring)
+    return WaveRod(equivalent, friction=wave_friction(spring, equivalent))
+
+
+SPEC = SpringModelSpec(
+    "wave-rod", "equivalent rod", "#16877a", NoOptions, _make, shows=("sections",), processor_time=0.5,
+    knows="the wave equation; a step travels undistorted", leaves_out="clash, change of rate while surging", citation="vasilyev2016",
+)  # fmt: skip

@@ -10,12 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.chain_layout import NO_CONTACTS, ChainLayout, CoilContacts, uniform_chain
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring, InstalledGaps, installed_gaps
 from valvetrain.springs.multi_mass import MultiMassSpring
-from valvetrain.springs.wave_rod import cells_for_step
+from valvetrain.springs.spec import NoOptions, SpringModelSpec
+from valvetrain.springs.wave_rod import cells_for_step, wave_friction
 
 #: Courant number that leaves room for the contacts, their stiffness over a cell's, and their damping time over the step.
 COURANT, CONTACT_SHARE, DAMPING_SHARE = 0.9, 0.2, 0.4
@@ -114,3 +117,16 @@ class WaveRodWithClash:
     def retainer_mass(self) -> float:
         """Half a cell plus the coils resting on the retainer (kg)."""
         return self.chain.retainer_mass()
+
+
+def _make(spring: InstalledSpring, options: NoOptions, rest: SpringAtRest | None) -> WaveRodWithClash:
+    assert spring.wire is not None
+    friction = wave_friction(spring, EquivalentSpring.from_definition(spring.wire, spring.precompression))
+    return WaveRodWithClash.from_definition(spring.wire, spring.precompression, friction=friction)
+
+
+SPEC = SpringModelSpec(
+    "wave-rod-clash", "equivalent rod with clash", "#3c7d3f", NoOptions, _make, shows=("sections", "clash"), processor_time=1.0,
+    knows="the wave equation with contact of neighbouring turns from the installed gaps", leaves_out="change of rate while surging",
+    wire_only="a rod with clash needs the coil gaps of its wire, so use wave-rod", citation="vasilyev2016",
+)  # fmt: skip

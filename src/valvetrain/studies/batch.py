@@ -50,14 +50,15 @@ def _results(function: Callable[[Case], Result], items: Sequence[Case], count: i
         yield from map(function, items)
         return
     # a forked child of a threaded parent can hang; a fresh interpreter costs half a second and loads the compiled kernels from disk
-    method = "fork" if "fork" in multiprocessing.get_all_start_methods() and not _threads_running() else "spawn"
+    method = start_method()
     # Ctrl-C reaches every process of a terminal; the one that answers it is this one
     quiet = (signal.SIGINT, signal.SIG_IGN)
     with ProcessPoolExecutor(count, multiprocessing.get_context(method), initializer=signal.signal, initargs=quiet) as pool:
         yield from pool.map(function, items, chunksize=max(1, len(items) // (8 * count)))
 
 
-def _threads_running() -> bool:
+def start_method() -> str:
+    """How worker processes begin: forked where no thread runs, else as fresh interpreters."""
     import threading
 
-    return threading.active_count() > 1
+    return "fork" if "fork" in multiprocessing.get_all_start_methods() and threading.active_count() == 1 else "spawn"

@@ -8,7 +8,7 @@ from importlib import resources
 
 from valvetrain.cam.build import build_lift_law
 from valvetrain.parameters.case import Case
-from valvetrain.solution.quantity import unit_of
+from valvetrain.solution.definition import shown
 from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
 
 _STILL = "statics"
@@ -109,6 +109,5 @@ def _rpm(engine_speed: float) -> str:
 
 
 def _with_unit(value: float, name: str, digits: int = 4) -> str:
-    unit = unit_of(name)
-    factor, word = {"rad": (180 / math.pi, "deg"), "N s": (1e3, "mN s"), "Pa": (1e-6, "MPa")}.get(unit, (1.0, unit))
-    return f"{value * factor:.{digits}g} {word}"
+    number, word = shown(name, value)
+    return f"{number:.{digits}g} {word}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -67,28 +69,19 @@ def penetration_at(system: TrainSystem, place: int, force: float) -> float:
     return high
 
 
-def generalised_forces(system: TrainSystem, q: Array, cam_angle: float) -> Array:
-    """Static generalised forces (N, N m), shape (N,): constant, gas, laws and springs in their own equilibrium."""
+def generalised_forces(system: TrainSystem, q: Array, cam_angle: float, spring_force: Callable[[float], float] | None = None) -> Array:
+    """Static generalised forces (N, N m), shape (N,): constant, gas, laws and springs in their own equilibrium.
+
+    ``spring_force``: static force (N) of the springs at a retainer displacement (m); the system's own by default.
+    """
     arrays = system.arrays
     pens, gradients, _ = gap_state(system, q, cam_angle)
     forces = np.array([law_force(system, k, pen) for k, pen in enumerate(pens)])
     total = arrays.body[:, 1] - forces @ gradients
-    total[arrays.retainer] -= system.spring_force(float(q[arrays.retainer]))
+    total[arrays.retainer] -= (spring_force or system.spring_force)(float(q[arrays.retainer]))
     if arrays.gas_coordinate >= 0:
         total[arrays.gas_coordinate] += table_value(arrays.gas, 0, cam_angle)[0]
     return total
-
-
-def reference_force(system: TrainSystem) -> float:
-    """Force level (N) at which contact stiffnesses are judged: four times the spring force at full lift."""
-    if "reference force" not in system.known:
-        system.known["reference force"] = max(4 * system.spring_force(_full_lift(system)), 100.0)
-    return float(system.known["reference force"])
-
-
-def _full_lift(system: TrainSystem) -> float:
-    kinematics = system.mechanism.kinematics
-    return float(kinematics.maximum_lift) if kinematics is not None else 0.0
 
 
 def highest_frequency(system: TrainSystem, force: float, cam_angle: float = 0.0, q: Array | None = None) -> float:
@@ -102,9 +95,9 @@ def highest_frequency(system: TrainSystem, force: float, cam_angle: float = 0.0,
     return float(np.sqrt(np.linalg.eigvalsh(root[:, None] * stiffness * root)[-1]))
 
 
-def own_time_step(system: TrainSystem, force: float | None = None) -> float:
-    """Stable leapfrog limit (s) of the train's own masses: 2 / highest frequency with every contact closed."""
-    return 2 / highest_frequency(system, reference_force(system) if force is None else force)
+def own_time_step(system: TrainSystem, force: float) -> float:
+    """Stable leapfrog limit (s) of the train's own masses: 2 / highest frequency with every contact closed under ``force`` (N)."""
+    return 2 / highest_frequency(system, force)
 
 
 def springs_time_step(system: TrainSystem, time_step: float) -> float:
@@ -116,6 +109,6 @@ def springs_time_step(system: TrainSystem, time_step: float) -> float:
     return float(limit)
 
 
-def stable_time_step(system: TrainSystem, force: float | None = None) -> float:
+def stable_time_step(system: TrainSystem, force: float) -> float:
     """Largest stable leapfrog step (s) of train and springs together."""
     return springs_time_step(system, own_time_step(system, force))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol, runtime_checkable
 
@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.mechanism.gap_kinds import COORDINATES_PER_INTERACTION
 from valvetrain.mechanism.parts import AssembledMechanism, ElasticLink
+from valvetrain.springs.contract import SpringModel
+from valvetrain.system.contract import TRAIN
+from valvetrain.system.prescribed import names_of
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -62,14 +65,21 @@ class TrainSystem:
     """
 
     mechanism: AssembledMechanism
-    springs: tuple[Any, ...] = ()
+    springs: tuple[SpringModel, ...] = ()
     gas: Array | None = None
     name: str = ""
-    labels: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if len(self.springs) > 2:
             raise InputError(f"a valve carries at most two springs (outer, inner); {len(self.springs)} are given")
+
+    @property
+    def kind(self) -> str:
+        return TRAIN
+
+    @property
+    def spring_names(self) -> tuple[str, ...]:
+        return names_of(self.springs)
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:
@@ -96,23 +106,15 @@ class TrainSystem:
         """Mass (kg) or inertia (kg m2) per coordinate, the spring's share included, shape (N,)."""
         return self.arrays.body[:, 0]
 
-    def with_springs(self, springs: Sequence[Any]) -> TrainSystem:
+    def with_springs(self, springs: Sequence[SpringModel]) -> TrainSystem:
         """The same train on other springs; itself where they are the same."""
         if len(springs) == len(self.springs) and all(new is old for new, old in zip(springs, self.springs, strict=True)):
             return self
         return replace(self, springs=tuple(springs))
 
-    @cached_property
-    def known(self) -> dict[Any, Any]:
-        """What was found of this train at rest, by question: an equilibrium of a finite-element spring takes milliseconds."""
-        return {}
-
     def spring_force(self, displacement: float) -> float:
         """Static force (N) of all springs at a retainer displacement (m)."""
-        key = ("spring force", displacement)
-        if key not in self.known:
-            self.known[key] = float(sum(s.force(s.initial_state(displacement), displacement).retainer for s in self.springs))
-        return float(self.known[key])
+        return float(sum(s.force(s.initial_state(displacement), displacement).retainer for s in self.springs))
 
     def spring_forces(self, displacements: Array) -> Array:
         """Static force (N) of all springs at each retainer displacement (m) of a curve, shape kept."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +20,6 @@ from valvetrain.springs.solid.layout import MeshOptions
 from valvetrain.springs.solid.mesh import SolidMesh
 from valvetrain.springs.solid.printed import Printed, read_printed
 from valvetrain.springs.solid.sweep import sweep_spring
-
-if TYPE_CHECKING:
-    from valvetrain.parameters.case import Case
 
 Array = NDArray[np.float64]
 
@@ -45,12 +41,6 @@ class SolidSpring:
     threads: int = 1
     name: str = "solid"
     watch: Watch | None = field(default=None, compare=False, repr=False)
-
-    @classmethod
-    def from_case(cls, case: Case, **changes: Any) -> SolidSpring:
-        """The solid model of a case's spring, its end turns held and its coils in contact, on the coarse mesh a transient can carry."""
-        coarse = cls(case.require_spring(), MeshOptions(12, 1, 1, ends="held"), SolidContact())
-        return replace(coarse, **changes)
 
     @cached_property
     def mesh(self) -> SolidMesh:

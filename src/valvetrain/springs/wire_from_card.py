@@ -5,19 +5,18 @@ from __future__ import annotations
 import math
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.case import SpringCard
+from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.parameters.train import InstalledSpring
 
 ACTIVE_COILS = 5.0
 CLEARANCE = 0.15
 """Gap left between coils at full lift, as a share of the wire diameter."""
 
 
-def wire_from_card(card: SpringCard, valve_lift: float) -> InstalledSpring:
-    """Cylindrical wire, clamped at both tips, with the card's rate, preload and mass; its coils never touch up to ``valve_lift`` (m).
+def wire_from_card(card: SpringCard, valve_lift: float) -> tuple[SpringDefinition, float]:
+    """Cylindrical wire and its precompression (m): clamped at both tips, with the card's rate, preload, mass; no clash to ``valve_lift``.
 
     A card leaves one freedom, taken up by :data:`ACTIVE_COILS` = n: with k = G d^4 / (8 D^3 n) and m = rho pi^2 d^2 D n / 4 follows
     d^10 = (8 k n / G) (4 m / (rho pi^2 n))^3. The finite-element rod comes within 1 % of rate and preload. Raises :class:`InputError` for
@@ -36,4 +35,4 @@ def wire_from_card(card: SpringCard, valve_lift: float) -> InstalledSpring:
         wire_diameter=Constant(wire), mean_diameter=Constant(mean), pitch=Constant(pitch), total_coils=n, material=material,
         lower_end=OPEN_END, upper_end=OPEN_END, name=card.name,
     )  # fmt: skip
-    return InstalledSpring(definition, definition.free_length - precompression)
+    return definition, precompression

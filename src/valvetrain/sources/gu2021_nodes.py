@@ -1,4 +1,4 @@
-"""Motion of the wire at the ends of coils 1 and 2 in named quantities."""
+"""Motion of the wire at the ends of coils 1 and 2 in the quantities of the beehive study: its nodes 1 and 2."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import numpy as np
 
 from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.quantities.peaks import separate_spikes
-from valvetrain.quantities.stages import Stages
+from valvetrain.solution.study import LiftEvent
+from valvetrain.sources.gu2021_stages import covers_stage, in_stage
 
 
-def displacement_quantities(cycle: Cycle, stages: Stages | None = Stages()) -> dict[str, float]:
+def displacement_quantities(cycle: Cycle, event: LiftEvent | None) -> dict[str, float]:
     """Displacement of node 2, zero where coil 2 touches coil 1 (m), and the closing of these coils in Stage II."""
     found: dict[str, float] = {}
     lift_off = cycle.at_coil("coil_gap", 2.0)
@@ -17,28 +18,28 @@ def displacement_quantities(cycle: Cycle, stages: Stages | None = Stages()) -> d
         top = int(np.argmax(lift_off))
         found["node_2_maximum_displacement"] = float(lift_off[top])
         found["node_2_maximum_displacement_cam_angle"] = float(cycle.cam_angle[top])
-        if stages is not None and stages.covered(cycle, 1):
-            early = lift_off[cycle.window(*stages.bounds(1))]
+        if event is not None and covers_stage(cycle, event, 1):
+            early = lift_off[in_stage(cycle, event, 1)]
             found["node_2_stage_1_maximum_displacement"] = float(np.max(early))
             found["node_2_stage_1_displacement_range"] = float(np.ptp(early))
     moved, force = cycle.at_coil("axial_displacement", 2.0), cycle.at_coil("coil_contact_force", 2.0)
-    if stages is not None and moved is not None and force is not None:
-        closing = np.flatnonzero(cycle.window(*stages.bounds(2)) & (force > 0))
+    if event is not None and moved is not None and force is not None:
+        closing = np.flatnonzero(in_stage(cycle, event, 2) & (force > 0))
         if len(closing):
             found["node_2_contact_displacement"] = float(-moved[closing[0]])
     return found
 
 
-def velocity_quantities(cycle: Cycle, stages: Stages | None = Stages()) -> dict[str, float]:
+def velocity_quantities(cycle: Cycle, event: LiftEvent | None) -> dict[str, float]:
     """Extremes of the velocity of node 2 (m/s) by stage, its rebound after the main collision and what follows."""
     velocity = cycle.at_coil("axial_velocity", 2.0)
-    if velocity is None or stages is None:
+    if velocity is None or event is None:
         return {}
     found: dict[str, float] = {}
     for stage in (1, 2, 3):
-        if not stages.covered(cycle, stage):
+        if not covers_stage(cycle, event, stage):
             continue
-        inside = np.flatnonzero(cycle.window(*stages.bounds(stage)))
+        inside = np.flatnonzero(in_stage(cycle, event, stage))
         for word, pick in (("minimum", np.argmin), ("maximum", np.argmax)):
             index = inside[int(pick(velocity[inside]))]
             found[f"node_2_stage_{stage}_{word}_velocity"] = float(velocity[index])
@@ -46,12 +47,12 @@ def velocity_quantities(cycle: Cycle, stages: Stages | None = Stages()) -> dict[
     if "node_2_stage_1_maximum_velocity" in found:
         found["node_2_stage_1_velocity_range"] = found["node_2_stage_1_maximum_velocity"] - found["node_2_stage_1_minimum_velocity"]
     if "node_2_stage_3_minimum_velocity" in found:
-        found |= _rebound(cycle, velocity, stages)
+        found |= _rebound(cycle, velocity, event)
     return found
 
 
-def _rebound(cycle: Cycle, velocity: Array, stages: Stages) -> dict[str, float]:
-    inside = np.flatnonzero(cycle.window(*stages.bounds(3)))
+def _rebound(cycle: Cycle, velocity: Array, event: LiftEvent) -> dict[str, float]:
+    inside = np.flatnonzero(in_stage(cycle, event, 3))
     lowest = inside[int(np.argmin(velocity[inside]))]
     after = velocity[lowest:]
     falling = np.flatnonzero(np.diff(after) < 0)

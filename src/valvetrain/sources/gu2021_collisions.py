@@ -1,4 +1,4 @@
-"""Collisions of coil 2 with coil 1: when they meet, how regularly, and how they bounce."""
+"""Collisions of coil 2 with coil 1 as the beehive study counts them: when they meet, how regularly, and how they bounce."""
 
 from __future__ import annotations
 
@@ -6,15 +6,12 @@ import numpy as np
 
 from valvetrain.quantities.clash import runs
 from valvetrain.quantities.cycle import Array, Cycle
-from valvetrain.quantities.peaks import separate_spikes
-from valvetrain.quantities.stages import Stages
+from valvetrain.solution.study import LiftEvent
 
 #: Gap (m) below which coils count as touching; contact stiffness lets them overlap by less than this.
 TOUCHING = 1e-6
 #: Half a turn of wire (coil numbers) either side of node 2; where in it the coils meet depends on how far coil 2 rests on coil 1.
 MEETING = (1.5, 2.5)
-#: Without gaps, a collision shows as an acceleration of at least this share of the largest in the cycle.
-SPIKE_SHARE = 0.10
 #: Contacts closer than this share of the period of the first mode belong to one collision.
 SEPARATION_SHARE = 0.35
 #: The same as a cam angle (rad) where no natural frequency is known.
@@ -32,11 +29,11 @@ def collision_angles(cycle: Cycle, separation: float) -> Array:
     """Cam angles (rad, ascending) at which coil 2 meets coil 1.
 
     A collision is a touch of any point within half a turn of node 2 that comes more than ``separation`` (rad) after the touch
-    before it; for a model without gaps it is a spike of the acceleration of node 2.
+    before it. A model without gaps has none.
     """
     gaps = _meeting_gaps(cycle)
     if gaps is None:
-        return _spike_angles(cycle, separation)
+        return np.zeros(0)
     closing = (gaps < TOUCHING) & (np.roll(gaps, 1, axis=0) >= TOUCHING)
     if not cycle.whole:
         closing[0] = False
@@ -55,35 +52,25 @@ def _meeting_gaps(cycle: Cycle) -> Array | None:
     return cycle.channel("coil_gap")[:, mine] if np.any(mine) else None
 
 
-def _spike_angles(cycle: Cycle, separation: float) -> Array:
-    values = cycle.at_coil("axial_acceleration", 2.0)
-    if values is None or not np.any(values):
-        return np.zeros(0)
-    size = np.abs(values)
-    return np.sort(cycle.cam_angle[separate_spikes(cycle.cam_angle, size, separation, SPIKE_SHARE * float(np.max(size)))])
-
-
-def collision_quantities(
-    cycle: Cycle, separation: float, surge_frequency: float | None, stages: Stages | None = Stages()
-) -> dict[str, float]:
+def collision_quantities(cycle: Cycle, separation: float, surge_frequency: float | None, event: LiftEvent | None) -> dict[str, float]:
     """Angles of the collisions, their mean distance outside Stage II, that distance over the first mode's period, the bounce."""
     angles = collision_angles(cycle, separation)
     found = {f"clash_{number}_cam_angle": float(angle) for number, angle in enumerate(angles, start=1)}
-    if stages is None:
+    if event is None:
         return found
-    interval = mean_interval(angles, stages)
+    interval = mean_interval(angles, event)
     if interval is not None:
         found["clash_interval_cam_angle"] = interval
         if surge_frequency:
             period = cycle.solution.engine_speed / 2 / surge_frequency  # cam rad per period of the first mode
             found["clash_interval_to_mode_1_period_ratio"] = interval / period
-    late = angles[angles >= stages.second_end]
+    late = angles[angles >= event.end]
     return found | (bounce_quantities(cycle, float(late[0]), separation) if len(late) else {})
 
 
-def mean_interval(clash_angles: Array, stages: Stages = Stages()) -> float | None:
+def mean_interval(clash_angles: Array, event: LiftEvent) -> float | None:
     """Mean distance (rad) of successive collisions within Stage I and within Stage III; a missed one is left out."""
-    first, second = clash_angles[clash_angles < stages.first_end], clash_angles[clash_angles >= stages.second_end]
+    first, second = clash_angles[clash_angles < event.start], clash_angles[clash_angles >= event.end]
     steps = np.concatenate((np.diff(first), np.diff(second)))
     if len(steps) == 0:
         return None

@@ -1,0 +1,77 @@
+"""What every integrator answers, and how long a run lasts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Protocol, runtime_checkable
+
+from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.result import Solution
+from valvetrain.system.contract import System
+from valvetrain.system.train_rest import TrainRest
+
+
+@dataclass(frozen=True, slots=True)
+class Cycles:
+    """A number of cam turns from the state at rest; the last one is the result."""
+
+    count: int = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Periodic:
+    """Until the motion repeats. ``cycles``: most cam turns (None: the usual number of the system); ``method``: ``anderson`` or
+    ``repeat`` (the classical one); ``tolerance``: change per turn relative to lift and lift times cam speed (None: the usual one)."""
+
+    cycles: int | None = None
+    method: str = "anderson"
+    tolerance: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RunUp:
+    """From the run's cam speed to ``last_cam_speed`` (rad/s) at ``cam_acceleration`` (rad/s2, of the sign of the change)."""
+
+    last_cam_speed: float
+    cam_acceleration: float
+
+
+Until = Cycles | Periodic | RunUp
+Keep = Literal["all", "contacts", "ends"]
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Numerical choices of a run.
+
+    ``samples`` per cam turn (None: the integrator's usual number). ``time_step`` (s; None: chosen by stability). ``keep``: channels of
+    ``all`` that the system shows, of the coil ``contacts`` and the ends, or of the ``ends`` alone. ``rest``: a train at rest where it is known already. ``integrator``: word of the registry
+    (None: the first that serves).
+    """
+
+    samples: int | None = None
+    time_step: float | None = None
+    keep: Keep = "all"
+    rest: TrainRest | None = None
+    integrator: str | None = None
+
+
+@runtime_checkable
+class Integrator(Protocol):
+    """One way of integrating a system in time; frozen. A run that fails is a status in its solution, never an exception."""
+
+    @property
+    def word(self) -> str: ...
+
+    @property
+    def order(self) -> int:
+        """Declared order of convergence in the time step (0: exact at any step)."""
+        ...
+
+    def serves(self, system: System, until: Until) -> bool:
+        """Whether this integrator runs such a system so long."""
+        ...
+
+    def run(self, system: System, cam_speed: float, until: Until, options: RunOptions, provenance: Provenance) -> Solution:
+        """The run as a solution without events and quantities; see :func:`valvetrain.integrate.run.run`."""
+        ...

@@ -1,0 +1,60 @@
+"""Exact periodic solution of the modal model with varied stiffness: harmonic by harmonic over one cam turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.integrate.contract import RunOptions, RunUp, Until
+from valvetrain.solution.channels import spring_channels
+from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.result import Solution
+from valvetrain.solution.status import COMPLETED
+from valvetrain.springs.modal_varied import ModalVaried
+from valvetrain.system.contract import System
+from valvetrain.system.prescribed import PrescribedSpring
+
+SAMPLES = 720
+EXTRA: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "seat_force_as_printed": ((), "N", "seat force with the modal signs of equation 5 as printed"),
+    "modal_coordinate": (("mode",), "m", "coordinate of each axial mode"),
+}
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """No step and no transient: every harmonic of the lift gives the same harmonic of each mode."""
+
+    word: str = "harmonic"
+    order: int = 0
+
+    def serves(self, system: System, until: Until) -> bool:
+        alone = isinstance(system, PrescribedSpring) and len(system.springs) == 1
+        return alone and isinstance(system.springs[0], ModalVaried) and not isinstance(until, RunUp)
+
+    def run(self, system: System, cam_speed: float, until: Until, options: RunOptions, provenance: Provenance) -> Solution:
+        """See :class:`valvetrain.integrate.contract.Integrator`."""
+        assert isinstance(system, PrescribedSpring)
+        model = system.springs[0]
+        assert isinstance(model, ModalVaried)
+        solved, samples = model.solve(system.valve_lift.lift, cam_speed), options.samples or SAMPLES
+        angle = 2 * np.pi * np.arange(samples + 1) / samples
+        around = np.append(solved.cam_angle, 2 * np.pi)
+
+        def at(values: NDArray[np.float64]) -> NDArray[np.float64]:
+            return np.interp(angle, around, np.append(values, values[0]))
+
+        values = {
+            "valve_lift": system.valve_lift.lift(angle), "retainer_velocity": cam_speed * system.valve_lift.lift(angle, 1),
+            "retainer_acceleration": cam_speed**2 * system.valve_lift.lift(angle, 2),
+            "seat_force": at(solved.seat_force), "seat_force_as_printed": at(solved.seat_force_as_printed),
+            "retainer_force": at(solved.retainer_force), "modal_coordinate": np.stack([at(g) for g in solved.modal_coordinates], axis=1),
+        }  # fmt: skip
+        channels = spring_channels(angle / cam_speed, angle, values, extra=EXTRA)
+        statistics = {"modes_count": len(model.natural_frequencies), "damping_ratio": model.damping_ratio, "integrator": self.word}
+        return Solution(channels, (), COMPLETED, statistics, provenance)
+
+
+SPEC = Harmonic()

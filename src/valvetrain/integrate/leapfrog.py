@@ -1,0 +1,173 @@
+"""Explicit leapfrog of any spring model under prescribed motion, through the one contract of ``springs.contract``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit, types
+from numpy.typing import NDArray
+
+from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
+from valvetrain.integrate.spring_slot import SPRING_FUNCTION
+from valvetrain.solution.channels import FINE, spring_channels
+from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.result import Solution
+from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.springs.contract import SpringModel
+from valvetrain.system.contract import System
+from valvetrain.system.prescribed import PrescribedSpring
+
+Array = NDArray[np.float64]
+TURN = 2 * np.pi
+#: Samples per cam turn, share of the model's stable step that is used, cam turns until a periodic motion is given up, and the change of
+#: the end forces per turn, over their span, at which it counts as periodic.
+SAMPLES, STEP_FRACTION, MOST_CYCLES, TOLERANCE = 720, 0.8, 40, 1e-3
+#: A record of inner states beyond this size (bytes) is not kept.
+LARGEST_RECORD = 400e6
+#: Forces (N) beyond any spring's: the run has diverged.
+LARGEST_FORCE = 1e7
+
+_f8, _vector, _matrix = types.float64, types.Array(types.float64, 1, "C"), types.Array(types.float64, 2, "C")
+
+
+@njit(
+    types.int64(
+        SPRING_FUNCTION, _vector, types.Array(types.int64, 1, "C"), _vector, _vector, _vector, _f8, types.int64, _matrix, _matrix
+    ),
+    cache=True, nogil=True, error_model="numpy",
+)  # fmt: skip
+def advance(kernel, parameters, integers, state, displacement, velocity, time_step, every, forces, states):
+    """One stretch of prescribed motion: end forces (N) at every step, the state at every ``every``-th; returns the steps done.
+
+    The last call takes no step, so that the next stretch begins where this one ends.
+    """
+    last = displacement.shape[0] - 1
+    for n in range(last + 1):
+        if n % every == 0 and n // every < states.shape[0]:
+            for i in range(states.shape[1]):
+                states[n // every, i] = state[i]
+        step = time_step if n < last else 0.0
+        forces[n, 0], forces[n, 1] = kernel(parameters, integers, state, displacement[n], velocity[n], step)
+        if not abs(forces[n, 0]) + abs(forces[n, 1]) < 1e7:
+            return n
+    return last + 1
+
+
+@dataclass(frozen=True)
+class Leapfrog:
+    """Second order; the step is a share of the model's stable one, so that a cam turn holds a whole number of samples and steps."""
+
+    word: str = "leapfrog"
+    order: int = 2
+
+    def serves(self, system: System, until: Until) -> bool:
+        return isinstance(system, PrescribedSpring) and len(system.springs) == 1
+
+    def run(self, system: System, cam_speed: float, until: Until, options: RunOptions, provenance: Provenance) -> Solution:
+        """See :class:`valvetrain.integrate.contract.Integrator`."""
+        assert isinstance(system, PrescribedSpring)
+        samples, interval = options.samples or SAMPLES, 0.0
+        interval = TURN / cam_speed / samples
+        limit = options.time_step or STEP_FRACTION * system.springs[0].stable_time_step()
+        sub = max(1, int(np.ceil(interval / limit * (1 - 1e-9))))
+        step = interval / sub
+        model = system.springs[0].with_time_step(step)
+        acceleration, turns, tolerance = 0.0, 1, 0.0
+        if isinstance(until, RunUp):
+            acceleration = until.cam_acceleration
+            turns = max(1, int(np.ceil((until.last_cam_speed - cam_speed) / acceleration * cam_speed / TURN)))
+        elif isinstance(until, Cycles):
+            turns = until.count
+        else:
+            turns, tolerance = until.cycles or MOST_CYCLES, until.tolerance or TOLERANCE
+        state = np.asarray(model.initial_state(float(system.displacement(0.0, cam_speed))), dtype=float)
+        parameters, integers = model.parameters(), model.integers()
+        keep = options.keep != "ends" and 8.0 * len(state) * (samples + 1) < LARGEST_RECORD
+        forces, before, change, done, turn = np.zeros((samples * sub + 1, 2)), np.zeros(0), np.inf, 0, 0
+        kept: list[tuple[Array, Array, Array]] = []
+        for turn in range(turns):
+            time = step * np.arange(samples * sub + 1.0) + turn * samples * interval
+            angle = cam_speed * time + 0.5 * acceleration * time**2
+            place = np.ascontiguousarray(system.valve_lift.lift(angle), dtype=float)
+            rate = np.ascontiguousarray(system.valve_lift.lift(angle, 1)) * (cam_speed + acceleration * time)
+            states = np.zeros((samples + 1 if keep else 0, len(state)))
+            forces = np.zeros((len(time), 2))
+            done = advance(model.kernel, parameters, integers, state, place, rate, step, sub, forces, states)
+            kept = [*kept, (time, forces, states)] if isinstance(until, RunUp) else [(time, forces, states)]
+            if done <= samples * sub:
+                break
+            if len(before):
+                change = float(np.max(np.abs(forces[:, 1] - before)) / max(float(np.ptp(forces[:, 1])), 1e-12))
+            before = forces[:, 1]
+            if change <= tolerance:
+                break
+        status = _status(system, until, done > samples * sub, change, tolerance, turn, kept[-1][0][min(done, samples * sub)], cam_speed)
+        statistics: dict[str, float | int | str | bool] = {
+            "time_step_duration": step, "steps_per_cycle_count": samples * sub, "steady_cycles_count": turn + 1, "integrator": self.word,
+        }  # fmt: skip
+        if isinstance(until, Periodic):
+            statistics |= {"steady_residual_ratio": change, "steady_tolerance_ratio": tolerance}
+        if done <= samples * sub:  # whole samples of what was computed before it diverged
+            whole = done // sub * sub
+            kept[-1] = kept[-1][0][: whole + 1], kept[-1][1][: whole + 1], kept[-1][2][: whole // sub + 1]
+        channels = _channels(system, model, cam_speed, acceleration, kept, sub, options.keep == "all")
+        return Solution(channels, (), status, statistics, provenance)
+
+
+def _status(
+    system: PrescribedSpring, until: Until, reached: bool, change: float, tolerance: float, turn: int, time: float, cam_speed: float
+) -> Status:
+    if not reached:
+        where = np.degrees(cam_speed * time % TURN)
+        return Status(
+            "diverged", f"the forces grew without bound at {where:.1f} cam degrees of turn {turn + 1}", float(time), system.springs[0].name,
+            "give a smaller time step or a softer coil contact, or check the lift law for jumps",
+        )  # fmt: skip
+    if isinstance(until, Periodic) and change > tolerance:
+        words = f"after {turn + 1} cam turns the forces still change by {change:.1e} of their span (accepted: {tolerance:.0e})"
+        return Status("not-converged", words, float(time), system.springs[0].name, "run more turns, or raise the damping of the spring")
+    return COMPLETED
+
+
+def _channels(
+    system: PrescribedSpring, model: SpringModel, cam_speed: float, acceleration: float, kept: list[tuple[Array, Array, Array]], sub: int,
+    whole: bool,
+):  # type: ignore[no-untyped-def]
+    """Channels over the turns kept: end forces at every sample and step, inner motion where states were recorded, energies."""
+    cuts = [slice(None) if n == len(kept) - 1 else slice(None, -1) for n in range(len(kept))]
+    time, forces = (np.concatenate([part[k][cut] for part, cut in zip(kept, cuts, strict=True)]) for k in (0, 1))
+    states = np.concatenate([part[2][cut] for part, cut in zip(kept, cuts, strict=True)])
+    at, turned = time[::sub], cam_speed * time + 0.5 * acceleration * time**2
+    angle, rate = turned[::sub], cam_speed + acceleration * at
+    lift = np.asarray(system.valve_lift.lift(angle), dtype=float)
+    velocity = np.asarray(system.valve_lift.lift(angle, 1)) * rate
+    place = np.asarray(system.valve_lift.lift(turned))
+    work = np.concatenate(([0.0], np.cumsum((forces[1:, 0] + forces[:-1, 0]) / 2 * np.diff(place))))
+    values: dict[str, Array] = {
+        "valve_lift": lift, "retainer_velocity": velocity,
+        "retainer_acceleration": np.asarray(system.valve_lift.lift(angle, 2)) * rate**2 + velocity / rate * acceleration,
+        "retainer_force": forces[::sub, 0], "seat_force": forces[::sub, 1], "work_done": work[::sub],
+    }  # fmt: skip
+    for name, series in (("retainer_force_fine", forces[:, 0]), ("seat_force_fine", forces[:, 1])):
+        padded = np.concatenate([series, np.repeat(series[-1:], sub - 1)])
+        values[name] = padded[: len(at) * sub].reshape(len(at), sub)
+    coil, pairs = None, None
+    if len(states):
+        step = float(time[1] - time[0]) if len(time) > 1 else 0.0
+        shown = [model.outputs(state, x, v) for state, x, v in zip(states, lift, velocity, strict=True)]
+        energy = np.zeros((0, 4)) if not whole else np.array([tuple(model.energy(state, x, v, step)) for state, x, v in zip(states, lift, velocity, strict=True)])
+        for column, name in enumerate(() if not whole else ("kinetic_energy", "elastic_energy", "contact_energy", "energy_dissipated")):
+            values[name] = energy[:, column]
+        if whole and shown[0].coil_number.size:
+            coil = shown[0].coil_number
+            values["axial_displacement"] = np.array([one.axial_displacement for one in shown])
+            values["axial_velocity"] = np.array([one.axial_velocity for one in shown])
+        if shown[0].upper_coil.size:
+            pairs = shown[0].upper_coil
+            values["coil_gap"] = np.array([one.coil_gap for one in shown])
+            values["coil_contact_force"] = np.array([one.coil_contact_force for one in shown])
+    return spring_channels(at, angle, values, coil_number=coil, upper_coil=pairs, extra=FINE)
+
+
+SPEC = Leapfrog()

@@ -1,0 +1,140 @@
+"""Channels of a train from the records of its compiled loop, by the names of docs/architecture.md."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.integrate.train_run import CycleRecord, TrainState
+from valvetrain.springs.contract import SpringModel, SpringOutputs
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.finite_element_kernel import TRAVEL
+from valvetrain.system.train_rest import TrainRest
+from valvetrain.system.train_system import TrainSystem
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+#: Interactions that are contacts; all others are elastic links.
+CONTACTS = ("cam", "tappet", "rocker", "valve tip", "seat")
+
+
+def force_name(interaction: str) -> str:
+    """Channel of an interaction's force: ``valve tip`` -> ``valve_tip_contact_force``, ``pushrod bar`` -> ``pushrod_bar_force``."""
+    return f"{interaction.replace(' ', '_')}{'_contact' if interaction in CONTACTS else ''}_force"
+
+
+def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[CycleRecord], start: TrainState | None = None) -> xarray.Dataset:
+    """Consecutive records as one dataset; ``start`` is the state that the (only) record began from, for the springs' inner motion."""
+    import xarray
+
+    mechanism, arrays = system.mechanism, system.arrays
+    valve, retainer = mechanism.index(mechanism.valve), arrays.retainer
+
+    def all_of(name: str) -> Array:
+        return np.concatenate([getattr(record, name) for record in records])
+
+    q, v, a, forces, gaps, ends = (all_of(name) for name in ("q", "v", "a", "forces", "gaps", "spring_forces"))
+    first = records[0]
+    if len(records) > 1:  # a run-up: the true angle, unwrapped
+        angle = all_of("cam_angle")
+        starts = np.cumsum([0.0] + [len(record.q) * _interval(record) for record in records[:-1]])
+        time = np.concatenate([begin + np.arange(len(record.q)) * _interval(record) for begin, record in zip(starts, records, strict=True)])
+        speed = np.gradient(angle, time) if len(angle) > 2 else np.full(len(angle), first.cam_speed)
+    else:
+        angle = np.arange(len(q)) * 2 * np.pi / len(q)
+        time, speed = angle / first.cam_speed, np.full(len(q), first.cam_speed)
+    table: dict[str, tuple[Array, str, str]] = {
+        "valve_lift": (q[:, valve], "m", "valve lift"), "valve_velocity": (v[:, valve], "m/s", "valve velocity, opening positive"),
+        "valve_acceleration": (a[:, valve], "m/s2", "valve acceleration, opening positive"),
+        "retainer_velocity": (v[:, retainer], "m/s", "retainer velocity, opening positive"),
+        "retainer_force": (ends[:, :, 0].sum(axis=1), "N", "force of all springs on the retainer"),
+        "seat_force": (ends[:, :, 1].sum(axis=1), "N", "force of all springs on the cylinder head"),
+        "static_retainer_force": (rest.static_spring_force(q[:, retainer]), "N", "spring force at rest at the same lift"),
+        "cam_torque": (all_of("cam_power") / speed, "N m", "torque that drives the cam"),
+    }  # fmt: skip
+    turning = [k for k, part in enumerate(mechanism.coordinates) if part.unit == "rad"]
+    if turning:
+        table["lever_speed"] = (v[:, turning[0]], "rad/s", "turning speed of the lever")
+    for k, name in enumerate(system.interaction_names):
+        table[force_name(name)] = (forces[:, k], "N", f"force at {name}")
+        if name in CONTACTS:
+            table[f"{name.replace(' ', '_')}_gap"] = (gaps[:, k], "m", f"gap at {name}, open positive")
+    variables = {name: (("sample",), values, {"units": unit, "long_name": words}) for name, (values, unit, words) in table.items()}
+    coords: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {
+        "time": (("sample",), time, {"units": "s", "long_name": "time"}),
+        "cam_angle": (("sample",), angle, {"units": "rad", "long_name": "cam angle, unwrapped"}),
+    }
+    single = len(system.springs) == 1
+    for place, (spring, word) in enumerate(zip(system.springs, system.spring_names, strict=True)):
+        prefix = "" if single else f"{word}_"
+        if not single:
+            for side, name, words in ((0, "retainer_force", "on the retainer"), (1, "seat_force", "on the cylinder head")):
+                variables[f"{prefix}{name}"] = (
+                    ("sample",),
+                    ends[:, place, side],
+                    {"units": "N", "long_name": f"{word} spring: force {words}"},
+                )
+        if start is not None and len(records) == 1 and first.spring_states[place].shape[1]:
+            _add_sections(variables, coords, prefix, spring_outputs(spring, first, start.springs[place], place, retainer))
+    return xarray.Dataset(variables, coords)
+
+
+def _interval(record: CycleRecord) -> float:
+    """Time (s) between the samples of a record of one nominal turn."""
+    return 2 * np.pi / record.cam_speed / len(record.q)
+
+
+def _add_sections(variables: dict, coords: dict, prefix: str, shown: list[SpringOutputs]) -> None:  # type: ignore[type-arg]
+    words = prefix.replace("_", " spring: ")
+    if shown[0].coil_number.size:
+        dims = ("sample", f"{prefix}wire_point")
+        label = {"units": "1", "long_name": f"{words}turns from the lower wire tip, or share of the active length"}
+        coords[f"{prefix}coil_number"] = (dims[1:], shown[0].coil_number, label)
+        for name, unit, text in (
+            ("axial_displacement", "m", "axial displacement from the installed state, seat to retainer positive"),
+            ("axial_velocity", "m/s", "axial velocity, seat to retainer positive"),
+        ):
+            values = np.array([getattr(one, name) for one in shown])
+            variables[f"{prefix}{name}"] = (dims, values, {"units": unit, "long_name": f"{words}{text}"})
+    if shown[0].upper_coil.size:
+        dims = ("sample", f"{prefix}coil_pair")
+        coords[f"{prefix}upper_coil"] = (
+            dims[1:], shown[0].upper_coil, {"units": "1", "long_name": f"{words}coil number of the upper partner"},
+        )  # fmt: skip
+        for name, unit, text in (
+            ("coil_gap", "m", "gap between a coil and the one below"), ("coil_contact_force", "N", "contact force on the coil below"),
+        ):  # fmt: skip
+            values = np.array([getattr(one, name) for one in shown])
+            variables[f"{prefix}{name}"] = (dims, values, {"units": unit, "long_name": f"{words}{text}"})
+
+
+def spring_outputs(spring: SpringModel, record: CycleRecord, start: Array, place: int, retainer: int) -> list[SpringOutputs]:
+    """What one spring shows at every sample of a record, from its recorded states."""
+    states, found = record.spring_states[place], []
+    whole = np.array(start, dtype=float)
+    whole[: 2 * spring.unknowns] = 0.0  # velocities that a large model did not record count as zero
+    for row in range(len(states)):
+        whole[: states.shape[1]] = states[row]
+        q, v = float(record.q[row, retainer]), float(record.v[row, retainer])
+        if isinstance(spring, FiniteElementRod):
+            # the rod's state also holds the retainer's place of the step before, to which its own vertices belong
+            step, a = record.time_step, float(record.a[row, retainer])
+            whole[TRAVEL] = spring.precompression + q - step * (v - 0.5 * step * a)
+        found.append(spring.outputs(whole, q, v))
+    return found
+
+
+def train_statistics(system: TrainSystem, record: CycleRecord) -> dict[str, float | int | str | bool]:
+    """What the loop found on every step: peak forces, works; by the names of docs/quantities.md."""
+    found: dict[str, float | int | str | bool] = {
+        f"peak_{force_name(name)}": float(record.peak_forces[k]) for k, name in enumerate(system.interaction_names)
+    }
+    return found | {
+        "cycle_work_energy": float(record.work[0]), "cycle_dissipated_energy": float(record.work[2]),
+        "spring_dissipated_energy": float(record.work[3]), "contact_friction_dissipated_energy": record.friction_loss,
+    }  # fmt: skip

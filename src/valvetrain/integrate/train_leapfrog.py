@@ -1,0 +1,87 @@
+"""Explicit leapfrog of a whole train, springs and all, to its periodic state, for a number of turns, or through a run-up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
+from valvetrain.integrate.run_up import run_up
+from valvetrain.integrate.train_channels import train_channels, train_statistics
+from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_steady import TOLERANCE, SteadyTrain, steady_train
+from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.result import Solution
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.system.contract import System
+from valvetrain.system.train_rest import rest_of
+from valvetrain.system.train_system import TrainSystem
+
+Array = NDArray[np.float64]
+#: Samples per cam turn; fewer of springs whose inner state is large.
+SAMPLES, LARGE_SAMPLES = 1440, 720
+#: Most cam turns of the search for the periodic state; the finite-element rod's state (frames among it) does not mix: few plain turns.
+MOST_CYCLES, FEW_CYCLES, FEW_TOLERANCE = 60, 3, 1e-3
+#: How often the step is cut to a third when a contact hardens beyond what it resolves.
+FINER_STEPS = 2
+
+
+@dataclass(frozen=True)
+class TrainLeapfrog:
+    """Second order; damping of all contacts of a step solved together (``integrate.train_kernel``)."""
+
+    word: str = "train-leapfrog"
+    order: int = 2
+
+    def serves(self, system: System, until: Until) -> bool:
+        return isinstance(system, TrainSystem)
+
+    def run(self, system: System, cam_speed: float, until: Until, options: RunOptions, provenance: Provenance) -> Solution:
+        """See :class:`valvetrain.integrate.contract.Integrator`."""
+        assert isinstance(system, TrainSystem)
+        rest = options.rest or rest_of(system)
+        large = any(isinstance(spring, FiniteElementRod) for spring in system.springs)
+        samples = options.samples or (LARGE_SAMPLES if large else SAMPLES)
+        chosen = TrainOptions(samples, time_step=options.time_step, record_springs=options.keep != "ends")
+        if isinstance(until, RunUp):
+            records = run_up(system, cam_speed, until.last_cam_speed, until.cam_acceleration, chosen, rest=rest)
+            if not records:
+                raise InputError("the run-up holds no whole stretch; lower the acceleration or move the last speed")
+            return Solution(train_channels(system, rest, records), (), records[-1].status, {"integrator": self.word}, provenance)
+        if isinstance(until, Cycles):
+            ready = runner(system, cam_speed, chosen, rest=rest)
+            state = ready.initial_state()
+            for _ in range(until.count - 1):
+                state, _ = replace(ready, options=replace(chosen, record_springs=False)).cycle(state, judged=False)
+            _, record = ready.cycle(state)
+            statistics = train_statistics(ready.system, record) | {"steady_cycles_count": float(until.count), "integrator": self.word}
+            return Solution(train_channels(ready.system, rest, (record,), state), (), record.status, statistics, provenance)
+        found = self._settled(system, cam_speed, until, chosen, large, options)
+        statistics = train_statistics(found.runner.system, found.record) | {
+            "steady_cycles_count": float(found.search.cycles), "steady_residual_ratio": float(found.search.residuals[-1]),
+            "steady_tolerance_ratio": found.tolerance, "motion_period_count": float(found.search.period),
+            "time_step_duration": found.record.time_step, "steps_per_cycle_count": float(found.runner.steps),
+            "wall_time_per_cycle_duration": found.wall_time_per_cycle, "integrator": self.word,
+        }  # fmt: skip
+        channels = train_channels(found.runner.system, rest, (found.record,), found.start)
+        return Solution(channels, (), found.status, statistics, provenance)
+
+    def _settled(
+        self, system: TrainSystem, cam_speed: float, until: Periodic, chosen: TrainOptions, large: bool, options: RunOptions
+    ) -> SteadyTrain:
+        """Periodic state; a contact harder than the step resolves is run again with a finer one."""
+        most = until.cycles or (FEW_CYCLES if large else MOST_CYCLES)
+        tolerance = until.tolerance or (FEW_TOLERANCE if large else TOLERANCE)
+        for _ in range(FINER_STEPS + 1):
+            ready = runner(system, cam_speed, chosen, rest=options.rest)
+            found = steady_train(ready, "repeat" if large else until.method, tolerance, most)
+            if found.record.status.completed or chosen.time_step is not None:
+                break
+            chosen = replace(chosen, step_fraction=chosen.step_fraction / 3)
+        return found
+
+
+SPEC = TrainLeapfrog()

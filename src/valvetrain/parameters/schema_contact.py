@@ -1,0 +1,87 @@
+"""The [train.contacts.PLACE] tables: what any contact table may say; each law's own defaults stand with it in `valvetrain.contact`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field, PlainValidator
+
+from valvetrain import registry
+from valvetrain.errors import InputError
+from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.schema_types import Force, Length, Ratio, StrictModel, guarded, problem, quantity, validate_as
+from valvetrain.parameters.train import ContactParameters
+from valvetrain.units import dimension_powers
+
+#: Their dimension depends on the law, so the units written tell it (:func:`_written_for`).
+ContactStiffness = Annotated[float, quantity(None)]
+ContactDamping = Annotated[float, quantity(None)]
+Velocity = Annotated[float, quantity("velocity")]
+
+_FRICTION = ("friction_coefficient", "friction_velocity")
+_DAMPING_UNITS: dict[tuple[tuple[str, float], ...], str] = {
+    (("[mass]", 1.0), ("[time]", -1.0)): "N s/m",
+    (("[length]", -1.0), ("[time]", 1.0)): "s/m",
+}
+
+
+class ContactTable(StrictModel):
+    """Keys that every contact table may hold, since it may be written for any law; a law's own table gives its defaults."""
+
+    law: str
+    contact_stiffness: ContactStiffness | None = Field(None, description="K of K d^n")
+    exponent: Ratio | None = Field(None, description="n of K d^n")
+    damping: ContactDamping | None = Field(None, description="c of c d' (N s/m) or q of 1 + q d' (s/m)")
+    restitution: Ratio | None = Field(None, description="velocity of rebound over that of approach")
+    full_damping_depth: Length | None = Field(None, description="penetration at which the damping is whole; else that at reference_force")
+    reference_force: Force = Field(500.0, description="force at which another law presses alike")
+    reference_velocity: Velocity = Field(0.2, description="approach velocity at which a restitution becomes a damping")
+    friction_coefficient: Ratio = Field(0.0, description="Coulomb friction along the contact")
+    friction_velocity: Velocity = Field(0.01, description="sliding velocity below which the contact creeps")
+
+
+def _read_contact(raw: Any) -> ContactParameters:
+    if not isinstance(raw, dict) or not isinstance(raw.get("law"), str):
+        raise problem("a contact needs its law, such as law = 'impact'")
+    law = raw["law"]
+    if law not in registry.words("contacts"):
+        raise problem(f"contact law '{law[:40]}' is unknown; {nearest(law, registry.words('contacts'))}", ("law",))
+    # Laws are loaded for keys of their own only: their files bring compiled kernels along.
+    common = {key: value for key, value in raw.items() if key in ContactTable.model_fields}
+    values = validate_as(ContactTable, common).model_dump(exclude_unset=True, exclude={"law"})
+    for key, value in raw.items():
+        if key not in common:
+            values[key] = getattr(validate_as(_table_with(key, law), {"law": law, key: value}), key)
+    friction = {key: values.pop(key) for key in _FRICTION if key in values}
+    units = guarded(_written_for, raw)
+    built: ContactParameters = guarded(lambda: ContactParameters(law, values, **friction, **units))
+    return built
+
+
+def _table_with(key: str, law: str) -> type[ContactTable]:
+    """The table of ``law``, or of another law, that has ``key`` (it then waits unused); else that of ``law``, to refuse it."""
+    words = (law, *(word for word in registry.words("contacts") if word != law))
+    tables: list[type[ContactTable]] = [guarded(registry.find, "contacts", word).table for word in words]
+    return next((table for table in tables if key in table.model_fields), tables[0])
+
+
+def _written_for(raw: dict[str, Any]) -> dict[str, Any]:
+    """The exponent of the stiffness and the kind of damping that the units of a contact table tell; refuses other units."""
+    found: dict[str, Any] = {}
+    if isinstance(text := raw.get("contact_stiffness"), str):
+        powers = dimension_powers(text)
+        exponent = 1 - powers.pop("[length]", 0.0)
+        if powers != {"[mass]": 1.0, "[time]": -2.0} or not 0.99 <= exponent <= 3:
+            raise InputError(f"'{text[:40]}' is no contact stiffness; write a force over a length, such as '100 kN/mm' or '1e5 N/mm^1.5'")
+        found["stiffness_exponent"] = exponent
+    if isinstance(text := raw.get("damping"), str):
+        unit = _DAMPING_UNITS.get(tuple(sorted(dimension_powers(text).items())))
+        if unit is None:
+            raise InputError(
+                f"'{text[:40]}' is no damping of a contact; write such as '300 N s/m', or '2 s/m' as factor of the elastic force"
+            )
+        found["damping_unit"] = unit
+    return found
+
+
+ContactField = Annotated[ContactParameters, PlainValidator(_read_contact)]

@@ -1,0 +1,157 @@
+"""One block per installed spring, the same in a spring case ([spring]) and in a train ([[train.springs.SET]])."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PlainValidator
+
+from valvetrain.parameters.damping import DampingParameters
+from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring, Rubbing
+from valvetrain.parameters.schema_spring import SpringCardModel, SpringModel
+from valvetrain.parameters.schema_types import (
+    DampingRate,
+    Frequency,
+    Length,
+    PositiveLength,
+    Ratio,
+    StrictModel,
+    Time,
+    guarded,
+    placed,
+    problem,
+    quantity,
+    validate_as,
+)
+from valvetrain.parameters.spring_options import options_problem, options_table
+
+_CONTACT, _RUBBING = CoilContact(), Rubbing()
+_CARD_KEYS = set(SpringCardModel.model_fields) - {"name", "installed_height"}
+
+LineStiffness = Annotated[float, quantity("line stiffness", low=0.0)]
+NormalForce = Annotated[float, quantity("force", low=0.0)]
+
+
+class DampingModel(StrictModel):
+    """The ``damping`` of a spring."""
+
+    ratio: Ratio | None = Field(None, description="share of critical damping at ratio_frequency")
+    ratio_frequency: Frequency | None = Field(None, description="frequency at which ratio holds")
+    stiffness_share: Ratio | None = Field(None, description="part of ratio that is stiffness-proportional; without it 0.5")
+    mass_damping: DampingRate | None = Field(None, description="damping over mass; without it and a ratio none")
+    stiffness_damping: Time | None = Field(None, description="damping over stiffness; without it and a ratio none")
+
+    def build(self) -> DampingParameters:
+        """The damping; refuses two ways of giving it that disagree."""
+        made: DampingParameters = guarded(lambda: DampingParameters(**self.model_dump()))
+        return made
+
+
+class CoilContactModel(StrictModel):
+    """The ``contact`` of coils with each other and with the seats."""
+
+    stiffness: LineStiffness = Field(_CONTACT.stiffness, description="stiffness per length of wire; 0: coils pass through each other")
+    damping_time: Time = Field(_CONTACT.damping_time, description="damping over stiffness")
+
+
+class RubbingModel(StrictModel):
+    """The [rubbing] or [train.rubbing] table: friction between nested springs."""
+
+    coefficient: Ratio = Field(_RUBBING.coefficient, description="coefficient of friction between the springs")
+    normal_force: NormalForce = Field(_RUBBING.normal_force, description="force with which the springs press on each other")
+
+    def build(self) -> Rubbing:
+        """The rubbing of this table."""
+        return Rubbing(self.coefficient, self.normal_force)
+
+
+def _read_options(raw: Any) -> dict[str, StrictModel]:
+    if not isinstance(raw, dict):
+        raise problem("a table of spring-model words is needed here, such as options.multi-mass")
+    return {word: validate_as(guarded(options_table, word, path=(word,)), values, (word,)) for word, values in raw.items()}
+
+
+Options = Annotated[dict[str, StrictModel], PlainValidator(_read_options)]
+
+
+class WireBlock(SpringModel):
+    """A spring by its wire, as installed."""
+
+    precompression: Length | None = Field(None, description="shortening from the free length with the valve closed; without it none")
+    installed_height: PositiveLength | None = None
+    seats: Literal["planes", "clamps"] = Field("planes", description="flat seats, or nothing but the inactive ends held")
+    damping: DampingModel = DampingModel()
+    contact: CoilContactModel = CoilContactModel()
+    options: Options = Field(default_factory=dict)
+
+    def installed(self, name: str) -> InstalledSpring:
+        """The installed spring; refuses one that would be stretched or solid."""
+        wire = self.build(name)
+        if self.precompression is not None and self.installed_height is not None:
+            raise problem("precompression and installed_height are both given and may contradict; give one", ("installed_height",))
+        given = "installed_height" if self.installed_height is not None else "precompression"
+        compression = self.precompression or 0.0 if self.installed_height is None else wire.free_length - self.installed_height
+        if compression < 0:
+            remedy = f"its free length is {wire.free_length * 1e3:.4g} mm; lower installed_height or raise precompression"
+            raise problem(f"the spring would be stretched, not compressed: {remedy}", (given,))
+        room = wire.free_length - wire.solid_height
+        if compression >= room:
+            raise problem(f"the spring is solid before this compression; it has {room * 1e3:.4g} mm of room: compress it less", (given,))
+        return _assembled(self, wire=wire, precompression=compression, seats=self.seats)
+
+
+class CardBlock(SpringCardModel):
+    """A spring by its catalogue card."""
+
+    damping: DampingModel = DampingModel()
+    contact: CoilContactModel = CoilContactModel()
+    options: Options = Field(default_factory=dict)
+
+    def installed(self, name: str) -> InstalledSpring:
+        """The installed spring of the card."""
+        return _assembled(self, card=self.build())
+
+
+def _assembled(block: WireBlock | CardBlock, **known: Any) -> InstalledSpring:
+    options = {word: table.model_dump(exclude_unset=True) for word, table in block.options.items()}
+    if (wrong := options_problem(options, "card" in known)) is not None:
+        raise problem(wrong[2], ("options", *wrong[:2]))
+    damping = placed("damping", block.damping.build)
+    contact = CoilContact(block.contact.stiffness, block.contact.damping_time)
+    built: InstalledSpring = guarded(lambda: InstalledSpring(damping=damping, contact=contact, options=options, **known))
+    return built
+
+
+@dataclass(frozen=True)
+class SpringBlocks:
+    """The validated blocks of one place in the file; ``listed`` where they stand as a list."""
+
+    blocks: tuple[WireBlock | CardBlock, ...]
+    listed: bool
+
+    def build(self, name: str) -> tuple[InstalledSpring, ...]:
+        """The installed springs; ``name`` for those without one of their own. Raises a located problem."""
+        if not self.listed:
+            return (self.blocks[0].installed(name),)
+        names = (name,) if len(self.blocks) == 1 else ("outer", "inner")
+        return tuple(placed(place, block.installed, names[place]) for place, block in enumerate(self.blocks))
+
+
+def _read_blocks(raw: Any) -> SpringBlocks:
+    """One spring, or a list of one or two (outer first)."""
+    entries = raw if isinstance(raw, list) else [raw]
+    if not 1 <= len(entries) <= 2:
+        raise problem("there are one or two springs, outer first")
+    listed = isinstance(raw, list)
+    return SpringBlocks(tuple(_read_block(entry, (place,) if listed else ()) for place, entry in enumerate(entries)), listed)
+
+
+def _read_block(entry: Any, path: tuple[int, ...]) -> WireBlock | CardBlock:
+    if not isinstance(entry, dict):
+        raise problem("a spring is a table: its wire (wire_diameter and so on) or its card (preload, rate)", path)
+    by_card = "wire_diameter" not in entry and any(key in _CARD_KEYS for key in entry)
+    return validate_as(CardBlock, entry, path) if by_card else validate_as(WireBlock, entry, path)
+
+
+SpringField = Annotated[SpringBlocks, PlainValidator(_read_blocks)]

@@ -1,0 +1,62 @@
+"""Writes the tree of a case file as TOML text."""
+
+from __future__ import annotations
+
+import datetime
+import json
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from valvetrain.parameters.lift_law import LiftLawParameters
+
+
+def toml_text(tree: Mapping[str, Any], path: tuple[str, ...] = ()) -> str:
+    """``tree`` (as ``tomllib`` reads it) as TOML: plain values first, then its tables under headers; reading it gives ``tree`` again."""
+    lines, tables = [], []
+    for key, value in tree.items():
+        if isinstance(value, Mapping) and "value" not in value:
+            tables.append(f"\n[{_dotted((*path, key))}]\n{toml_text(value, (*path, key))}")
+        elif isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
+            tables += [f"\n[[{_dotted((*path, key))}]]\n{toml_text(item, (*path, key))}" for item in value]
+        else:
+            lines.append(f"{_key(key)} = {_value(value)}\n")
+    return "".join([*lines, *tables])
+
+
+def resolved(tree: Mapping[str, Any], lift_law: LiftLawParameters | None) -> dict[str, Any]:
+    """``tree`` with the lift table of ``lift_law`` in place of the file that it was read from (None: as it is)."""
+    if lift_law is None:
+        return dict(tree)
+    kept = {key: value for key, value in tree["lift_law"].items() if key in ("lift_of", "zero_of_angle", "status", "source")}
+    values = lift_law.values
+    table = {
+        "kind": "spline",
+        "cam_angles": [f"{angle!r} rad" for angle in values["cam_angles"]],
+        "lifts": [f"{lift!r} m" for lift in values["lifts"]],
+        "degree": values["degree"],
+        "smoothing": f"{values['smoothing']!r} m",
+    }
+    return {**tree, "lift_law": kept | table}
+
+
+def _dotted(path: tuple[str, ...]) -> str:
+    return ".".join(map(_key, path))
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _value(key)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_value, value))}]"
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{_key(key)} = {_value(item)}' for key, item in value.items())} }}" if value else "{}"
+    if isinstance(value, (datetime.date, datetime.time)):
+        return value.isoformat()
+    return repr(value.item() if hasattr(value, "item") else value)

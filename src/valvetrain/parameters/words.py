@@ -1,0 +1,171 @@
+"""The values of a case in words, with their status, and what a result says of the case it comes from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, fields, is_dataclass
+from typing import Any
+
+from valvetrain import registry
+from valvetrain.citations import cite, references
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.curves import Constant, PiecewiseLinear, Table
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.material import Material
+from valvetrain.parameters.train import ContactParameters
+from valvetrain.solution.record import CaseRecord, CaseValue
+from valvetrain.units import unit_factor
+
+#: Last word of a key path -> unit shown.
+_UNITS = {
+    "wire_diameter": "mm", "mean_diameter": "mm", "outer_diameter": "mm", "pitch": "mm", "precompression": "mm", "installed_height": "mm",
+    "ratio_frequency": "Hz", "engine_speeds": "rpm", "inactive_coils": "turns", "ground_coils": "turns", "total_coils": "turns",
+    "youngs_modulus": "GPa", "shear_modulus": "GPa", "density": "kg/m^3", "mass_damping": "1/s", "stiffness_damping": "s",
+    "maximum_lift": "mm", "ramp_lift": "mm", "ramp_start": "deg", "event_start": "deg", "nose": "deg", "lifts": "mm", "cam_angles": "deg",
+    "rate": "N/mm", "preload": "N", "mass": "g", "open_load": "N", "open_lift": "mm", "solid_height": "mm", "cam_speeds": "rpm",
+    "lash": "mm", "base_radius": "mm", "width": "mm", "radius": "mm", "rod_length": "mm", "clearance": "mm", "offset": "mm",
+    "pivot": "mm", "lower_end": "mm", "drive_arm": "mm", "valve_arm": "mm", "tip_radius": "mm", "full_damping_depth": "mm",
+    "drive_angle": "deg", "valve_angle": "deg", "direction": "deg", "opening_direction": "deg", "tilt": "deg",
+    "top_dead_centre": "deg", "valve_inclination": "deg", "inertia": "kg mm^2", "holding_torque": "N m", "friction": "N",
+    "stiffness": "kN/mm", "stem_stiffness": "kN/mm", "damping": "N s/m", "stem_damping": "N s/m", "valve_damping": "N s/m",
+    "normal_force": "N", "damping_time": "s", "output_step": "deg", "time_step": "s", "card_lift": "mm", "friction_velocity": "m/s",
+}  # fmt: skip
+
+
+def case_record(case: Case) -> CaseRecord:
+    """What may be shown of ``case``; keys of works that references.bib does not hold are shown as they are."""
+    known = references()
+    values = (CaseValue(path, _words_at(case, path), note.status or "", note.source) for path, note in case.notes.items())
+    return CaseRecord(
+        name=case.name,
+        title=case.title,
+        description=case.description,
+        study=case.study,
+        remarks=case.remarks,
+        published=case.published,
+        values=tuple(values),
+        citations=tuple(cite(key) if key in known else key for key in case.cite()),
+        zero_of_angle=case.lift_law.zero_of_angle if case.lift_law is not None else "",
+        changed=case.changed,
+        text=case.text,
+    )
+
+
+def _words_at(case: Case, path: str) -> str:
+    """The value at a key path of the file in words; empty where the case keeps it in another form."""
+    keys = path.split(".")
+    item: Any = case
+    if keys[0] == "spring":
+        item, keys = case.springs, keys[1:] if keys[1:2] and keys[1].isdigit() else ["0", *keys[1:]]
+    for key in keys:
+        item = _part(item, key)
+        if item is None:
+            return ""
+    if keys[-2:] == ["contact", "stiffness"]:
+        return f"{_number(item, 'N/mm^2')}"
+    return value_words(item, keys[-1])
+
+
+def _part(item: Any, key: str) -> Any:
+    if isinstance(item, (list, tuple)):
+        if not key.isdigit():  # a set of one spring may stand in the file as a table
+            return _part(item[0], key) if len(item) == 1 else None
+        return item[int(key)] if int(key) < len(item) else None
+    for holder in (item, *((item.wire, item.card) if isinstance(item, InstalledSpring) else ())):
+        if hasattr(holder, key):
+            return getattr(holder, key)
+    if isinstance(item, Mapping):
+        return item.get(key)
+    values = getattr(item, "values", None)  # a law keeps the values of its kind in one mapping
+    return values.get(key) if isinstance(values, Mapping) else None
+
+
+def value_words(item: Any, key: str) -> str:
+    """One value as text: numbers and curves in the unit its key is shown in, others in short words."""
+    unit = _UNITS.get(key, "")
+    if isinstance(item, bool) or item is None:
+        return "" if item is None else str(item).lower()
+    if isinstance(item, (int, float)):
+        return _number(float(item), unit)
+    if isinstance(item, Constant):
+        return _number(item.level, unit)
+    if isinstance(item, (PiecewiseLinear, Table)):
+        pairs = ", ".join(f"{number(_shown(value, unit))} at {coil:g}" for coil, value in zip(item.coils, item.values, strict=True))
+        return f"{pairs} ({unit} at coil number)"
+    if isinstance(item, tuple) and all(isinstance(entry, (int, float)) for entry in item):
+        return ", ".join(number(_shown(float(entry), unit)) for entry in item) + (f" {unit}" if unit else "")
+    if isinstance(item, Material):
+        parts = (("E", item.youngs_modulus, "GPa"), ("G", item.shear_modulus, "GPa"), ("density", item.density, "kg/m^3"))
+        return f"{item.name}: " + ", ".join(f"{name} {_number(value, shown)}" for name, value, shown in parts)
+    if isinstance(item, str):
+        return item
+    if isinstance(item, ContactParameters):
+        return _contact_words(item)
+    if is_dataclass(item) and type(item).__name__.endswith("Parameters") and not hasattr(item, "kind"):
+        own = [(one.name, getattr(item, one.name)) for one in fields(item) if getattr(item, one.name) != _default(one)]
+        return ", ".join(f"{name.replace('_', ' ')} {value_words(value, name)}" for name, value in own)
+    return str(getattr(item, "kind", type(item).__name__)).replace("_", " ")
+
+
+def _default(one: Field[Any]) -> Any:
+    return None if one.default is MISSING else one.default
+
+
+def _contact_words(contact: ContactParameters) -> str:
+    """A contact law with its numbers as given; the unit of K d^n depends on the exponent, that of the damping on what it stands for."""
+    spec = registry.find("contacts", contact.law)
+    own = {one.name: one.default for one in fields(spec.law)}
+    exponent = contact.stiffness_exponent or float(contact.values.get("exponent", own.get("exponent", 1.0)))
+    words = [contact.law]
+    for key, value in contact.values.items():
+        if key == "contact_stiffness":
+            shown = _number(value, "kN/mm") if exponent == 1.0 else f"{number(value)} N/m^{number(exponent, 3)}"
+        elif key == "damping" and (contact.damping_unit or spec.damping_unit) == "s/m":
+            shown = f"{number(value)} s/m"
+        else:
+            shown = value_words(value, key)
+        words.append(f"{key.replace('_', ' ')} {shown}")
+    return ", ".join(words)
+
+
+def _shown(value: float, unit: str) -> float:
+    return value if unit in ("", "turns", "s", "1/s") else in_unit(value, unit)
+
+
+def _number(value: float, unit: str) -> str:
+    return f"{number(_shown(value, unit))} {unit_words(unit)}".strip()
+
+
+def in_unit(value: float, unit: str) -> float:
+    """SI ``value`` in ``unit``; raises :class:`valvetrain.errors.InputError` for an unknown unit."""
+    return value / unit_factor(unit) if unit not in ("", "1") else value
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """A number with ``digits`` significant digits, a real minus sign, and powers of ten as such; a dash for None."""
+    if value is None or math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    if value == 0:
+        return "0"
+    size = abs(value)
+    if size >= 1e6 or size < 1e-4:
+        mantissa, power = f"{value:.{max(digits - 2, 1)}e}".split("e")
+        return _scientific(mantissa, int(power))
+    decimals = max(0, digits - 1 - math.floor(math.log10(size)))
+    text = f"{value:.{min(decimals, 6)}f}"
+    if "." in text:
+        text = text.rstrip("0").rstrip(".")
+    return text.replace("-", "−")
+
+
+def unit_words(unit: str) -> str:
+    """A unit as printed: ``mm/s^2`` -> ``mm/s²``, ``us`` -> ``µs``."""
+    return unit.replace("^2", "²").replace("^3", "³").replace("us", "µs")
+
+
+def _scientific(mantissa: str, power: int) -> str:
+    raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"{mantissa.rstrip('0').rstrip('.')}·10{raised}".replace("-", "−")

@@ -1,0 +1,62 @@
+"""Extremes of the spring force over a cycle, on every instant that the run holds, raw and in a stated bandwidth."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.cycle import Array, Cycle
+from valvetrain.quantities.filters import BANDWIDTHS, fine_filtered, fine_series
+from valvetrain.solution.result import Solution
+
+#: Channel of an end force -> the word of it in a quantity's name.
+END_FORCES = {"seat_force": "spring_force", "retainer_force": "retainer_force"}
+
+
+def fine_of_cycle(cycle: Cycle, channel: str) -> tuple[Array, Array]:
+    """Cam angle (rad, from 0) and values of a force over the cycle, as finely as the run holds them."""
+    _, angle, values = fine_series(cycle.solution, channel)
+    mine, begin = within_cycle(cycle, angle)
+    return angle[mine] - begin, values[mine]
+
+
+def within_cycle(cycle: Cycle, angle: Array) -> tuple[slice, float]:
+    """Samples of a finer record that belong to the cycle, and the unwrapped cam angle (rad) from which the cycle counts."""
+    begin = float(cycle.solution.cam_angle[cycle.samples.start] - cycle.cam_angle[0])
+    return slice(int(np.searchsorted(angle, begin - 1e-9)), int(np.searchsorted(angle, begin + 2 * np.pi - 1e-9))), begin
+
+
+def force_quantities(cycle: Cycle) -> dict[str, float]:
+    """Largest and least force at seat and retainer with their angles, and the largest seat force below 10 and 20 kHz."""
+    found: dict[str, float] = {}
+    solution = cycle.solution
+    for channel, word in END_FORCES.items():
+        if not solution.has(channel):
+            continue
+        angle, force = fine_of_cycle(cycle, channel)
+        for kind, place in (("peak", int(np.argmax(force))), ("minimum", int(np.argmin(force)))):
+            found |= {f"{kind}_{word}": float(force[place]), f"{kind}_{word}_cam_angle": float(angle[place])}
+    if solution.has("seat_force"):
+        mine, _ = within_cycle(cycle, fine_series(solution)[1])
+        for bandwidth in BANDWIDTHS:
+            filtered = fine_filtered(solution, bandwidth)
+            if filtered is not None:
+                found[f"below_{bandwidth / 1e3:.0f}_khz_peak_spring_force"] = float(np.max(filtered[mine]))
+    return found
+
+
+def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:
+    """Least and largest seat force (N) of one spring over the cycle; None where the run does not tell it."""
+    name = cycle.solution.channel_of(spring, "seat_force")
+    if not cycle.solution.has(name):
+        return None
+    _, force = fine_of_cycle(cycle, name)
+    return float(np.min(force)), float(np.max(force))
+
+
+def clearance_quantities(solution: Solution, cycle: Cycle, springs: tuple[InstalledSpring, ...]) -> dict[str, float]:
+    """Lift left to coil bind (m) at the largest lift of the cycle, least over the springs that tell their solid height."""
+    rooms = [spring.room for spring in springs if spring.room is not None]
+    if not rooms or not solution.has("valve_lift"):
+        return {}
+    return {"coil_bind_clearance": min(rooms) - float(np.max(cycle.channel("valve_lift")))}

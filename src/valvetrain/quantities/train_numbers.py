@@ -1,0 +1,69 @@
+"""Named numbers of one closed cycle of a train, from its channels, its events and what the integrator counted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from valvetrain.quantities.train_events import RigidCycle
+from valvetrain.solution.event import Event
+from valvetrain.solution.result import Solution
+
+#: Numbers of the integrator that are quantities under the same name, beside every ``peak_..._force``.
+COUNTED = (
+    "cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy", "contact_friction_dissipated_energy",
+    "steady_cycles_count", "steady_residual_ratio", "steady_tolerance_ratio", "motion_period_count", "time_step_duration",
+    "steps_per_cycle_count",
+)  # fmt: skip
+#: Contacts that drive the valve, whose least force while it is open is told.
+DRIVING = ("cam", "valve_tip")
+
+
+def train_quantities(solution: Solution, rigid: RigidCycle, events: Sequence[Event]) -> dict[str, float]:
+    """Numbers (SI) of one cycle; names follow docs/quantities.md."""
+    lift, clearance = solution.channel("valve_lift"), "piston_clearance"
+    values = {
+        name: float(value) for name, value in solution.statistics.items()
+        if isinstance(value, (int, float)) and (name in COUNTED or (name.startswith("peak_") and name.endswith("_force")))
+    }  # fmt: skip
+    values |= {
+        "peak_valve_lift": float(lift.max()), "peak_rigid_valve_lift": float(rigid.valve_lift.max()),
+        "lift_loss_displacement": float(rigid.valve_lift.max() - lift.max()),
+        "peak_valve_acceleration": float(np.max(np.abs(solution.channel("valve_acceleration")))),
+    }  # fmt: skip
+    opened = rigid.valve_lift > 0.1 * np.max(rigid.valve_lift)
+    for place in DRIVING:
+        name = f"{place}_contact_force"
+        if solution.has(name):
+            values[f"minimum_{name}"] = float(np.min(solution.channel(name)[opened]))
+            values[f"peak_open_{name}"] = float(np.max(solution.channel(name)[opened]))
+    if solution.has("cam_contact_force"):
+        values["nose_cam_contact_force"] = float(solution.channel("cam_contact_force")[int(np.argmax(rigid.valve_lift))])
+    if solution.has("lever_speed"):
+        rate = np.abs(solution.channel("lever_speed"))
+        values |= {"peak_lever_speed": float(rate.max()), "peak_lever_speed_valve_lift": float(lift[int(np.argmax(rate))])}
+    if solution.has(clearance):
+        values["minimum_piston_clearance_gap"] = float(np.min(solution.channel(clearance)))
+    for spring in solution.springs:
+        moved = solution.channel_of(spring, "axial_displacement")
+        if solution.has(moved) and solution.channel(moved).size:
+            values[f"{spring}_mean_peak_section_displacement"] = float(np.mean(np.max(-solution.channel(moved), axis=0)))
+    return values | _event_numbers(events)
+
+
+def _event_numbers(events: Sequence[Event]) -> dict[str, float]:
+    seatings, bounces, lofts, floats = (of_kind(events, kind) for kind in ("seating", "bounce", "loft", "float"))
+    first = next((event for event in seatings if event.details.get("touch") == 1), None)
+    values = {
+        "bounce_count": float(len(bounces)), "bounce_height": max((event.size for event in bounces), default=0.0),
+        "loft_gap": max((event.size for event in lofts), default=0.0), "loft_count": float(len(lofts)),
+        "loft_duration": sum(event.duration for event in lofts), "loss_of_contact_count": float(len(of_kind(events, "loss-of-contact"))),
+        "float_excess_lift": max((event.size for event in floats), default=0.0), "float_duration": sum(event.duration for event in floats),
+    }  # fmt: skip
+    return values | ({"seating_velocity": first.size, "seating_cam_angle": first.cam_angle} if first is not None else {})
+
+
+def of_kind(events: Sequence[Event], kind: str) -> tuple[Event, ...]:
+    """The events of one kind."""
+    return tuple(event for event in events if event.kind == kind)

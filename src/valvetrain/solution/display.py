@@ -1,0 +1,83 @@
+"""How results show themselves in a terminal or a notebook: units of the field, short text, small tables, frames, quick plots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from importlib import import_module
+from typing import TYPE_CHECKING, Protocol
+
+from numpy.typing import ArrayLike
+
+from valvetrain.errors import MissingExtraError
+
+if TYPE_CHECKING:
+    import pandas
+
+#: SI unit -> unit of the field and the factor that leads there; other units are shown as they are.
+SHOWN_UNITS = {
+    "m": ("mm", 1e3), "rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi), "N/m": ("N/mm", 1e-3), "Pa": ("MPa", 1e-6),
+    "kg": ("g", 1e3), "1": ("", 1.0),
+}  # fmt: skip
+MOST_ROWS = 30
+
+
+class Figure(Protocol):
+    """What ``.plot()`` returns: a plotly figure."""
+
+    def show(self) -> None:
+        """Open it in the browser or the notebook."""
+
+    def write_html(self, file: str) -> None:
+        """Write it as a page of its own."""
+
+    def to_dict(self) -> dict[str, object]:
+        """``data`` and ``layout`` as plain values."""
+
+
+def words(value: float, unit: str, digits: int = 5) -> str:
+    """An SI value in the field's unit: ``words(0.007, "m") == "7 mm"``."""
+    usual, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
+    return f"{value * factor:.{digits}g} {usual}".strip()
+
+
+def span(values: Sequence[float] | ArrayLike, unit: str) -> str:
+    """Least and largest of SI values in the field's unit: ``"0 to 12 mm"``."""
+    import numpy as np
+
+    array = np.asarray(values, dtype=float)
+    if not array.size or np.all(np.isnan(array)):
+        return "none"
+    usual, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
+    return f"{np.nanmin(array) * factor:.5g} to {np.nanmax(array) * factor:.5g} {usual}".strip()
+
+
+def table(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A small HTML table, every word escaped; what goes beyond :data:`MOST_ROWS` is counted, not shown."""
+    top = "".join(f"<th>{escape(word)}</th>" for word in head)
+    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows[:MOST_ROWS])
+    more = f"<tr><td colspan='{len(head)}'>and {len(rows) - MOST_ROWS} more</td></tr>" if len(rows) > MOST_ROWS else ""
+    title = escape(caption).replace("\n", "<br>")
+    return f"<table><caption style='text-align:left'>{title}</caption><thead><tr>{top}</tr></thead><tbody>{body}{more}</tbody></table>"
+
+
+def frame(columns: Mapping[str, ArrayLike | Iterable[object]], index: str = "", units: Mapping[str, str] | None = None) -> pandas.DataFrame:
+    """Columns as a pandas frame, ``index`` the column that numbers the rows, ``units`` kept in its ``attrs``.
+
+    Raises :class:`MissingExtraError` where pandas is not installed.
+    """
+    try:
+        import pandas
+    except ImportError as error:
+        raise MissingExtraError("to_pandas() needs pandas, which is not installed; install it with 'pip install pandas'") from error
+    made = pandas.DataFrame(dict(columns))
+    made.attrs["units"] = dict(units or {})
+    return made.set_index(index) if index else made
+
+
+def plotted(name: str, item: object) -> Figure:
+    """The figure that ``report.quick`` draws of ``item`` by its function ``name``."""
+    # Bound on first use: results stand below the report and never depend on plotting.
+    figure: Figure = getattr(import_module("valvetrain.report.quick"), name)(item)
+    return figure

@@ -1,0 +1,131 @@
+"""Stages of the beehive study (gu2021, section 3.3) and the forces it names by them: Stage I before, II in, III after the lift event.
+
+What the event is follows from the lift law of the case; the stages of the paper are 0 to 127, 127 to 233 and 233 to 360 cam degrees.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from valvetrain.quantities.cycle import Array, Cycle
+from valvetrain.quantities.filters import BANDWIDTHS, filtered_force
+from valvetrain.quantities.peaks import prominences, prominent_peaks
+from valvetrain.quantities.windows import WINDOWS, is_covered, window_bounds
+from valvetrain.solution.study import LiftEvent
+
+#: A peak of Stage I stands out by this share of the stage's force range.
+STAGE_1_SHARE = 0.25
+#: The two maxima of Stage II stand out by this share of the stage's force range; ripples of coil contact stay below a third of it.
+STAGE_2_SHARE = 0.02
+#: The spike of Stage III stands out by this share of the cycle's force range, so a ripple on the falling flank is none.
+STAGE_3_SHARE = 0.01
+#: A second spike stands out by this share of the main one's height over the median force after it.
+SECOND_SPIKE_SHARE = 0.15
+
+
+def in_stage(cycle: Cycle, event: LiftEvent, stage: int) -> np.ndarray:
+    """Mask of the samples of stage 1, 2 or 3."""
+    return cycle.window(*window_bounds(event, WINDOWS[stage - 1]))
+
+
+def covers_stage(cycle: Cycle, event: LiftEvent, stage: int) -> bool:
+    """Whether the cycle covers stage 1, 2 or 3."""
+    return is_covered(cycle, event, WINDOWS[stage - 1])
+
+
+def stage_quantities(cycle: Cycle, separation: float, event: LiftEvent) -> dict[str, float]:
+    """All force quantities of the stages that the run covers, by their names in docs/quantities.md; SI, angles rad.
+
+    ``separation``: least distance (cam rad) of two collisions.
+    """
+    force = cycle.channel("seat_force")
+    found: dict[str, float] = {}
+    if covers_stage(cycle, event, 1):
+        found |= stage_1(cycle, force, event)
+    if covers_stage(cycle, event, 2):
+        found |= stage_2(cycle, force, event)
+    if covers_stage(cycle, event, 3):
+        found |= stage_3(cycle, force, separation, event)
+        found |= _stage_3_in_bandwidths(cycle, event) if cycle.whole else {}
+    return found
+
+
+def stage_1(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
+    """Range of the force in Stage I and the angles of the peaks that stand out of it."""
+    inside = in_stage(cycle, event, 1)
+    low, high = float(np.min(force[inside])), float(np.max(force[inside]))
+    found = {"stage_1_minimum_force": low, "stage_1_maximum_force": high}
+    # The cycle is periodic: seen twice, a peak next to 0 degrees has a left side as well.
+    count = len(force)
+    twice = np.concatenate((force, force)) if cycle.whole else force
+    peaks = prominent_peaks(twice, max(STAGE_1_SHARE * (high - low), 1e-12))
+    angles = np.unique(cycle.cam_angle[peaks % count])
+    for number, angle in enumerate(angles[angles < event.start], start=1):
+        found[f"stage_1_peak_{number}_cam_angle"] = float(angle)
+    return found
+
+
+def stage_2(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
+    """Largest force of Stage II; where it has two maxima, both and the valley between; the force at its end."""
+    inside = np.flatnonzero(in_stage(cycle, event, 2))
+    part, angle = force[inside], cycle.cam_angle[inside]
+    top = int(np.argmax(part))
+    found = {"stage_2_peak_force": float(part[top]), "stage_2_peak_cam_angle": float(angle[top])}
+    found["stage_2_end_force"] = float(np.interp(event.end, cycle.cam_angle, force))
+    pair = _two_peaks(part)
+    if pair is not None:
+        first, second = pair
+        valley = first + int(np.argmin(part[first : second + 1]))
+        for word, index in (("first_peak", first), ("valley", valley), ("second_peak", second)):
+            found[f"stage_2_{word}_force"] = float(part[index])
+            found[f"stage_2_{word}_cam_angle"] = float(angle[index])
+    return found
+
+
+def _two_peaks(part: Array) -> tuple[int, int] | None:
+    """The two most prominent maxima in order of angle, or None where only one stands out."""
+    peaks = prominent_peaks(part, max(STAGE_2_SHARE * float(np.ptp(part)), 1e-12))
+    if len(peaks) < 2:
+        return None
+    strongest = peaks[np.argsort(-prominences(part, peaks))[:2]]
+    first, second = sorted(int(index) for index in strongest)
+    return first, second
+
+
+def spike_index(cycle: Cycle, force: Array, event: LiftEvent) -> int:
+    """Sample of the largest force maximum of Stage III; without one, of its largest force.
+
+    A maximum, not the largest value: at low speed the falling flank of the lift event reaches into Stage III.
+    """
+    inside = np.flatnonzero(in_stage(cycle, event, 3))
+    part = force[inside]
+    peaks = prominent_peaks(part, max(STAGE_3_SHARE * float(np.ptp(force)), 1e-12))
+    best = peaks[np.argmax(part[peaks])] if len(peaks) else int(np.argmax(part))
+    return int(inside[best])
+
+
+def stage_3(cycle: Cycle, force: Array, separation: float, event: LiftEvent) -> dict[str, float]:
+    """The spike after the event, force and angle, and the next collision's spike at least ``separation`` (rad) later."""
+    top = spike_index(cycle, force, event)
+    found = {"stage_3_peak_force": float(force[top]), "stage_3_peak_cam_angle": float(cycle.cam_angle[top])}
+    later = np.flatnonzero(cycle.window(float(cycle.cam_angle[top]) + separation, 2 * np.pi))
+    if len(later) > 2:
+        part = force[later]
+        peaks = prominent_peaks(part, max(SECOND_SPIKE_SHARE * float(force[top] - np.median(part)), 1e-12))
+        if len(peaks):
+            found["stage_3_second_peak_cam_angle"] = float(cycle.cam_angle[later[peaks[np.argmax(part[peaks])]]])
+    return found
+
+
+def _stage_3_in_bandwidths(cycle: Cycle, event: LiftEvent) -> dict[str, float]:
+    """Height (N) of the Stage III spike at the highest instant recorded and below 10 and 20 kHz, where the run's samples allow it."""
+    found: dict[str, float] = {}
+    if cycle.solution.has("seat_force_fine"):
+        highest = cycle.channel("seat_force_fine").max(axis=1)
+        found["stage_3_every_instant_peak_force"] = float(highest[spike_index(cycle, highest, event)])
+    for cutoff in BANDWIDTHS:
+        force = filtered_force(cycle.solution, cutoff)
+        if force is not None:
+            part = force[cycle.samples]
+            found[f"stage_3_below_{cutoff / 1e3:.0f}_khz_peak_force"] = float(part[spike_index(cycle, part, event)])
+    return found

@@ -1,0 +1,77 @@
+"""What the registry holds of a spring model: its word, options, needs, and how it is made from an installed spring."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.schema_types import StrictModel
+from valvetrain.registry import find
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.springs.contract import SpringModel
+
+
+class NoOptions(StrictModel):
+    """Options of a model that has none."""
+
+
+@dataclass(frozen=True)
+class SpringModelSpec:
+    """One fidelity of a spring as studies, reports and documents know it.
+
+    ``make(installed, options, rest)`` builds the model; ``options`` is the typed table of its options; ``rest`` the spring at rest by
+    the finite-element rod, given where ``needs_rest``. ``wire_only``: why a card does not serve, empty where it does. ``needs_mass``:
+    whether a card must tell its mass. ``no_motion``: why the model does not run in time, empty where it does. ``shows``: what beyond
+    the end forces (``sections``, ``clash``, ``stress``). ``processor_time``: seconds of one core per simulated second, for estimates.
+    """
+
+    word: str
+    label: str
+    colour: str
+    options: type[StrictModel]
+    make: Callable[[InstalledSpring, Any, SpringAtRest | None], SpringModel]
+    knows: str
+    leaves_out: str
+    shows: tuple[str, ...] = ()
+    wire_only: str = ""
+    needs_mass: bool = True
+    needs_rest: bool = False
+    no_motion: str = ""
+    processor_time: float = 0.5
+    citation: str = ""
+
+    def why_not(self, spring: InstalledSpring) -> str:
+        """Why this model cannot stand for ``spring``; empty when it can."""
+        if spring.card is None:
+            return ""
+        if self.wire_only:
+            return f"spring '{spring.name}' is known by its card only; {self.wire_only}"
+        if self.needs_mass and spring.card.mass is None:
+            return f"spring '{spring.name}' has no mass on its card, which a {self.word} spring needs; add its mass or use massless"
+        return ""
+
+    def build(self, spring: InstalledSpring, rest: SpringAtRest | None = None) -> SpringModel:
+        """The model of an installed spring. Raises :class:`InputError` where it cannot stand for it, or for options it does not take."""
+        reason = self.why_not(spring)
+        if reason:
+            raise InputError(reason)
+        return self.make(spring, self.read_options(spring.options_of(self.word)), rest)
+
+    def read_options(self, values: Mapping[str, Any]) -> StrictModel:
+        """The model's options with defaults filled in; values are SI, as a case holds them. Raises :class:`InputError` for others."""
+        unknown = [name for name in values if name not in self.options.model_fields]
+        if unknown:
+            known = ", ".join(self.options.model_fields) or "no options"
+            raise InputError(f"a {self.word} spring has no option '{unknown[0]}'; it takes {known}")
+        return self.options.model_construct(**values)
+
+
+def spring_model(word: str, where: str = "") -> SpringModelSpec:
+    """The entry of a spring model by its word. Raises :class:`InputError` with the nearest word for an unknown one."""
+    spec = find("springs", word, where)
+    if not isinstance(spec, SpringModelSpec):
+        raise InputError(f"what is registered as spring model '{word}' is no SpringModelSpec; repair the package that brings it", where)
+    return spec

@@ -1,0 +1,140 @@
+"""Springs at rest: static curve, natural frequencies and stress of an installed spring, by the rod, by any spring model, by solids."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.cosserat.modes import natural_modes
+from valvetrain.cosserat.state import free_state
+from valvetrain.cosserat.static import Equilibrium, compress
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.static import SpringAtRest, StaticCurve, StaticStress
+from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.springs.contract import SpringModel
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.finite_element_channels import interpolation, pair_values, static_section_loads, wire_points
+from valvetrain.springs.multi_mass import MultiMassSpring
+from valvetrain.springs.spec import spring_model
+from valvetrain.springs.stress import EQUIVALENT, SHEAR, wire_stress
+
+Array = NDArray[np.float64]
+#: Steps of a static curve, modes about the installed state.
+STEPS, MODES = 64, 24
+#: A force below this share of the curve's largest is what rounding leaves of zero, as in the free state.
+ROUND_OFF_SHARE = 1e-11
+
+
+def reach_of(spring: InstalledSpring, maximum_lift: float) -> float:
+    """Largest compression (m) of a static curve: a little beyond the largest lift (m), or near solid when there is none."""
+    assert spring.wire is not None
+    travel = spring.wire.free_length - spring.wire.solid_height
+    top = maximum_lift if maximum_lift > 0 else 0.8 * travel
+    return float(min(spring.precompression + 1.06 * top, 0.98 * travel))
+
+
+def at_rest(
+    rod: FiniteElementRod, largest_compression: float, steps: int = STEPS, modes: int = MODES,
+    visit: Callable[[Equilibrium], None] | None = None,
+) -> SpringAtRest:  # fmt: skip
+    """Static curve, modes and stress of a wire by the finite-element rod; ``visit`` is told each equilibrium as it is found."""
+    begun = time.perf_counter()
+    curve, stress = static_curve(rod, largest_compression, steps, visit)
+    facts = {"elements per coil": rod.elements_per_coil, "elements": rod.mesh.elements}
+    found = modal_result(rod, modes) if modes else None
+    return SpringAtRest(rod.definition.name, rod.name, rod.precompression, curve, found, stress, facts, time.perf_counter() - begun)
+
+
+def static_curve(
+    rod: FiniteElementRod, largest_compression: float, steps: int = STEPS, visit: Callable[[Equilibrium], None] | None = None
+) -> tuple[StaticCurve, StaticStress | None]:
+    """Static curve (SI) from the free state to ``largest_compression`` (m) in even steps, and the stress of the wire over it.
+
+    Ends early with a status when no equilibrium is found.
+    """
+    compressions = np.linspace(0.0, largest_compression, steps + 1)
+    path = [rod.statics.solve(free_state(rod.mesh), 0.0), *compress(rod.statics, compressions[1:].tolist(), visit=visit)]
+    reached = [point for point in path if point.converged]
+    status = COMPLETED
+    if len(reached) < len(path):
+        stuck = path[-1].state.compression
+        status = Status(
+            "not-converged", f"no equilibrium beyond {reached[-1].state.compression * 1e3:.3f} mm compression", 0.0,
+            f"{stuck * 1e3:.3f} mm", "the coils are solid or the spring buckles; compress less or refine the mesh",
+        )  # fmt: skip
+    compression = np.array([point.state.compression for point in reached])
+    force = np.array([point.retainer_force for point in reached])
+    force[np.abs(force) < ROUND_OFF_SHARE * np.max(np.abs(force))] = 0.0
+    coil = wire_points(rod.definition.total_coils)
+    heights = np.stack([point.state.position[:, 2] for point in reached]) @ interpolation(rod.mesh, coil).T
+    upper, gap, pressed = pair_values(rod, np.stack([rod.statics.gaps(point.state.position) for point in reached]))
+    curve = StaticCurve(
+        compression=compression, force=force,
+        stiffness=np.gradient(force, compression) if len(reached) > 2 else np.full(len(reached), np.nan),
+        coil_gap=gap, coil_contact_force=pressed, upper_coil=upper,
+        axial_position=heights - rod.definition.lower_seat_height, coil_number=coil, status=status,
+    )  # fmt: skip
+    if len(reached) < 2:
+        return curve, None
+    stress = wire_stress(static_section_loads(rod, [point.state for point in reached]), rod.definition, coil)
+    return curve, StaticStress(compression, coil, stress[SHEAR], stress[EQUIVALENT])
+
+
+def modal_result(rod: FiniteElementRod, count: int = MODES) -> ModalResult:
+    """Modes about the installed state with both ends fixed and touching coils kept together."""
+    modes = natural_modes(rod.statics, rod.installed.state, count)
+    coil = wire_points(rod.definition.total_coils)
+    shape = np.einsum("mvc,pv->mpc", modes.shape, interpolation(rod.mesh, coil))
+    largest = np.abs(shape).max(axis=(1, 2), keepdims=True)
+    return ModalResult(
+        compression=rod.precompression, natural_frequency=modes.natural_frequency, shape=shape / np.where(largest > 0, largest, 1.0),
+        coil_number=coil, axial_transmission=modes.axial_transmission, axial_modes=tuple(modes.axial_modes(3).tolist()),
+    )  # fmt: skip
+
+
+def rest_by_model(
+    spring: InstalledSpring, word: str, compressions: Array, rest: SpringAtRest | None = None, modes: int = 12
+) -> SpringAtRest:
+    """Static curve over ``compressions`` (m from the free state) and axial frequencies of a spring by any model of the contract.
+
+    A model that knows no state but the installed one and those above it gives its curve from there on.
+    """
+    begun = time.perf_counter()
+    model: SpringModel = spring_model(word).build(spring, rest)
+    if isinstance(model, FiniteElementRod):
+        return at_rest(model, float(compressions[-1]), len(compressions) - 1, modes)
+    lifts = compressions - spring.precompression
+    force = np.array([model.force(model.initial_state(float(lift)), float(lift)).retainer for lift in lifts])
+    none = np.zeros((len(compressions), 0))
+    stiffness = np.gradient(force, compressions) if len(force) > 2 else np.full(len(force), np.nan)
+    curve = StaticCurve(compressions, force, stiffness, none, none, np.zeros(0), none, np.zeros(0))
+    frequencies = axial_frequencies(model, modes)
+    found = None
+    if len(frequencies):
+        shape = np.zeros((len(frequencies), 1, 3))
+        found = ModalResult(spring.precompression, frequencies, shape, np.zeros(1), np.ones(len(frequencies)), tuple(range(len(frequencies))))
+    return SpringAtRest(spring.name, word, spring.precompression, curve, found, None, facts_of(model), time.perf_counter() - begun)
+
+
+def axial_frequencies(model: SpringModel, count: int) -> Array:
+    """Axial natural frequencies (Hz), both ends fixed, as installed; empty of a model without inner motion."""
+    if isinstance(model, MultiMassSpring):
+        return np.asarray(model.frequencies(0.0, min(count, model.unknowns)))
+    given = getattr(model, "natural_frequencies", ())
+    if len(given):
+        return np.asarray(given, dtype=float)[:count]
+    circular = getattr(model, "circular_frequencies", None)
+    if circular is not None:
+        return np.asarray(circular)[:count] / (2 * np.pi)
+    equivalent = getattr(model, "spring", None)
+    first = getattr(equivalent, "surge_frequency", None)
+    return np.zeros(0) if first is None else float(first) * np.arange(1.0, min(count, 6) + 1)
+
+
+def facts_of(model: SpringModel) -> Mapping[str, float | int | str]:
+    """Mesh of a model in words."""
+    return {"unknowns": model.unknowns} if model.unknowns else {}

@@ -1,0 +1,99 @@
+"""From a case to a problem: every part built once, what cannot work refused with its numbers. The only place that reads a case."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.contract import LiftLaw
+from valvetrain.cam.event import lift_event
+from valvetrain.errors import InputError
+from valvetrain.mechanism.build import build_mechanism
+from valvetrain.mechanism.contour import NODES, table_from_samples
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring, binding_lift
+from valvetrain.parameters.train import Rubbing, TrainParameters, TrainVariant
+from valvetrain.springs.nested import RadialRubbing
+from valvetrain.springs.spec import SpringModelSpec, spring_model
+from valvetrain.system.problem import Gear, Member, Problem
+
+#: Spring models of a case of one's own that names none: those of a known wire, of a card with and without a mass.
+WIRE_MODELS, CARD_MODELS, BARE_MODELS = ("finite-element", "modal-varied"), ("multi-mass", "modal-uniform"), ("massless",)
+
+
+def build(case: Case, *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = ()) -> Problem:
+    """The problem of a case: its variants, or one member per spring model (of each of ``spring_sets``) asked for.
+
+    Raises :class:`InputError` for a case without spring and train, for unknown words, for a spring that reaches coil bind within the
+    lift, and for everything the parts refuse.
+    """
+    law = build_lift_law(case.lift_law)
+    specs = tuple(spring_model(word, "--spring") for word in dict.fromkeys(spring_models))
+    if case.train is not None:
+        members = _train_members(case, case.train, law, specs, tuple(dict.fromkeys(spring_sets)))
+    elif spring_sets:
+        raise InputError(f"case '{case.name}' is a spring alone and has no spring sets; leave them out", "--spring-set")
+    else:
+        members = _spring_members(case, law, specs)
+    operation = case.operation
+    return Problem(
+        case.record(), members, law, lift_event(case.lift_law, law), operation.engine_speeds, operation.cycles, operation.output_step,
+        case.train.cycles if case.train is not None else None,
+    )  # fmt: skip
+
+
+def _spring_members(case: Case, law: LiftLaw, specs: tuple[SpringModelSpec, ...]) -> tuple[Member, ...]:
+    if not case.springs:
+        raise InputError(f"case '{case.name}' holds no spring and no train, so there is nothing to run; add a [spring] or [train] table")
+    lift = float(np.max(law.lift(np.linspace(0.0, 2 * np.pi, 721)))) if case.lift_law is not None else 0.0
+    if sentence := binding_lift(case.springs, lift):
+        raise InputError(f"case '{case.name}': {sentence}")
+    chosen = specs or tuple(spring_model(word) for word in usual_models(case.springs))
+    rubbing = _rubbing(case.rubbing)
+    return tuple(Member(spec.word, spec, case.springs, law, rubbing=rubbing, name=case.name) for spec in chosen)
+
+
+def usual_models(springs: tuple[InstalledSpring, ...]) -> tuple[str, ...]:
+    """Models of a spring case that names none."""
+    if all(spring.wire is not None for spring in springs):
+        return WIRE_MODELS
+    return CARD_MODELS if all(spring.wire is not None or (spring.card and spring.card.mass) for spring in springs) else BARE_MODELS
+
+
+def _train_members(
+    case: Case, train: TrainParameters, law: LiftLaw, specs: tuple[SpringModelSpec, ...], sets: tuple[str, ...]
+) -> tuple[Member, ...]:
+    if case.lift_law is None:
+        raise InputError(f"case '{case.name}' holds no lift law; add a [lift_law] table")
+    if specs or sets:
+        words = [spec.word for spec in specs] or [train.spring_model]
+        variants: tuple[TrainVariant, ...] = tuple(
+            TrainVariant(f"{chosen}, {word}" if len(sets) > 1 else word if specs else chosen, chosen, word)
+            for chosen in sets or (train.spring_set,) for word in words
+        )  # fmt: skip
+    else:
+        variants = train.variants or (TrainVariant(train.spring_model, train.spring_set, train.spring_model),)
+    gears: dict[TrainParameters, Gear] = {}
+    members = []
+    for variant in variants:
+        own = variant.apply(train)
+        chosen = own.spring_set or next(iter(own.springs), "")
+        springs = own.spring_parts(chosen)
+        # the same parts for all members whose train differs in its springs only
+        bare = own.replace(springs={}, spring_set="", spring_model="", variants=(), rubbing=None)
+        if bare not in gears:
+            mechanism = build_mechanism(bare, law, case.lift_law.lift_of)
+            gas = bare.gas and table_from_samples(np.asarray(bare.gas.cam_angles), np.asarray(bare.gas.forces), NODES)
+            gears[bare] = Gear(mechanism, bare, gas)
+        gear = gears[bare]
+        if sentence := binding_lift(springs, gear.mechanism.kinematics.maximum_lift):
+            raise InputError(f"case '{case.name}': {sentence}")
+        model = spring_model(own.spring_model, "train.spring_model")
+        members.append(Member(variant.label, model, springs, law, chosen, gear, _rubbing(own.rubbing), case.name, variant.note))
+    return tuple(members)
+
+
+def _rubbing(rubbing: Rubbing | None) -> RadialRubbing | None:
+    return None if rubbing is None else RadialRubbing(rubbing.coefficient, rubbing.normal_force)

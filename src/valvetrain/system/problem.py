@@ -1,0 +1,101 @@
+"""A case with all its parts built once: what studies run. Nothing after it sees the case."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from valvetrain.cam.contract import LiftLaw
+from valvetrain.errors import InputError
+from valvetrain.mechanism.parts import AssembledMechanism
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.train import TrainParameters
+from valvetrain.solution.record import CaseRecord
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.study import LiftEvent
+from valvetrain.springs.contract import Array, SpringModel
+from valvetrain.springs.nested import NestedSprings, RadialRubbing
+from valvetrain.springs.spec import SpringModelSpec
+from valvetrain.system.contract import PRESCRIBED, TRAIN
+from valvetrain.system.prescribed import PrescribedSpring
+from valvetrain.system.train_system import TrainSystem
+
+#: Springs at rest by the installed spring they stand for.
+Rest = Mapping[InstalledSpring, SpringAtRest]
+
+
+@dataclass(frozen=True, eq=False)
+class Gear:
+    """What moves the springs of a train: its mechanism, the parameters behind it (for kinematics), the gas force over the cam angle."""
+
+    mechanism: AssembledMechanism
+    parameters: TrainParameters
+    gas: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """One variant of a problem: which springs by which model, in which train (none: prescribed motion). ``note`` is printed beside."""
+
+    label: str
+    model: SpringModelSpec
+    springs: tuple[InstalledSpring, ...]
+    valve_lift: LiftLaw
+    spring_set: str = ""
+    gear: Gear | None = None
+    rubbing: RadialRubbing | None = None
+    name: str = ""
+    note: str = ""
+
+    @property
+    def kind(self) -> str:
+        """Word of the system this member makes."""
+        return PRESCRIBED if self.gear is None else TRAIN
+
+    @property
+    def refusal(self) -> str:
+        """Why the model cannot run here, empty when it can."""
+        return self.model.no_motion or next((reason for spring in self.springs if (reason := self.model.why_not(spring))), "")
+
+    def system(self, rest: Rest | None = None) -> PrescribedSpring | TrainSystem:
+        """The member assembled; ``rest`` holds the springs at rest where the model needs them (``model.needs_rest``).
+
+        Raises :class:`InputError` where the model cannot stand for a spring.
+        """
+        if self.model.no_motion:
+            raise InputError(self.model.no_motion)
+        springs: tuple[SpringModel, ...] = tuple(self.model.build(spring, (rest or {}).get(spring)) for spring in self.springs)
+        if self.rubbing is not None and len(springs) == 2:
+            springs = (NestedSprings(springs[0], springs[1], self.rubbing, name=self.model.word),)
+        if self.gear is None:
+            return PrescribedSpring(springs, self.valve_lift, self.name)
+        return TrainSystem(self.gear.mechanism, springs, self.gear.gas, self.name)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """All parts of a case, built once. ``engine_speeds`` in rad/s of the crank; ``cycles`` cam turns of prescribed motion, the last is
+    reported; ``output_step`` (cam rad) between its samples; ``cycles_to_settle`` bounds the search for a train's periodic state."""
+
+    record: CaseRecord
+    members: tuple[Member, ...]
+    valve_lift: LiftLaw
+    lift_event: LiftEvent | None
+    engine_speeds: tuple[float, ...]
+    cycles: int
+    output_step: float
+    cycles_to_settle: int | None = None
+
+    @property
+    def kind(self) -> str:
+        """Word of the systems of this problem."""
+        return self.members[0].kind
+
+    @property
+    def springs(self) -> tuple[InstalledSpring, ...]:
+        """Every installed spring of the members, each once."""
+        return tuple(dict.fromkeys(spring for member in self.members for spring in member.springs))
+
+    def only(self, keep: Callable[[Member], bool]) -> tuple[Member, ...]:
+        """Members that ``keep`` says."""
+        return tuple(member for member in self.members if keep(member))

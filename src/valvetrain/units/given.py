@@ -1,0 +1,179 @@
+"""What public functions take for a number: SI, text with a unit or a pint quantity; slips of units are refused with the likely meaning."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any, SupportsFloat
+
+from valvetrain.errors import InputError
+from valvetrain.units.dimensions import DIMENSIONS
+from valvetrain.units.text import (
+    clipped,
+    finite,
+    format_quantity,
+    parse_quantities,
+    parse_quantity,
+    split_quantity,
+    to_si,
+    to_unit,
+    unit_factor,
+)
+
+#: What a public function takes for a number with a dimension: an SI number (of Python or numpy), text with a unit, a pint quantity.
+Given = str | SupportsFloat
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """What a named quantity can be: its dimension, the least and largest value (SI) and the unit it is usually given in.
+
+    ``bare_high``: largest value (SI) that is taken without a unit, where an SI number and one in the usual unit are alike.
+    """
+
+    dimension: str
+    low: float
+    high: float
+    usual_unit: str
+    bare_high: float = math.inf
+
+
+_RPM = math.pi / 30
+#: Name of a quantity -> its window, wide enough for any valve spring and valvetrain; beyond it a value is a slip of units.
+PLAUSIBLE: dict[str, Window] = {
+    "wire_diameter": Window("length", 0.2e-3, 20e-3, "mm"),
+    "mean_diameter": Window("length", 3e-3, 200e-3, "mm"),
+    "pitch": Window("length", 0.2e-3, 100e-3, "mm"),
+    "spring_length": Window("length", 3e-3, 1.0, "mm"),
+    "compression": Window("length", 1e-9, 0.5, "mm"),
+    "valve_lift": Window("length", 1e-9, 0.1, "mm"),
+    "engine_speed": Window("angular speed", 10 * _RPM, 30_000 * _RPM, "rpm", 15_000 * _RPM),
+    "cam_speed": Window("angular speed", 5 * _RPM, 15_000 * _RPM, "rpm", 7_500 * _RPM),
+    "cam_angle": Window("angle", 1e-9, 8 * math.pi, "deg"),
+    "spring_rate": Window("stiffness", 100.0, 5e6, "N/mm"),
+    "modulus": Window("modulus", 1e8, 2e12, "GPa"),
+    "density": Window("density", 100, 100_000, "kg/m^3"),
+    "mass": Window("mass", 1e-6, 20.0, "g"),
+}
+#: Dimension -> units in which a number out of its window may have been meant, the likeliest first.
+_MEANT = {
+    "length": ("mm", "inch", "um", "cm", "m"), "angular speed": ("rpm",), "angle": ("deg",),
+    "stiffness": ("N/mm", "N/m", "lbf/in"), "modulus": ("GPa", "MPa", "Pa", "psi"), "mass": ("g", "kg", "lb"),
+    "density": ("kg/m^3", "g/cm^3", "g/mm^3", "kg/mm^3", "Mg/mm^3"),
+}  # fmt: skip
+#: More speeds than this in one call are a slip of the pen.
+MOST_SPEEDS = 10_000
+_RANGE = re.compile(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s*:\s*([^:\s]+)(\s+[^:]*)?\Z")
+
+
+def si(value: Given, quantity: str, where: str = "") -> float:
+    """``value`` as an SI float: ``si("22 mm", "mean_diameter") == si(0.022, "mean_diameter") == 0.022``.
+
+    Parameters
+    ----------
+    value : SI number (Python or numpy), text with a unit such as ``"3000 rpm"``, or a pint quantity of any registry.
+    quantity : name from :data:`PLAUSIBLE`, or of a dimension in :data:`DIMENSIONS`.
+    where : place of the value, which leads the message.
+
+    Raises :class:`InputError` for what is no finite number of that dimension and, for a name in :data:`PLAUSIBLE`, for a value that can
+    only be a slip of units. Zero and negative values pass: whether they make sense is for the caller to say.
+
+    >>> si("3000 rpm", "engine_speed")
+    314.1592653589793
+    """
+    window = PLAUSIBLE.get(quantity)
+    dimension = window.dimension if window else quantity
+    if isinstance(value, str):
+        number, unit = split_quantity(value, dimension, where)
+        found, bare = parse_quantity(value, dimension, where), False
+    elif hasattr(value, "to_base_units"):
+        number, unit = _base_magnitude(value, where)
+        found, bare = to_si(number, unit, dimension, f"'{clipped(str(value))}'", where), False
+    else:
+        number = found = _plain(value, dimension, where)
+        unit, bare = DIMENSIONS[dimension].si_unit, True
+    if window and found > 0:
+        _refuse_slip(quantity, window, found, f"{number:.6g} {unit}".strip(), number, bare, where)
+    return found
+
+
+def si_speeds(values: Given | Iterable[Given], quantity: str = "engine_speed", where: str = "") -> tuple[float, ...]:
+    """Rotational speeds (rad/s) from one, several or a range, in the order given, each once.
+
+    ``values``: as for :func:`si`, or a sequence or array of such; or text: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"`` with both ends.
+    Raises :class:`InputError` as :func:`si`, and for none, for speeds that are not positive and ranges that lead nowhere.
+
+    >>> len(si_speeds("1000:9000:100 rpm"))
+    81
+    """
+    if isinstance(values, str):
+        speeds = _speeds_of_text(values, quantity, where)
+    else:
+        try:
+            items = list(islice(values, MOST_SPEEDS + 1))  # type: ignore[arg-type]
+        except TypeError:  # one value; scalars of numpy and pint have __iter__ too
+            return si_speeds([values], quantity, where)  # type: ignore[list-item]
+        if len(items) > MOST_SPEEDS:
+            raise InputError(f"there are more than {MOST_SPEEDS} speeds; take a larger step", where)
+        speeds = tuple(si(value, quantity, where) for value in items)
+    if not speeds or min(speeds) <= 0:
+        fault = f"'{clipped(str(values))}' holds no speed" if not speeds else f"a speed in '{clipped(str(values))}' is not positive"
+        raise InputError(f"{fault}; write such as '4200, 5600 rpm'", where)
+    return tuple(dict.fromkeys(speeds))
+
+
+def _speeds_of_text(text: str, quantity: str, where: str) -> tuple[float, ...]:
+    if match := _RANGE.match(text):
+        unit = match[4] or ""
+        first, last, step = (parse_quantity(f"{part}{unit}", "angular speed", where) for part in match.groups()[:3])
+        if not (first > 0 and last >= first and step > 0):
+            raise InputError(f"range '{clipped(text)}' leads nowhere; write first:last:step, rising, as in '1000:9000:500 rpm'", where)
+        if (last - first) / step > MOST_SPEEDS:
+            raise InputError(f"range '{clipped(text)}' holds more than {MOST_SPEEDS} speeds; take a larger step", where)
+        found = [first + step * index for index in range(int((last - first) / step * (1 + 1e-12) + 1e-9) + 1)]
+    else:
+        found = list(parse_quantities(text, "angular speed", where))
+    window = PLAUSIBLE[quantity]
+    for value in filter(lambda value: value > 0, found):
+        _refuse_slip(quantity, window, value, format_quantity(value, "rpm"), to_unit(value, "rpm"), False, where)
+    return tuple(found)
+
+
+def _plain(value: SupportsFloat, dimension: str, where: str) -> float:
+    due = DIMENSIONS[dimension]
+    if isinstance(value, bool) or not hasattr(value, "__float__") or getattr(value, "shape", ()) != ():
+        raise InputError(
+            f"{clipped(repr(value))} is no single number; {due.phrase} is needed here, such as '1 {due.usual_unit}'".rstrip(), where
+        )
+    try:
+        return finite(float(value), value, where)
+    except OverflowError:
+        return finite(math.inf, value, where)
+
+
+def _base_magnitude(value: Any, where: str) -> tuple[float, str]:
+    """Number and unit of a quantity of any units library that speaks as pint does, in its base units."""
+    base = value.to_base_units()
+    if getattr(base.magnitude, "shape", ()) != ():
+        raise InputError(f"'{clipped(str(value))}' is no single number; give one value", where)
+    unit = str(base.units).replace("dimensionless", "")
+    return float(base.magnitude), " ".join(unit.split())
+
+
+def _refuse_slip(quantity: str, window: Window, found: float, shown: str, number: float, bare: bool, where: str) -> None:
+    if window.low <= found * (1 + 1e-12) and found <= min(window.high, window.bare_high if bare else math.inf) * (1 + 1e-12):
+        return
+    words, usual = quantity.replace("_", " "), format_quantity(found, window.usual_unit)
+    if window.low <= found <= window.high:
+        remedy = f"did you mean '{number:g} {window.usual_unit}'? If not, write '{usual}'"
+        raise InputError(f"{number:g} without a unit is {shown}, {words} {usual}; {remedy}", where)
+    factors = ((unit, number * unit_factor(unit)) for unit in _MEANT[window.dimension])
+    meant = next(((unit, value) for unit, value in factors if window.low <= value <= window.high), None)
+    if meant is None:
+        span = f"{format_quantity(window.low, window.usual_unit)} to {format_quantity(window.high, window.usual_unit)}"
+        raise InputError(f"{shown} of {words} ({usual}) lies outside {span}; check the number and its unit", where)
+    unit, value = meant
+    raise InputError(f"{shown} of {words} can only be meant as {number:g} {unit}; write {value:.6g} or '{number:g} {unit}'", where)

@@ -1,0 +1,147 @@
+"""Results show themselves: short text with the field's units, escaped tables, frames, and figures bound on first use."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from synthetic_spring import bump
+from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.solution.channels import spring_channels
+from valvetrain.solution.display import words
+from valvetrain.solution.event import Event
+from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.quantity import Quantities, Quantity
+from valvetrain.solution.record import CaseRecord
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.status import Status
+from valvetrain.solution.study import Study
+
+RPM = np.pi / 30
+
+
+def solution(engine_speed: float = 5600 * RPM, label: str = "rod & <b>", **changes) -> Solution:
+    """One turn of the cam with a channel of every shape."""
+    angle = np.linspace(0, 2 * np.pi, 361)
+    force = 300 + 500 * bump(np.degrees(angle), 180, 106)
+    values = {"valve_lift": 9e-3 * bump(np.degrees(angle), 180, 106), "seat_force": force, "coil_gap": np.outer(force, [1e-6, 2e-6])}
+    channels = spring_channels(angle / (engine_speed / 2), angle, values, upper_coil=[1.5, 2.5])
+    made = Solution(channels, (Event("clash", 1.0, 0.1, 1e-4, 5.0, "N"),), provenance=Provenance("own", "m", engine_speed, label=label))
+    return replace(
+        made, quantities={"peak_seat_force": float(force.max()), "clearance": 1e-3, "a": 1.0, "b": 2.0}, statistics={}, **changes
+    )
+
+
+def curve() -> StaticCurve:
+    """A straight spring of 40 N/mm with two coil pairs."""
+    steps = np.linspace(0, 8e-3, 9)
+    pairs, points = np.ones((9, 2)) * 1e-3, np.zeros((9, 0))
+    return StaticCurve(steps, 40e3 * steps, np.full(9, 40e3), pairs, 0 * pairs, np.array([1.5, 2.5]), points, np.zeros(0))
+
+
+def modes() -> ModalResult:
+    """Five modes, three of them axial."""
+    return ModalResult(7e-3, np.array([400, 630, 1120, 1300, 1639.0]), np.ones((5, 4, 3)), np.arange(4.0), np.ones(5), (1, 2, 4))
+
+
+def study() -> Study:
+    """Two models at two speeds."""
+    runs = tuple(solution(speed * RPM, label) for label in ("rod", "chain") for speed in (4200, 5600))
+    return Study(CaseRecord("own <i>"), "sweep", runs, still={"": {"preload": 301.5}})
+
+
+def quantities() -> Quantities:
+    """Six values of two names."""
+    return Quantities({Quantity("preload"): 301.5} | {Quantity("peak_seat_force", n * 100.0, "rod"): 800.0 + n for n in range(1, 6)})
+
+
+MAKERS = [solution, curve, modes, study, quantities]
+
+
+@pytest.mark.parametrize("make", MAKERS)
+def test_text_is_short_and_the_table_is_escaped(make):
+    text, page = repr(make()), make()._repr_html_()
+    assert 1 <= len(text.splitlines()) <= 6
+    assert max(map(len, text.splitlines())) < 160
+    assert page.startswith("<table>") and page.endswith("</table>")
+    assert "<b>" not in page and "<i>" not in page
+
+
+def test_text_speaks_the_units_of_the_field():
+    assert "5600 rpm: completed" in repr(solution())
+    assert "361 samples, 0 to 360 deg of the cam; 3 channels" in repr(solution())
+    assert "seat_force 300 to 800 N" in repr(solution())
+    assert "1 events: 1 clash" in repr(solution())
+    assert "peak_seat_force 800 N, clearance 1 mm" in repr(solution())
+    assert "diverged: no, at time 0.1 s" in repr(solution(status=Status("diverged", "no", 0.1)))
+    assert repr(curve()) == (
+        "StaticCurve: 0 to 8 mm in 9 steps, 0 to 320 N, completed\n  stiffness 40 N/mm first, 40 N/mm last; 2 coil pairs"
+    )
+    assert repr(modes()) == "ModalResult at 7 mm compression: 5 modes, completed\n  3 axial: 630, 1120, 1639 Hz"
+    assert repr(study()).splitlines()[:2] == ["Study of own <i> (sweep): 4 runs", "  rod, chain; 4200 rpm, 5600 rpm"]
+    assert repr(quantities()).splitlines()[-1] == "  and 2 more"
+    assert [words(*one) for one in ((0.007, "m"), (41e3, "N/m"), (7.5e8, "Pa"), (0.5, "1"), (3.0, "J"))] == [
+        "7 mm", "41 N/mm", "750 MPa", "0.5", "3 J",
+    ]  # fmt: skip
+
+
+def test_frames_hold_every_value_in_si():
+    table = solution().to_pandas()
+    assert list(table.columns) == ["cam_angle", "valve_lift", "seat_force", "coil_gap[1.5]", "coil_gap[2.5]"]
+    assert table.index.name == "time" and len(table) == 361
+    assert np.array_equal(table["coil_gap[2.5]"], solution().channel("coil_gap")[:, 1])
+    assert table.attrs["units"]["coil_gap[1.5]"] == "m"
+    assert len(solution().reduced().to_pandas()) == 0
+    assert np.array_equal(curve().to_pandas()["force"], curve().force)
+    assert "coil_contact_force[1.5]" in curve().to_pandas()
+    assert list(modes().to_pandas()["axial"]) == [False, True, True, False, True]
+    rows = study().to_pandas()
+    assert list(rows.columns) == ["quantity", "label", "engine_speed", "value", "unit"]
+    assert len(rows) == 17 and rows["engine_speed"].isna().sum() == 1
+    assert rows.set_index("quantity").loc["preload", "value"] == 301.5
+
+
+def test_without_pandas_one_sentence_says_what_to_do(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(MissingExtraError, match="needs pandas, which is not installed; install it"):
+        solution().to_pandas()
+
+
+@pytest.mark.parametrize("make", [solution, curve, modes, study])
+def test_plots_are_figures_of_the_numbers(make):
+    import plotly.graph_objects
+
+    figure = make().plot()
+    assert isinstance(figure, plotly.graph_objects.Figure)
+    assert figure.layout.xaxis.title.text or figure.layout.xaxis2.title.text
+    assert all(len(trace.x) == len(trace.y) > 1 for trace in figure.data)
+
+
+def test_a_plot_draws_what_was_computed():
+    force, lift = solution().plot().data
+    assert np.array_equal(force.y, solution().channel("seat_force"))
+    assert np.allclose(lift.y, solution().channel("valve_lift") * 1e3)
+    assert force.x[-1] == pytest.approx(360.0)
+    rod, chain = study().plot().data
+    assert (rod.name, chain.name) == ("rod", "chain")
+    assert np.allclose(rod.x, [4200, 5600]) and np.allclose(rod.y, 800.0)
+    one_speed = replace(study(), solutions=study().solutions[:1])
+    assert len(one_speed.plot().data[0].x) == 361
+
+
+def test_what_holds_nothing_to_draw_is_refused():
+    with pytest.raises(InputError, match="run it whole"):
+        solution().reduced().plot()
+    with pytest.raises(InputError, match="holds no runs"):
+        Study(CaseRecord("own")).plot()
+
+
+def test_results_load_no_plotting_until_asked():
+    code = "import sys, valvetrain.solution.study; print([m for m in ('plotly', 'pandas', 'valvetrain.report') if m in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
