@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from valvetrain.cli.options import ElementsOption, JsonOption, QuietOption, SetOption, SpringOption, read_models
+from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.parameters.case import Case
+    from valvetrain.system.problem import Problem
 
 
 def register(app: typer.Typer) -> None:
@@ -26,15 +28,13 @@ def check(
 ) -> None:  # fmt: skip
     """Read a case file and print what it was understood to say, or what is wrong with it, and where."""
     from valvetrain.cli.case_choice import choose_case
-    from valvetrain.cli.case_facts import case_facts, lift_quantities
+    from valvetrain.cli.case_facts import case_facts, case_quantities
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.results import quantities_object
-    from valvetrain.quantities.design import design_quantities
-    from valvetrain.system.build import build
 
     chosen = choose_case(case, settings, elements_per_coil)
-    build(chosen, spring_models=read_models(spring))  # what only shows when the parts are put together
-    quantities = design_quantities(chosen) | lift_quantities(chosen)
+    problem = _put_together(chosen, read_models(spring))
+    quantities = case_quantities(chosen, problem)
     facts = case_facts(chosen)
     data = {
         "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(facts),
@@ -43,8 +43,26 @@ def check(
     deliver(Outcome(data, lambda console: _show_check(console, chosen, facts, quantities)))
 
 
+def _put_together(case: Case, models: tuple[str, ...]) -> Problem | None:
+    """Build everything that ``run`` builds, the springs of every set too: what is wrong may only show there. None for a lift law alone."""
+    from valvetrain.system.build import build
+
+    if case.train is None and not case.springs:
+        return None
+    problem = build(case, spring_models=models)
+    sets = tuple(case.train.springs) if case.train is not None else ()
+    members = (*problem.members, *(build(case, spring_models=models, spring_sets=sets).members if sets else ()))
+    for member in members:
+        if member.refusal and models:
+            raise InputError(member.refusal, "--spring")
+        if not member.refusal and not member.model.needs_rest:
+            member.system()
+    return problem
+
+
 def _holds(case: Case) -> list[str]:
-    return [name for name in ("spring", "spring_card", "lift_law", "train", "published") if getattr(case, name)]
+    named = (("spring", case.springs), ("lift_law", case.lift_law), ("train", case.train), ("published", case.published))
+    return [name for name, held in named if held]
 
 
 def _show_check(console: Console, case: Case, facts: list[tuple[str, str]], quantities: dict[str, float]) -> None:
