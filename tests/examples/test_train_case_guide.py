@@ -10,13 +10,14 @@ from pydantic import BaseModel
 
 from valvetrain.parameters import train_schema
 from valvetrain.parameters.loading import parse_case
-from valvetrain.studies.train_study import run_train_study
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "case-files-trains.md").read_text(encoding="utf-8")
 (EXAMPLE,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
 
 
 def test_the_printed_case_runs():
+    from valvetrain.studies.train_study import run_train_study
+
     study = run_train_study(parse_case(EXAMPLE))
     assert [run.label for run in study.runs] == ["as built", "rod, no lash"]
     assert all(run.status.completed for run in study.runs)
@@ -24,6 +25,11 @@ def test_the_printed_case_runs():
     assert lifts == pytest.approx([7.9e-3, 8e-3], rel=1e-6)
     for run in study.runs:
         assert run.quantities["lift_loss_displacement"] == pytest.approx(0, abs=5e-5)
+
+
+def test_the_printed_case_holds_one_spring_with_its_options():
+    (spring,) = parse_case(EXAMPLE).train.spring_parts()
+    assert (spring.card.preload, spring.damping.mass_damping, spring.options_of("multi-mass")) == (250.0, 50.0, {"elements": 8})
 
 
 def test_every_key_is_named():

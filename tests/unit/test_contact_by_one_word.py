@@ -9,10 +9,8 @@ from valvetrain import registry
 from valvetrain.contact.library import build_contact_law
 from valvetrain.contact.restitution import rebound
 from valvetrain.errors import InputError
-from valvetrain.integrate.train_run import TrainOptions
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.words import value_words
-from valvetrain.studies.train_study import run_train
 
 LAWS = registry.words("contacts")
 TABLES = {
@@ -74,6 +72,9 @@ def test_units_of_no_law_are_refused(change, words):
 
 @pytest.mark.parametrize(("name", "springs"), [("vaz-ohc", "nested-cards"), ("tdi-pushrod", "stock")])
 def test_every_law_runs_in_both_trains_by_one_word(name, springs):
+    from valvetrain.integrate.train_run import TrainOptions
+    from valvetrain.studies.train_study import run_train
+
     places = load_case(name).train.contacts
     peaks = {}
     for law in LAWS:

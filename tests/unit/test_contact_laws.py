@@ -133,7 +133,7 @@ BAD = [
     (lambda: CoulombFriction(-0.1), "coefficient"),
     (lambda: hertz.effective_radius(20e-3, -15e-3), "hollow"),
     (lambda: hertz.line_stiffness(0.0, 1e11), "length"),
-    (lambda: build_contact_law("hunt-crosley", contact_stiffness=1e9), "did you mean 'hunt-crossley'"),
+    (lambda: build_contact_law("hunt-crosley", contact_stiffness=1e9), "did you mean hunt-crossley"),
     (lambda: build_contact_law("linear", stiffnes=1e9), "stiffnes"),
     (lambda: build_contact_law("flores", restitution=0.5), "needs contact_stiffness"),
 ]  # fmt: skip

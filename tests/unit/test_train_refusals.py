@@ -58,7 +58,7 @@ ROUGH = ContactParameters("linear", STIFF.values, 0.1)
         (lambda: build_mechanism(direct(cam=CamParameters(0.004), follower=FollowerParameters("roller", 0.03, 0.05)), LAW), "undercut"),
         (lambda: build_mechanism(direct(contacts={}), LAW), "no contact law for 'cam'"),
         (lambda: build_mechanism(direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), ContactParameters("linaer"))), LAW), "did "
-        "you mean 'linear'"),
+        "you mean linear"),
         (lambda: build_mechanism(finger(lever=LeverParameters((-0.2, 0.0), 0.03, 0.047, 1e-4)), LAW), "cannot rest on a base circle"),
         (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, math.pi)), LAW), "close the valve"),
         (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, -math.pi / 2)), LAW), "along the "

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from valvetrain.cam.contract import TURN, Array, LiftSpec, after, check_derivative
 from valvetrain.cam.flanks import polynomial_value, rise_factors
@@ -70,10 +71,10 @@ class PolydyneModel(LiftModel):
     maximum_lift: PositiveLength
     opening_start: Angle
     closing_end: Angle
-    exponents: Exponents = (2, 10, 18, 26, 34)
-    effective_mass: Mass | None = None
-    effective_stiffness: Stiffness | None = None
-    design_engine_speed: DesignSpeed | None = None
+    exponents: Exponents = Field(default=(2, 10, 18, 26, 34), description="powers about the nose")
+    effective_mass: Mass | None = Field(default=None, description="of the train; without it no dynamic deflection")
+    effective_stiffness: Stiffness | None = Field(default=None, description="of the train; without it no dynamic deflection")
+    design_engine_speed: DesignSpeed | None = Field(default=None, description="without it no dynamic deflection")
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses a deflection given in part."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from valvetrain.cam.contract import Array, LiftSpec
 from valvetrain.cam.flanks import FlankEvents, FlankModel, flanked, polynomial_value, rise_factors
@@ -32,7 +33,7 @@ class Polynomial(FlankEvents):
 class PolynomialModel(FlankModel):
     """The same with a polynomial flank such as 3-4-5."""
 
-    exponents: Exponents = (3, 4, 5)
+    exponents: Exponents = Field(default=(3, 4, 5), description="powers of the flank")
 
 
 SPEC = LiftSpec(Polynomial, PolynomialModel)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
+from pydantic import Field
+
 from valvetrain.cam.contract import LiftSpec
 from valvetrain.cam.stations import Stations
 from valvetrain.errors import InputError
@@ -64,8 +66,8 @@ class RampedModel(LiftModel):
     event_start: Angle
     event_end: Angle
     ramp_end: Angle
-    ramp_blend: RampBlend = 0.3
-    nose_acceleration: NegativeAcceleration | None = None
+    ramp_blend: RampBlend = Field(default=0.3, description="share of the ramp over which its velocity is built up")
+    nose_acceleration: NegativeAcceleration | None = Field(default=None, description="without it that of no jerk at the nose")
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses ramps above the lift and events out of order."""

@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from valvetrain.cam.contract import TURN, Array, LiftSpec
 from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, with_base_circle
@@ -111,7 +112,7 @@ class ShapedModel(LiftModel):
     event_start: Angle
     nose: Angle
     flank_shape: Numbers
-    ramp_blend: OpenRampBlend = 0.3
+    ramp_blend: OpenRampBlend = Field(default=0.3, description="share of the ramp over which its velocity is built up")
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses events out of order."""

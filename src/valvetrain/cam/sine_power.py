@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from valvetrain.cam.contract import TURN, Array, LiftSpec, after, check_derivative
 from valvetrain.errors import InputError
@@ -61,7 +62,7 @@ class SinePowerModel(LiftModel):
     maximum_lift: PositiveLength
     opening_start: Angle
     closing_end: Angle
-    power: int = 4
+    power: int = Field(default=4, description="of the half sine")
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses a power out of range."""

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from valvetrain.cam.contract import TURN, Array, LiftSpec
 from valvetrain.cam.pieces import PeriodicPieces, with_base_circle
@@ -87,9 +88,9 @@ class SplineModel(LiftModel):
     angle_unit: Literal["deg", "rad"] | None = None
     angle_of: Literal["cam", "crank"] | None = None
     lift_unit: str | None = None
-    mirror_angle: Angle | None = None
-    degree: Literal[5, 7] = 5
-    smoothing: Length = 0.0
+    mirror_angle: Angle | None = Field(default=None, description="about which half a table is mirrored; without it it is whole")
+    degree: Literal[5, 7] = Field(default=5, description="of the spline")
+    smoothing: Length = Field(default=0.0, description="root-mean-square distance from the table that is allowed")
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses tables that contradict themselves."""

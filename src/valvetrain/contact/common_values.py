@@ -14,15 +14,13 @@ from valvetrain import registry
 from valvetrain.contact.restitution import damping_number
 from valvetrain.contact.spec import ContactSpec
 from valvetrain.errors import InputError
-from valvetrain.parameters.schema_contact import ContactTable
+from valvetrain.parameters.schema_contact import RESTITUTION, ContactTable
 
 _DEFAULTS = {name: field.default for name, field in ContactTable.model_fields.items()}
 REFERENCE_FORCE: float = _DEFAULTS["reference_force"]
 """Force (N) at which laws of different exponents have the same penetration: a usual cam force."""
 REFERENCE_VELOCITY: float = _DEFAULTS["reference_velocity"]
 """Approach velocity (m/s) at which a restitution becomes a damping: a usual seating velocity."""
-RESTITUTION = 0.7
-"""Restitution of steel on steel where a law needs a loss and the table gives none."""
 HERTZ_EXPONENT = 1.5
 
 

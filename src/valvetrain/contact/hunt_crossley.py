@@ -47,7 +47,7 @@ class HuntCrossley(DampedPower):
 class HuntCrossleyTable(ContactTable):
     """``contact_stiffness`` in N/m**n, ``damping`` in s/m."""
 
-    exponent: Ratio = Field(1.5, description="n of K d^n")
+    exponent: Ratio = Field(default=1.5, description="n of K d^n")
 
 
 SPEC = ContactSpec(HuntCrossley, HuntCrossleyTable, "s/m")

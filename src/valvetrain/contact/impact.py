@@ -123,7 +123,7 @@ class ImpactAsPrinted:
 class ImpactTable(ContactTable):
     """``contact_stiffness`` in N/m**n, ``damping`` in N s/m, ``full_damping_depth``."""
 
-    exponent: Ratio = Field(1.5, description="n of K d^n")
+    exponent: Ratio = Field(default=1.5, description="n of K d^n")
 
 
 SPEC = ContactSpec(ImpactContact, ImpactTable, "N s/m")

@@ -10,7 +10,7 @@ from valvetrain.contact import kernels
 from valvetrain.contact.law import SLOWEST_IMPACT, Array, require_exponent, require_positive, require_restitution, row
 from valvetrain.contact.power import DampedPower
 from valvetrain.contact.spec import ContactSpec
-from valvetrain.parameters.schema_contact import ContactTable
+from valvetrain.parameters.schema_contact import RESTITUTION, ContactTable
 from valvetrain.parameters.schema_types import Ratio
 
 
@@ -47,8 +47,8 @@ class LankaraniNikravesh(DampedPower):
 class LankaraniNikraveshTable(ContactTable):
     """``contact_stiffness`` in N/m**n and ``restitution``."""
 
-    restitution: Ratio = Field(0.7, description="velocity of rebound over that of approach (steel on steel)")
-    exponent: Ratio = Field(1.5, description="n of K d^n")
+    restitution: Ratio = Field(default=RESTITUTION, description="velocity of rebound over that of approach (steel on steel)")
+    exponent: Ratio = Field(default=1.5, description="n of K d^n")
 
 
 SPEC = ContactSpec(LankaraniNikravesh, LankaraniNikraveshTable)

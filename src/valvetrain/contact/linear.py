@@ -51,7 +51,7 @@ class LinearContact:
 class LinearTable(ContactTable):
     """``contact_stiffness`` in N/m, ``damping`` in N s/m."""
 
-    damping: ContactDamping = Field(0.0, description="c of c d' (N s/m)")
+    damping: ContactDamping = Field(default=0.0, description="c of c d' (N s/m)")
 
 
 SPEC = ContactSpec(LinearContact, LinearTable, "N s/m")

@@ -45,8 +45,8 @@ class RunOptions:
     """Numerical choices of a run.
 
     ``samples`` per cam turn (None: the integrator's usual number). ``time_step`` (s; None: chosen by stability). ``keep``: channels of
-    ``all`` that the system shows, of the coil ``contacts`` and the ends, or of the ``ends`` alone. ``rest``: a train at rest where it is known already. ``integrator``: word of the registry
-    (None: the first that serves).
+    ``all`` that the system shows, of the coil ``contacts`` and the ends, or of the ``ends`` alone. ``rest``: a train at rest where it is
+    known already. ``integrator``: word of the registry (None: the first that serves).
     """
 
     samples: int | None = None

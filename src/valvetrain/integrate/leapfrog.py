@@ -131,7 +131,12 @@ def _status(
 
 
 def _channels(
-    system: PrescribedSpring, model: SpringModel, cam_speed: float, acceleration: float, kept: list[tuple[Array, Array, Array]], sub: int,
+    system: PrescribedSpring,
+    model: SpringModel,
+    cam_speed: float,
+    acceleration: float,
+    kept: list[tuple[Array, Array, Array]],
+    sub: int,
     whole: bool,
 ):  # type: ignore[no-untyped-def]
     """Channels over the turns kept: end forces at every sample and step, inner motion where states were recorded, energies."""
@@ -156,7 +161,11 @@ def _channels(
     if len(states):
         step = float(time[1] - time[0]) if len(time) > 1 else 0.0
         shown = [model.outputs(state, x, v) for state, x, v in zip(states, lift, velocity, strict=True)]
-        energy = np.zeros((0, 4)) if not whole else np.array([tuple(model.energy(state, x, v, step)) for state, x, v in zip(states, lift, velocity, strict=True)])
+        energy = (
+            np.zeros((0, 4))
+            if not whole
+            else np.array([tuple(model.energy(state, x, v, step)) for state, x, v in zip(states, lift, velocity, strict=True)])
+        )
         for column, name in enumerate(() if not whole else ("kinetic_energy", "elastic_energy", "contact_energy", "energy_dissipated")):
             values[name] = energy[:, column]
         if whole and shown[0].coil_number.size:

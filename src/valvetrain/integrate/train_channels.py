@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.integrate.train_run import CycleRecord, TrainState
+from valvetrain.mechanism.crank import piston_clearance
 from valvetrain.springs.contract import SpringModel, SpringOutputs
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_kernel import TRAVEL
@@ -60,6 +61,9 @@ def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[Cycle
     turning = [k for k, part in enumerate(mechanism.coordinates) if part.unit == "rad"]
     if turning:
         table["lever_speed"] = (v[:, turning[0]], "rad/s", "turning speed of the lever")
+    if system.crank is not None:
+        clearance = piston_clearance(system.crank, angle, q[:, valve])
+        table["piston_clearance"] = (clearance, "m", "clearance between piston and valve")
     for k, name in enumerate(system.interaction_names):
         table[force_name(name)] = (forces[:, k], "N", f"force at {name}")
         if name in CONTACTS:

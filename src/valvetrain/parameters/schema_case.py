@@ -27,8 +27,8 @@ class OperationModel(StrictModel):
 
     engine_speeds: AngularSpeeds | None = None
     cam_speeds: AngularSpeeds | None = None
-    cycles: int = Field(_OPERATION.cycles, description="cam revolutions run; the last is reported")
-    output_step: OutputStep = Field(_OPERATION.output_step, description="cam angle between the values kept")
+    cycles: int = Field(default=_OPERATION.cycles, description="cam revolutions run; the last is reported")
+    output_step: OutputStep = Field(default=_OPERATION.output_step, description="cam angle between the values kept")
 
     def build(self) -> Operation:
         """The operation, with engine (crank) speeds."""

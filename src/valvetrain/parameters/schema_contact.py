@@ -18,6 +18,9 @@ ContactStiffness = Annotated[float, quantity(None)]
 ContactDamping = Annotated[float, quantity(None)]
 Velocity = Annotated[float, quantity("velocity")]
 
+#: Of steel on steel, where a law needs a loss and the table gives none.
+RESTITUTION = 0.7
+
 _FRICTION = ("friction_coefficient", "friction_velocity")
 _DAMPING_UNITS: dict[tuple[tuple[str, float], ...], str] = {
     (("[mass]", 1.0), ("[time]", -1.0)): "N s/m",
@@ -29,15 +32,17 @@ class ContactTable(StrictModel):
     """Keys that every contact table may hold, since it may be written for any law; a law's own table gives its defaults."""
 
     law: str
-    contact_stiffness: ContactStiffness | None = Field(None, description="K of K d^n")
-    exponent: Ratio | None = Field(None, description="n of K d^n")
-    damping: ContactDamping | None = Field(None, description="c of c d' (N s/m) or q of 1 + q d' (s/m)")
-    restitution: Ratio | None = Field(None, description="velocity of rebound over that of approach")
-    full_damping_depth: Length | None = Field(None, description="penetration at which the damping is whole; else that at reference_force")
-    reference_force: Force = Field(500.0, description="force at which another law presses alike")
-    reference_velocity: Velocity = Field(0.2, description="approach velocity at which a restitution becomes a damping")
-    friction_coefficient: Ratio = Field(0.0, description="Coulomb friction along the contact")
-    friction_velocity: Velocity = Field(0.01, description="sliding velocity below which the contact creeps")
+    contact_stiffness: ContactStiffness | None = Field(default=None, description="K of K d^n")
+    exponent: Ratio | None = Field(default=None, description="n of K d^n")
+    damping: ContactDamping | None = Field(default=None, description="c of c d' (N s/m) or q of 1 + q d' (s/m)")
+    restitution: Ratio | None = Field(default=None, description="velocity of rebound over that of approach")
+    full_damping_depth: Length | None = Field(
+        default=None, description="penetration at which the damping is whole; else that at reference_force"
+    )
+    reference_force: Force = Field(default=500.0, description="force at which another law presses alike")
+    reference_velocity: Velocity = Field(default=0.2, description="approach velocity at which a restitution becomes a damping")
+    friction_coefficient: Ratio = Field(default=0.0, description="Coulomb friction along the contact")
+    friction_velocity: Velocity = Field(default=0.01, description="sliding velocity below which the contact creeps")
 
 
 def _read_contact(raw: Any) -> ContactParameters:

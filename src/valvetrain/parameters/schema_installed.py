@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator
 
-from valvetrain.parameters.damping import DampingParameters
+from valvetrain.parameters.damping import DEFAULT_STIFFNESS_SHARE, DampingParameters
 from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring, Rubbing
 from valvetrain.parameters.schema_spring import SpringCardModel, SpringModel
 from valvetrain.parameters.schema_types import (
@@ -36,11 +36,13 @@ NormalForce = Annotated[float, quantity("force", low=0.0)]
 class DampingModel(StrictModel):
     """The ``damping`` of a spring."""
 
-    ratio: Ratio | None = Field(None, description="share of critical damping at ratio_frequency")
-    ratio_frequency: Frequency | None = Field(None, description="frequency at which ratio holds")
-    stiffness_share: Ratio | None = Field(None, description="part of ratio that is stiffness-proportional; without it 0.5")
-    mass_damping: DampingRate | None = Field(None, description="damping over mass; without it and a ratio none")
-    stiffness_damping: Time | None = Field(None, description="damping over stiffness; without it and a ratio none")
+    ratio: Ratio | None = Field(default=None, description="share of critical damping at ratio_frequency")
+    ratio_frequency: Frequency | None = Field(default=None, description="frequency at which ratio holds")
+    stiffness_share: Ratio | None = Field(
+        default=None, description=f"share of ratio from stiffness; without it {DEFAULT_STIFFNESS_SHARE:g}"
+    )
+    mass_damping: DampingRate | None = Field(default=None, description="damping over mass; without it and a ratio none")
+    stiffness_damping: Time | None = Field(default=None, description="damping over stiffness; without it and a ratio none")
 
     def build(self) -> DampingParameters:
         """The damping; refuses two ways of giving it that disagree."""
@@ -51,15 +53,17 @@ class DampingModel(StrictModel):
 class CoilContactModel(StrictModel):
     """The ``contact`` of coils with each other and with the seats."""
 
-    stiffness: LineStiffness = Field(_CONTACT.stiffness, description="stiffness per length of wire; 0: coils pass through each other")
-    damping_time: Time = Field(_CONTACT.damping_time, description="damping over stiffness")
+    stiffness: LineStiffness = Field(
+        default=_CONTACT.stiffness, description="stiffness per length of wire; 0: coils pass through each other"
+    )
+    damping_time: Time = Field(default=_CONTACT.damping_time, description="damping over stiffness")
 
 
 class RubbingModel(StrictModel):
     """The [rubbing] or [train.rubbing] table: friction between nested springs."""
 
-    coefficient: Ratio = Field(_RUBBING.coefficient, description="coefficient of friction between the springs")
-    normal_force: NormalForce = Field(_RUBBING.normal_force, description="force with which the springs press on each other")
+    coefficient: Ratio = Field(default=_RUBBING.coefficient, description="coefficient of friction between the springs")
+    normal_force: NormalForce = Field(default=_RUBBING.normal_force, description="force with which the springs press on each other")
 
     def build(self) -> Rubbing:
         """The rubbing of this table."""
@@ -78,9 +82,11 @@ Options = Annotated[dict[str, StrictModel], PlainValidator(_read_options)]
 class WireBlock(SpringModel):
     """A spring by its wire, as installed."""
 
-    precompression: Length | None = Field(None, description="shortening from the free length with the valve closed; without it none")
+    precompression: Length | None = Field(
+        default=None, description="shortening from the free length with the valve closed; without it none"
+    )
     installed_height: PositiveLength | None = None
-    seats: Literal["planes", "clamps"] = Field("planes", description="flat seats, or nothing but the inactive ends held")
+    seats: Literal["planes", "clamps"] = Field(default="planes", description="flat seats, or nothing but the inactive ends held")
     damping: DampingModel = DampingModel()
     contact: CoilContactModel = CoilContactModel()
     options: Options = Field(default_factory=dict)

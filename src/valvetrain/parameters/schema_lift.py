@@ -8,7 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import PlainValidator
+from pydantic import Field, PlainValidator
 
 from valvetrain import registry
 from valvetrain.parameters.changes import nearest
@@ -37,8 +37,8 @@ class LiftModel(StrictModel):
 
     law: ClassVar[str] = ""
     kind: str
-    lift_of: Literal["valve", "tappet"] = "valve"
-    zero_of_angle: str = ""
+    lift_of: Literal["valve", "tappet"] = Field(default="valve", description="whose lift it is, the valve's or the tappet's")
+    zero_of_angle: str = Field(default="", description="what the zero of the cam angle means")
 
     def parameters(self, folder: Path) -> LiftLawParameters:
         """What the case keeps of this table; ``folder`` is where relative file names start."""

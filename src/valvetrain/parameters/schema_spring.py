@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import PlainValidator
+from pydantic import Field, PlainValidator
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.card import SpringCard
@@ -99,9 +99,9 @@ class SpringModel(StrictModel):
     pitch: CurveField | None = None
     height: HeightForm | None = None
     total_coils: TotalCoils
-    hand: Literal["right", "left"] = "right"
+    hand: Literal["right", "left"] = Field(default="right", description="sense of winding")
     material: Annotated[Material, PlainValidator(_read_material)]
-    ends: EndField | None = None
+    ends: EndField | None = Field(default=None, description="kind of both ends; without it closed-ground")
     lower_end: EndField | None = None
     upper_end: EndField | None = None
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Literal
 
+from pydantic import Field
+
 from valvetrain.parameters.schema_contact import ContactField
 from valvetrain.parameters.schema_installed import RubbingModel, SpringField
 from valvetrain.parameters.schema_types import (
@@ -46,10 +48,10 @@ class CamModel(StrictModel):
     """The [train.cam] table."""
 
     base_radius: PositiveLength
-    width: PositiveLength = 0.012
-    rotation: Literal[1, -1] = 1
-    youngs_modulus: Modulus = 206e9
-    poisson_ratio: Ratio = 0.3
+    width: PositiveLength = Field(default=0.012, description="face width")
+    rotation: Literal[1, -1] = Field(default=1, description="1 counter-clockwise, -1 clockwise")
+    youngs_modulus: Modulus = Field(default=206e9, description="for the pressure of the contact")
+    poisson_ratio: Ratio = Field(default=0.3, description="for the pressure of the contact")
 
     def build(self) -> CamParameters:
         """The cam of this table."""
@@ -59,13 +61,13 @@ class CamModel(StrictModel):
 class FollowerModel(StrictModel):
     """The [train.follower] table."""
 
-    shape: Literal["flat", "domed", "roller", "knife"] = "flat"
-    radius: Length = 0.0
-    mass: NotNegativeMass = 0.0
-    offset: Length = 0.0
-    tilt: Angle = 0.0
-    damping: Damping = 0.0
-    friction: Friction = 0.0
+    shape: Literal["flat", "domed", "roller", "knife"] = Field(default="flat", description="what touches the cam")
+    radius: Length = Field(default=0.0, description="of its arc; none of a flat or knife")
+    mass: NotNegativeMass = Field(default=0.0, description="of a sliding follower")
+    offset: Length = Field(default=0.0, description="of its axis from the cam centre")
+    tilt: Angle = Field(default=0.0, description="lean of a flat face")
+    damping: Damping = Field(default=0.0, description="in its guide")
+    friction: Friction = Field(default=0.0, description="in its guide")
 
     def build(self) -> FollowerParameters:
         """The follower of this table."""
@@ -79,14 +81,14 @@ class LeverModel(StrictModel):
     drive_arm: PositiveLength
     valve_arm: PositiveLength
     inertia: Inertia
-    valve_angle: Angle = 0.0
-    drive_angle: Angle | None = None
-    drive_side: Literal[1, -1] = 1
-    mass: NotNegativeMass = 0.0
-    stiffness: Stiffness | None = None
-    damping: Damping = 0.0
-    holding_torque: Torque = 0.0
-    tip_radius: Length = 0.0
+    valve_angle: Angle = Field(default=0.0, description="polar direction from the pivot to the tip, valve closed")
+    drive_angle: Angle | None = Field(default=None, description="polar direction of the drive end; without it the base circle decides")
+    drive_side: Literal[1, -1] = Field(default=1, description="which of the two positions on the base circle")
+    mass: NotNegativeMass = Field(default=0.0, description="that rides on the support")
+    stiffness: Stiffness | None = Field(default=None, description="at the valve tip; without it rigid")
+    damping: Damping = Field(default=0.0, description="at the valve tip")
+    holding_torque: Torque = Field(default=0.0, description="that presses the lever towards its drive")
+    tip_radius: Length = Field(default=0.0, description="of the arc on the stem, for friction")
 
     def build(self) -> LeverParameters:
         """The lever of this table."""
@@ -98,8 +100,8 @@ class PushrodModel(StrictModel):
 
     mass: Mass
     lower_end: Pair
-    stiffness: Stiffness | None = None
-    damping: Damping = 0.0
+    stiffness: Stiffness | None = Field(default=None, description="of the bar; without it rigid")
+    damping: Damping = Field(default=0.0, description="of the bar")
 
     def build(self) -> PushrodParameters:
         """The pushrod of this table."""
@@ -111,8 +113,8 @@ class SupportModel(StrictModel):
 
     stiffness: Stiffness
     mass: Mass
-    damping: Damping = 0.0
-    direction: Angle = math.pi / 2
+    damping: Damping = Field(default=0.0, description="along its direction")
+    direction: Angle = Field(default=math.pi / 2, description="polar angle of its motion")
 
     def build(self) -> SupportParameters:
         """The support of this table."""
@@ -123,12 +125,12 @@ class ValveModel(StrictModel):
     """The [train.valve] table."""
 
     mass: Mass
-    opening_direction: Angle = -math.pi / 2
-    head_fraction: Ratio = 0.5
-    stem_stiffness: Stiffness | None = None
-    stem_damping: Damping = 0.0
-    damping: Damping = 0.0
-    friction: Friction = 0.0
+    opening_direction: Angle = Field(default=-math.pi / 2, description="polar angle of the opening motion")
+    head_fraction: Ratio = Field(default=0.5, description="share of the mass below an elastic stem")
+    stem_stiffness: Stiffness | None = Field(default=None, description="of the stem; without it rigid")
+    stem_damping: Damping = Field(default=0.0, description="of the stem")
+    damping: Damping = Field(default=0.0, description="in the guide")
+    friction: Friction = Field(default=0.0, description="in the guide")
 
     def build(self) -> ValveParameters:
         """The valve of this table."""
@@ -153,8 +155,8 @@ class CrankModel(StrictModel):
     rod_length: PositiveLength
     clearance: PositiveLength
     top_dead_centre: Angle
-    valve_inclination: Angle = 0.0
-    offset: Length = 0.0
+    valve_inclination: Angle = Field(default=0.0, description="of the valve to the cylinder axis")
+    offset: Length = Field(default=0.0, description="of the cylinder axis from the crank")
 
     def build(self) -> CrankParameters:
         """The crank of this table."""
@@ -165,12 +167,12 @@ class VariantModel(StrictModel):
     """One [[train.variants]] table."""
 
     label: str
-    spring_set: str = ""
-    spring_model: str = ""
-    lash: Length | None = None
-    valve_damping: Damping | None = None
-    without_preload: bool = False
-    note: str = ""
+    spring_set: str = Field(default="", description="without it the train's own")
+    spring_model: str = Field(default="", description="without it the train's own")
+    lash: Length | None = Field(default=None, description="without it the train's own")
+    valve_damping: Damping | None = Field(default=None, description="added to the valve's own")
+    without_preload: bool = Field(default=False, description="springs at rest with the valve closed")
+    note: str = Field(default="", description="printed beside the results")
 
     def build(self) -> TrainVariant:
         """The variant of this table."""
@@ -181,7 +183,7 @@ class TrainModel(StrictModel):
     """The whole [train] table."""
 
     kind: Literal["direct", "finger", "rocker", "pushrod"]
-    model: Literal["planar", "lumped", "single-mass"] = "planar"
+    model: Literal["planar", "lumped", "single-mass"] = Field(default="planar", description="planar bodies, ratios or one mass")
     cam: CamModel
     follower: FollowerModel = FollowerModel()
     valve: ValveModel
@@ -192,13 +194,13 @@ class TrainModel(StrictModel):
     gas: GasModel | None = None
     contacts: dict[str, ContactField]
     springs: dict[str, SpringField]
-    spring_set: str = ""
-    spring_model: str = "multi-mass"
+    spring_set: str = Field(default="", description="set in use; without it the first")
+    spring_model: str = Field(default="multi-mass", description="word of the spring model")
     rubbing: RubbingModel = RubbingModel()
-    lash: Length = 0.0
-    gravity: Gravity = (0.0, -9.80665)
+    lash: Length = Field(default=0.0, description="play at the valve")
+    gravity: Gravity = Field(default=(0.0, -9.80665), description="vector in the plane of motion")
     variants: list[VariantModel] = []  # noqa: RUF012 (pydantic copies it)
-    cycles: int | None = None
+    cycles: int | None = Field(default=None, description="most cam turns run: 60, in sweeps 30, with finite elements 3")
 
     def build(self) -> TrainParameters:
         """The frozen parameters; raises a located problem."""
@@ -223,3 +225,10 @@ class TrainModel(StrictModel):
             lambda: TrainParameters(contacts=self.contacts, springs=springs, variants=variants, **parts, **plain)
         )
         return built
+
+
+#: Name of the table below [train] -> model; [[train.variants]] stand in a list.
+PARTS: dict[str, type[StrictModel]] = {
+    "cam": CamModel, "follower": FollowerModel, "lever": LeverModel, "pushrod": PushrodModel, "support": SupportModel, "valve": ValveModel,
+    "gas": GasModel, "crank": CrankModel, "variants": VariantModel,
+}  # fmt: skip

@@ -13,6 +13,7 @@ from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_ROUND
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.system.rigid_pose import RigidPoses, rigid_poses
 from valvetrain.system.train_forces import gap_state
+from valvetrain.system.train_rest import TrainRest
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
@@ -86,14 +87,17 @@ class RigidMotion:
         return float(np.sqrt(max(squares[worst], 0.0))), float(self.cam_angle[worst])
 
 
-def rigid_motion(system: TrainSystem, train: TrainParameters | None = None, samples: int = 720) -> RigidMotion:
-    """Rigid motion of a train on ``samples`` cam angles, found once for all speeds; ``train`` adds the geometry of a planar cam contact."""
+def rigid_motion(
+    system: TrainSystem, train: TrainParameters | None = None, samples: int = 720, rest: TrainRest | None = None
+) -> RigidMotion:
+    """Rigid motion of a train on ``samples`` cam angles, found once for all speeds; ``train`` adds the geometry of a planar
+    cam contact, ``rest`` holds the springs' static curve where it is known already."""
     angle = np.arange(samples) * 2 * np.pi / samples
     motion, poses = system.mechanism.kinematics, rigid_poses(system)
     derivatives = np.stack([motion.valve_lift(angle, n) for n in range(4)])
     lift = derivatives[0]
     grid = np.linspace(0.0, max(float(lift.max()), 1e-6), 33)
-    spring = np.interp(lift, grid, system.spring_forces(grid))
+    spring = np.interp(lift, grid, system.spring_forces(grid)) if rest is None else rest.static_spring_force(lift)
     per_lift, per_angle = _cam_gradients(system, poses, angle, lift + np.where(lift > 0, motion.lash, 0.0))
     geometry = {} if train is None else _contact_geometry(system, train, poses, angle, lift, derivatives[1])
     inertia = _inertia(poses, lift, derivatives[1], derivatives[2])

@@ -11,6 +11,7 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.quantities.forces import spring_extremes
 from valvetrain.quantities.frame import Frame
+from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticStress
 from valvetrain.springs.stress import LOADS, bergstraesser, wire_stress
 
@@ -45,7 +46,8 @@ class WireStress:
 
 def stress_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
     """All stresses (Pa) that the run and its springs support; of a nested pair the largest, and each with its spring's name in front."""
-    names, found = cycle.solution.springs, {}
+    names = cycle.solution.springs
+    found: dict[str, float] = {}
     for name, spring in zip(names, frame.springs, strict=False):
         mine = _nominal(cycle, name, spring) | _of_wire(cycle, name, spring, frame)
         found |= {f"{name}_{word}": value for word, value in mine.items()} if len(names) > 1 else mine
@@ -76,28 +78,31 @@ def nominal_stress_per_force(wire: SpringDefinition) -> float:
 def wire_stress_of(cycle: Cycle, spring: str = "spring", wire: SpringDefinition | None = None) -> WireStress | None:
     """Extremes over the cycle, from stress channels or, with ``wire``, from section loads; None where the run has neither."""
     traces = _traces(cycle, spring, wire)
-    if traces is None:
-        return None
-    coil, shear, equivalent = traces
+    return None if traces is None else _extremes(*traces)
+
+
+def _extremes(coil: Array, shear: Array, equivalent: Array) -> WireStress:
     return WireStress(coil, shear.min(axis=0), shear.max(axis=0), equivalent.max(axis=0))
 
 
 def _traces(cycle: Cycle, spring: str, wire: SpringDefinition | None) -> tuple[Array, Array, Array] | None:
     """Coil numbers, shear and equivalent stress at the inner fibre (sample, wire point) of one spring."""
-    solution, name = cycle.solution, cycle.solution.channel_of
-    for first in (name(spring, SHEAR), name(spring, LOADS[0])):
-        if solution.has(first):
-            coil = next(
-                np.asarray(axis.values)
-                for axis in solution.channels[first].coords.values()
-                if axis.dims == solution.channels[first].dims[1:]
-            )
-            if solution.has(name(spring, SHEAR), name(spring, EQUIVALENT)):
-                return coil, cycle.channel(name(spring, SHEAR)), cycle.channel(name(spring, EQUIVALENT))
-            if wire is not None and solution.has(*(name(spring, load) for load in LOADS)):
-                values = wire_stress({load: cycle.channel(name(spring, load)) for load in LOADS}, wire, coil)
-                return coil, values[SHEAR], values[EQUIVALENT]
-    return None
+    solution = cycle.solution
+    stresses, loads = ([solution.channel_of(spring, name) for name in names] for names in ((SHEAR, EQUIVALENT), LOADS))
+    if solution.has(*stresses):
+        shear, equivalent = (cycle.channel(name) for name in stresses)
+        return _coils(solution, stresses[0]), shear, equivalent
+    if wire is None or not solution.has(*loads):
+        return None
+    coil = _coils(solution, loads[0])
+    values = wire_stress({load: cycle.channel(name) for load, name in zip(LOADS, loads, strict=True)}, wire, coil)
+    return coil, values[SHEAR], values[EQUIVALENT]
+
+
+def _coils(solution: Solution, name: str) -> Array:
+    """Coil numbers along the wire of one channel."""
+    channel = solution.channels[name]
+    return next(np.asarray(axis.values) for axis in channel.coords.values() if axis.dims == channel.dims[1:])
 
 
 def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> dict[str, float]:
@@ -105,8 +110,8 @@ def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> 
     traces = _traces(cycle, name, spring.wire)
     if traces is None:
         return {}
-    coil, shear, equivalent = traces
-    stress = WireStress(coil, shear.min(axis=0), shear.max(axis=0), equivalent.max(axis=0))
+    coil, shear, _ = traces
+    stress = _extremes(*traces)
     worst, most = stress.worst, int(np.argmax(stress.amplitude))
     found = {
         "peak_shear_stress": float(stress.largest_shear[worst]),

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-from valvetrain.solution.definition import label_of
-
 from valvetrain.parameters.words import in_unit as in_unit
 from valvetrain.parameters.words import number as number
 from valvetrain.parameters.words import unit_words as unit_words
+from valvetrain.solution.definition import label_of
 
 
 def rpm(engine_speed: float) -> float:

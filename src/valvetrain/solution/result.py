@@ -120,10 +120,7 @@ class Solution:
 
     def reduced(self) -> Solution:
         """The same run without its channels: events, quantities, status, statistics and provenance stay."""
-        import xarray
-
-        empty = xarray.Dataset(coords={name: (("sample",), np.zeros(0)) for name in ("time", "cam_angle")})
-        return replace(self, channels=empty, quantities=dict(self.quantities), statistics=dict(self.statistics))
+        return replace(self, channels=empty_channels(), quantities=dict(self.quantities), statistics=dict(self.statistics))
 
     def __repr__(self) -> str:
         lines = [self._head()]
@@ -171,6 +168,13 @@ class Solution:
     def cite(self) -> tuple[str, ...]:
         """References behind this run, the papers to cite with it."""
         return self.provenance.citations
+
+
+def empty_channels() -> xarray.Dataset:
+    """Channels of a run that kept none."""
+    import xarray
+
+    return xarray.Dataset(coords={name: (("sample",), np.zeros(0)) for name in ("time", "cam_angle")})
 
 
 def _check_channels(channels: xarray.Dataset) -> None:

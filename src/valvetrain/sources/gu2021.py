@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -27,8 +27,9 @@ ORIGINS = {
 }
 #: Collisions repeat with the period of the first mode where their distance is within this share of it.
 PERIOD_SHARE = 0.05
-#: Sizes that agree to within this share are called the same.
-SAME_SHARE = 0.1
+STAGE_1 = ("stage_1_minimum_force", "stage_1_maximum_force")
+SPIKE = "stage_3_peak_force"
+Printed = Mapping[str, PublishedValue]
 
 
 def quantities(solution: Solution, frame: Frame) -> dict[str, float]:
@@ -46,103 +47,97 @@ def quantities(solution: Solution, frame: Frame) -> dict[str, float]:
 
 
 def findings(study: Study) -> tuple[Finding, ...]:
-    """What the paper found in words beside the finite-element runs of this study."""
+    """What the printed values say in common beside what the finite-element runs of this study say."""
     found: list[Finding] = []
     for run in study.runs("finite-element"):
-        speed = f"{run.engine_speed * 30 / np.pi:.0f} rpm"
-        published = {one.quantity: one for one in study.record.published if _stands_for(one, run)}
-        for build in (_period, _double_hump, _spike_beside_modal):
-            one = build(study, run, published, speed)
-            if one is not None:
-                found.append(one)
+        printed = {(one.model, one.quantity): one for one in study.record.published if same_speed(one.engine_speed, run.engine_speed)}
+        solid = {quantity: one for (model, quantity), one in printed.items() if model == SOLID}
+        spike = printed.get((MODAL, SPIKE))
+        modal = next((one for one in study.runs("modal-varied") if same_speed(one.engine_speed, run.engine_speed)), None)
+        found += [*_period(run, solid), *_two_maxima(run, solid), *(_spikes(run, modal, solid, spike) if modal and spike else ())]
     return tuple(found)
 
 
-def _stands_for(value: PublishedValue, run: Solution) -> bool:
-    return value.model == SOLID and same_speed(value.engine_speed, run.engine_speed)
+def _rpm(run: Solution) -> str:
+    return f"{run.engine_speed * 30 / np.pi:.0f} rpm"
 
 
-Build = Callable[[Study, Solution, Mapping[str, PublishedValue], str], Finding | None]
-
-
-def _period(study: Study, run: Solution, published: Mapping[str, PublishedValue], speed: str) -> Finding | None:
+def _period(run: Solution, solid: Printed) -> tuple[Finding, ...]:
+    """Collisions once per period of the first mode, where the paper prints their distance."""
     ratio, interval = (run.quantities.get(f"clash_interval_{word}") for word in ("to_mode_1_period_ratio", "cam_angle"))
-    if ratio is None or interval is None:
-        return None
-    words = f"{speed}: {np.degrees(interval):.1f} cam degrees apart, {ratio:.3f} periods of the first mode"
+    printed = solid.get("clash_interval_cam_angle")
+    if printed is None or ratio is None or interval is None:
+        return ()
+    words = f"{np.degrees(interval):.1f} cam degrees apart, {ratio:.3f} periods of the first mode"
     verdict = "agrees" if abs(ratio - 1) <= PERIOD_SHARE else f"not seen: {ratio - 1:+.0%} from one period"
-    return Finding("section 4", "coils 1 and 2 collide once per period of the first mode", words, verdict)
+    statement = f"{_rpm(run)}: coils 1 and 2 meet every {np.degrees(printed.value):.1f} cam degrees, the period of the first mode"
+    return (Finding(printed.source, statement, words, verdict),)
 
 
-def _double_hump(study: Study, run: Solution, published: Mapping[str, PublishedValue], speed: str) -> Finding | None:
+def _two_maxima(run: Solution, solid: Printed) -> tuple[Finding, ...]:
     """Two force maxima in Stage II with a valley between, where the paper prints them."""
-    if "stage_2_valley_force" not in published or "stage_2_peak_force" not in run.quantities:
-        return None
-    first, valley, second = (run.quantities.get(f"stage_2_{word}_force") for word in ("first_peak", "valley", "second_peak"))
-    if first is None or valley is None or second is None:
-        return Finding("section 4", _HUMPS, f"{speed}: one maximum of {run.quantities['stage_2_peak_force']:.0f} N", "not seen")
-    words = f"{speed}: {first:.0f} N and {second:.0f} N with {valley:.0f} N between"
-    return Finding("section 4", _HUMPS, words, "agrees" if second > first else "two maxima, but the first is the higher one")
+    names = tuple(f"stage_2_{word}_force" for word in ("first_peak", "valley", "second_peak"))
+    if not set(names) <= set(solid) or "stage_2_peak_force" not in run.quantities:
+        return ()
+    first, valley, second = (solid[name].value for name in names)
+    statement = f"{_rpm(run)}: two force maxima in Stage II, {first:.0f} N and {second:.0f} N with {valley:.0f} N between"
+    if not set(names) <= set(run.quantities):
+        return (Finding(solid[names[0]].source, statement, f"one maximum of {run.quantities['stage_2_peak_force']:.0f} N", "not seen"),)
+    ours = [run.quantities[name] for name in names]
+    same = (ours[2] > ours[0]) == (second > first)
+    words = f"{ours[0]:.0f} N and {ours[2]:.0f} N with {ours[1]:.0f} N between"
+    return (Finding(solid[names[0]].source, statement, words, "agrees" if same else "two maxima, but the other one is higher"),)
 
 
-_HUMPS = "the force in Stage II has two maxima, the second the higher one"
-
-
-def _spike_beside_modal(study: Study, run: Solution, published: Mapping[str, PublishedValue], speed: str) -> Finding | None:
-    modal = next((one for one in study.runs("modal-varied") if same_speed(one.engine_speed, run.engine_speed)), None)
-    here = run.quantities.get("stage_3_peak_force")
-    there = None if modal is None else modal.quantities.get("stage_3_peak_force")
-    if here is None or there is None:
-        return None
-    words = f"{speed}: {here:.0f} N by finite elements, {there:.0f} N by the modal model"
-    if here > there * (1 + SAME_SHARE):
-        verdict = "agrees"
+def _spikes(run: Solution, modal: Solution, solid: Printed, spike: PublishedValue) -> tuple[Finding, ...]:
+    """The spike of Stage III by finite elements and by the modal model, where the paper prints both."""
+    printed, here, there = solid.get(SPIKE), run.quantities.get(SPIKE), modal.quantities.get(SPIKE)
+    if printed is None or here is None or not there:
+        return ()
+    statement = f"{_rpm(run)}: spike of Stage III {printed.value:.0f} N by finite elements, {spike.value:.0f} N by the modal model"
+    theirs, ours = printed.value / spike.value, here / there
+    if (ours > 1) == (theirs > 1):
+        verdict = f"the sign holds: {ours:.2f} times the modal model's, printed {theirs:.2f}"
     else:
-        verdict = "about the same here" if here > there * (1 - SAME_SHARE) else "the other way round here"
-    return Finding("section 4", "a modal model without coil contact misses the spikes of Stage III", words, verdict)
+        verdict = f"the other way round here: {ours:.2f} times the modal model's, printed {theirs:.2f}"
+    return (Finding(printed.source, statement, f"{here:.0f} N and {there:.0f} N", verdict),)
 
 
 def notes(study: Study) -> tuple[str, ...]:
     """Where the paper's numbers contradict each other, and how far the predictions of this study stand from them."""
-    return tuple(note for note in (_stage_1_note(study), *_prediction_notes(study)) if note)
+    return tuple(note for note in (_stage_1_note(study), _violence_note(study)) if note)
 
 
 def _stage_1_note(study: Study) -> str:
     """Stage I swings about the preload, or it does not: the paper's numbers and ours."""
-    printed = {(one.quantity, one.engine_speed): one.value for one in study.record.published if one.model == SOLID}
-    preload = printed.get(("preload", None))
+    printed = [one for one in study.record.published if one.model == SOLID]
+    preload = next((one.value for one in printed if one.quantity == "preload"), None)
     told = []
     for run in study.runs("finite-element"):
-        pairs = [(key, run.quantities.get(f"stage_1_{key}_force")) for key in ("minimum", "maximum")]
-        theirs = [value for (name, speed), value in printed.items() if same_speed(speed, run.engine_speed) and name in _STAGE_1]
-        ours = [value for _, value in pairs if value is not None]
+        theirs = [one.value for one in printed if one.quantity in STAGE_1 and same_speed(one.engine_speed, run.engine_speed)]
+        ours = [run.quantities[name] for name in STAGE_1 if name in run.quantities]
         if preload is None or len(theirs) < 2 or len(ours) < 2:
             continue
-        mean, own, side = sum(theirs) / 2, sum(ours) / 2, "below" if sum(theirs) / 2 < preload else "above"
-        told.append(f"{run.engine_speed * 30 / np.pi:.0f} rpm {abs(mean - preload):.0f} N {side} it (mean {mean:.0f} N, here {own:.0f} N)")
+        mean, own = sum(theirs) / 2, sum(ours) / 2
+        told.append(f"{_rpm(run)} {abs(mean - preload):.0f} N {'below' if mean < preload else 'above'} it ({mean:.0f} N, here {own:.0f} N)")
     if not told:
         return ""
-    return f"Stage I should swing about the preload, which the source prints as {preload:.0f} N; its middle stands at {'; '.join(told)}."
+    return f"The source prints a preload of {preload:.0f} N; the middle of its Stage I range stands at {'; '.join(told)}."
 
 
-_STAGE_1 = ("stage_1_minimum_force", "stage_1_maximum_force")
-
-
-def _prediction_notes(study: Study) -> tuple[str, ...]:
-    """Middle ratio of computed to published force spikes and velocities after the event, by engine speed."""
+def _violence_note(study: Study) -> str:
+    """Middle ratio of computed to published spike force and coil velocities of Stage III, by engine speed."""
     told = []
     for run in study.runs("finite-element"):
         shares = [
-            run.quantities[one.quantity] / one.value for one in study.record.published
-            if _stands_for(one, run) and one.relation != "at-most" and one.value and one.quantity in run.quantities and _is_violent(one.quantity)
+            run.quantities[one.quantity] / one.value
+            for one in study.record.published
+            if one.model == SOLID and same_speed(one.engine_speed, run.engine_speed) and one.relation != "at-most" and one.value
+            and "stage_3" in one.quantity and one.quantity.endswith(("_force", "_velocity")) and one.quantity in run.quantities
         ]  # fmt: skip
         if len(shares) > 1:
-            told.append(f"{np.median(shares):.2f} at {run.engine_speed * 30 / np.pi:.0f} rpm ({len(shares)} values)")
-    return (f"Spike force and coil velocities after the event, computed over published, middle of all: {', '.join(told)}.",) if told else ()
-
-
-def _is_violent(name: str) -> bool:
-    return "stage_3" in name and name.endswith(("_force", "_velocity"))
+            told.append(f"{np.median(shares):.2f} at {_rpm(run)} ({len(shares)} values)")
+    return f"Spike force and coil velocities of Stage III, computed over published, middle of all: {', '.join(told)}." if told else ""
 
 
 SPEC = SourceStudy(

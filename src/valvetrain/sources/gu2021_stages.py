@@ -38,7 +38,9 @@ def stage_quantities(cycle: Cycle, separation: float, event: LiftEvent) -> dict[
 
     ``separation``: least distance (cam rad) of two collisions.
     """
-    force = cycle.channel("seat_force")
+    # the modal model of the source sums its modes as equation 5 prints it
+    printed = cycle.solution.has("seat_force_as_printed")
+    force = cycle.channel("seat_force_as_printed" if printed else "seat_force")
     found: dict[str, float] = {}
     if covers_stage(cycle, event, 1):
         found |= stage_1(cycle, force, event)

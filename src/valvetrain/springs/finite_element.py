@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,9 @@ from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.schema_types import Length, PositiveTime, StrictModel
+from valvetrain.parameters.schema_types import Length, PositiveTime
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import finite_element_kernel as stepping
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
@@ -208,14 +209,14 @@ class FiniteElementRod:
         return float(np.pi / 4 * self.definition.material.density * held + self.mesh.node_mass[self.mesh.last])
 
 
-class FiniteElementOptions(StrictModel):
-    """Options of the finite-element rod: mesh, curvature correction of the section, step (None: the stable one), and the lift up to which
-    the coils of a wire made from a card stay apart."""
+class FiniteElementOptions(SpringOptions):
+    """Options of the geometrically exact rod."""
 
-    elements_per_coil: Annotated[int, Field(ge=4, le=1000)] = 24
-    curvature_correction: bool = True
-    time_step: PositiveTime | None = None
-    card_lift: Length = 0.012
+    card_only: ClassVar[tuple[str, ...]] = ("card_lift",)
+    elements_per_coil: int = Field(default=24, ge=4, le=1000, description="elements along one turn of the wire")
+    curvature_correction: bool = Field(default=True, description="stiffness of the section corrected for the curvature of the bar")
+    time_step: PositiveTime | None = Field(default=None, description="time step; without it the stability limit decides")
+    card_lift: Length = Field(default=0.012, description="lift up to which the coils of a wire made from a card stay apart")
 
 
 def _make(spring: InstalledSpring, options: FiniteElementOptions, rest: SpringAtRest | None) -> FiniteElementRod:

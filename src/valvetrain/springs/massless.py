@@ -6,15 +6,16 @@ Their inertia is a stated share of the wire's mass that rides on the retainer: o
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.schema_types import StrictModel, quantity
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.spring_options import Share, SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import massless_kernels
 from valvetrain.springs.chain_statics import static_curve
@@ -186,10 +187,10 @@ def massless_table(
     return MasslessTable(displacements, tuple(forces.tolist()), whole.active_mass, effective_mass_fraction, whole.inactive_mass)
 
 
-class MasslessOptions(StrictModel):
+class MasslessOptions(SpringOptions):
     """Options of the massless spring."""
 
-    effective_mass_fraction: Annotated[float, quantity("ratio", low=0.0, high=1.0)] = RAYLEIGH_FRACTION
+    effective_mass_fraction: Share = Field(default=RAYLEIGH_FRACTION, description="share of the spring's mass that rides on the retainer")
 
 
 def _make(spring: InstalledSpring, options: MasslessOptions, rest: SpringAtRest | None) -> MasslessSpring | MasslessTable:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from pydantic import Field
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.schema_types import StrictModel
+from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import modal_kernels
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
@@ -156,10 +156,10 @@ class ModalUniform:
         return max(self.spring.active_mass / 3 - carried, 0.0) + self.spring.inactive_mass
 
 
-class ModalUniformOptions(StrictModel):
-    """Options of the modal spring: number of surge ``modes``."""
+class ModalUniformOptions(SpringOptions):
+    """Options of the modal model of a uniform spring."""
 
-    modes: Annotated[int, Field(ge=1, le=500)] = 5
+    modes: int = Field(default=5, ge=1, le=500, description="natural modes taken along")
 
 
 def _make(spring: InstalledSpring, options: ModalUniformOptions, rest: SpringAtRest | None) -> ModalUniform:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,8 @@ from pydantic import Field
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.schema_types import StrictModel
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import chain_kernels, chain_statics
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, uniform_chain
@@ -171,11 +171,13 @@ class MultiMassSpring:
         return self.layout.retainer_mass
 
 
-class MultiMassOptions(StrictModel):
-    """Options of the chain: ``masses_per_coil`` of a wire, ``elements`` of a spring known by its card."""
+class MultiMassOptions(SpringOptions):
+    """Options of the chain of masses."""
 
-    masses_per_coil: Annotated[int, Field(ge=1, le=2000)] = 12
-    elements: Annotated[int, Field(ge=1, le=100_000)] = 5
+    wire_only: ClassVar[tuple[str, ...]] = ("masses_per_coil",)
+    card_only: ClassVar[tuple[str, ...]] = ("elements",)
+    masses_per_coil: int = Field(default=12, ge=1, le=2000, description="masses along one turn of the wire")
+    elements: int = Field(default=5, ge=1, le=2000, description="elements of the chain made from a card")
 
 
 def _make(spring: InstalledSpring, options: MultiMassOptions, rest: SpringAtRest | None) -> MultiMassSpring:

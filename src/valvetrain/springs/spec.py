@@ -8,14 +8,14 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.schema_types import StrictModel
+from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.registry import find
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.contract import SpringModel
 
 
-class NoOptions(StrictModel):
-    """Options of a model that has none."""
+class NoOptions(SpringOptions):
+    """A model without a choice."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class SpringModelSpec:
     word: str
     label: str
     colour: str
-    options: type[StrictModel]
+    options: type[SpringOptions]
     make: Callable[[InstalledSpring, Any, SpringAtRest | None], SpringModel]
     knows: str
     leaves_out: str
@@ -60,7 +60,7 @@ class SpringModelSpec:
             raise InputError(reason)
         return self.make(spring, self.read_options(spring.options_of(self.word)), rest)
 
-    def read_options(self, values: Mapping[str, Any]) -> StrictModel:
+    def read_options(self, values: Mapping[str, Any]) -> SpringOptions:
         """The model's options with defaults filled in; values are SI, as a case holds them. Raises :class:`InputError` for others."""
         unknown = [name for name in values if name not in self.options.model_fields]
         if unknown:

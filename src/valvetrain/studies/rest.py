@@ -20,7 +20,8 @@ from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import interpolation, pair_values, static_section_loads, wire_points
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
-from valvetrain.springs.stress import EQUIVALENT, SHEAR, wire_stress
+from valvetrain.quantities.stress import EQUIVALENT, SHEAR
+from valvetrain.springs.stress import wire_stress
 
 Array = NDArray[np.float64]
 #: Steps of a static curve, modes about the installed state.
@@ -116,7 +117,9 @@ def rest_by_model(
     found = None
     if len(frequencies):
         shape = np.zeros((len(frequencies), 1, 3))
-        found = ModalResult(spring.precompression, frequencies, shape, np.zeros(1), np.ones(len(frequencies)), tuple(range(len(frequencies))))
+        found = ModalResult(
+            spring.precompression, frequencies, shape, np.zeros(1), np.ones(len(frequencies)), tuple(range(len(frequencies)))
+        )
     return SpringAtRest(spring.name, word, spring.precompression, curve, found, None, facts_of(model), time.perf_counter() - begun)
 
 

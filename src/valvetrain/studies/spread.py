@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import resources
 
 import numpy as np
 
-from valvetrain.parameters.case import Case, PublishedValue
 from valvetrain.solution.quantity import unit_of
+from valvetrain.solution.record import CaseRecord, PublishedValue
 
 #: The quantities that are told in words on the page, with how people call them.
 TOLD = {
@@ -33,13 +33,13 @@ class Spread:
     high: float
 
 
-def load_spread(case: Case) -> tuple[Spread, ...]:
-    """The spread that ships with a library case; empty when there is none or the spring is not the identified one."""
-    file = resources.files("valvetrain") / "parameters" / "library" / f"{case.name}.spread"
-    if case.spring is None or not file.is_file():
+def load_spread(record: CaseRecord) -> tuple[Spread, ...]:
+    """The spread that ships with a library case; empty when there is none or the case is not word for word the one it belongs to."""
+    file = resources.files("valvetrain") / "parameters" / "library" / f"{record.name}.spread"
+    if not file.is_file():
         return ()
     content = tomllib.loads(file.read_text(encoding="utf-8"))
-    if not _same_spring(case, content.pop("identified", {})):
+    if content.pop("case", {}).get("digest") != record.digest:
         return ()
     return tuple(
         Spread(quantity, int(speed.split()[0]), *map(float, values))
@@ -48,17 +48,11 @@ def load_spread(case: Case) -> tuple[Spread, ...]:
     )
 
 
-def _same_spring(case: Case, identified: Mapping[str, float]) -> bool:
-    assert case.spring is not None
-    here = {"wire_diameter": case.spring.wire_diameter.value(0.0), "mean_diameter": case.spring.mean_diameter.value(0.0)}
-    return all(name in identified and abs(float(value) / identified[name] - 1) < 1e-4 for name, value in here.items())
-
-
-def spread_sentences(case: Case, spread: tuple[Spread, ...]) -> tuple[str, ...]:
-    """One sentence per engine speed: range of the told quantities, and whether the published value lies inside."""
-    sentences = []
-    for rpm in sorted({one.engine_rpm for one in spread}):
-        parts = [_part(one, case.published) for one in spread if one.engine_rpm == rpm and one.quantity in TOLD]
+def spread_sentences(record: CaseRecord, engine_speeds: Sequence[float]) -> tuple[str, ...]:
+    """One sentence per engine speed that was run (rad/s): range of the told quantities, and whether the published value lies inside."""
+    spread, sentences = load_spread(record), []
+    for rpm in sorted({one.engine_rpm for one in spread} & {round(speed * 30 / np.pi) for speed in engine_speeds}):
+        parts = [_part(one, record.published) for one in spread if one.engine_rpm == rpm and one.quantity in TOLD]
         if parts:
             sentences.append(f"{rpm} rpm, what the calibration data leave open (5 to 95 %): {'; '.join(parts)}.")
     return tuple(sentences)

@@ -13,8 +13,8 @@ from valvetrain.errors import InputError
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.contour import NODES, table_from_samples
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.installed_spring import InstalledSpring, binding_lift
-from valvetrain.parameters.train import Rubbing, TrainParameters, TrainVariant
+from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, binding_lift
+from valvetrain.parameters.train import TrainParameters, TrainVariant
 from valvetrain.springs.nested import RadialRubbing
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.problem import Gear, Member, Problem

@@ -69,7 +69,7 @@ class Member:
             springs = (NestedSprings(springs[0], springs[1], self.rubbing, name=self.model.word),)
         if self.gear is None:
             return PrescribedSpring(springs, self.valve_lift, self.name)
-        return TrainSystem(self.gear.mechanism, springs, self.gear.gas, self.name)
+        return TrainSystem(self.gear.mechanism, springs, self.gear.gas, self.name, self.gear.parameters.crank)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.mechanism.gap_kinds import COORDINATES_PER_INTERACTION
 from valvetrain.mechanism.parts import AssembledMechanism, ElasticLink
+from valvetrain.parameters.train import CrankParameters
 from valvetrain.springs.contract import SpringModel
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.prescribed import names_of
@@ -61,13 +62,14 @@ class TrainSystem:
     """Equations of motion of one train: M a = constant + gas - sum(gap gradient * law force) - spring force.
 
     ``springs``: none, one or two spring models (outer, inner) between the cylinder head and the retainer. ``gas``: (nodes, 3) table of
-    the force (N, opening positive) on the valve over the cam angle, or None.
+    the force (N, opening positive) on the valve over the cam angle, or None. ``crank``: slider that the valve must clear.
     """
 
     mechanism: AssembledMechanism
     springs: tuple[SpringModel, ...] = ()
     gas: Array | None = None
     name: str = ""
+    crank: CrankParameters | None = None
 
     def __post_init__(self) -> None:
         if len(self.springs) > 2:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 from pydantic import Field
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.schema_types import PositiveTime, StrictModel
+from valvetrain.parameters.schema_types import PositiveTime
+from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.solid.deck import SolidContact
@@ -21,13 +20,13 @@ NO_MOTION = (
 )
 
 
-class SolidOptions(StrictModel):
-    """Options of the solid mesh: elements along a coil, ``core`` x ``core`` cells and ``rings`` rings over the section, longest run (s)."""
+class SolidOptions(SpringOptions):
+    """Options of solid finite elements."""
 
-    elements_per_coil: Annotated[int, Field(ge=4, le=200)] = 12
-    core: Annotated[int, Field(ge=1, le=12)] = 1
-    rings: Annotated[int, Field(ge=1, le=12)] = 1
-    time_limit: PositiveTime = 1800.0
+    elements_per_coil: int = Field(default=12, ge=4, le=1000, description="slices along one turn of the wire")
+    core: int = Field(default=1, ge=1, le=40, description="cells across the square core of the section")
+    rings: int = Field(default=1, ge=1, le=40, description="rings of cells around the core")
+    time_limit: PositiveTime = Field(default=1800.0, description="longest time one solution may take")
 
 
 def solid_spring(spring: InstalledSpring, options: SolidOptions) -> SolidSpring:

@@ -1,0 +1,99 @@
+"""The page of defaults, written from the typed tables of the case file (docs/defaults.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from valvetrain import registry
+from valvetrain.parameters import schema_installed, train_schema
+from valvetrain.parameters.schema_case import OperationModel
+from valvetrain.parameters.schema_contact import ContactTable
+from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.schema_spring import EndModel
+from valvetrain.parameters.schema_types import Quantity
+from valvetrain.parameters.spring import EndCoil
+from valvetrain.parameters.spring_options import OPTIONS, options_table
+from valvetrain.parameters.words import number
+from valvetrain.units import DIMENSIONS, unit_factor
+
+_HEAD = """# Defaults
+
+What a case file that leaves a key out gets. This page is written from the tables that read the case file
+(`valvetrain.parameters.defaults_page()`); a test compares the two. A key without a default here is required or has no effect when left out.
+
+Units are the ones shown; any other of the same dimension may be written ([case-files.md](case-files.md)).
+"""
+
+
+def defaults_page() -> str:
+    """docs/defaults.md: every default of the case file with its unit and meaning."""
+    parts = [_HEAD, *(_section(title, rows) for title, rows in _sections() if rows)]
+    return "\n".join(parts)
+
+
+def _sections() -> Iterator[tuple[str, list[str]]]:
+    wire = schema_installed.WireBlock
+    kinds = ((kind, EndModel(kind=kind).build()) for kind in ("closed-ground", "closed", "open"))
+    yield "A spring: `[spring]`, `[[train.springs.SET]]`", [*_rows(wire), *(_end_row(kind, end) for kind, end in kinds)]
+    yield "`damping` of a spring", _rows(schema_installed.DampingModel)
+    yield "`contact` of a spring's coils", _rows(schema_installed.CoilContactModel)
+    for word in dict.fromkeys((*OPTIONS, *registry.BUILT_IN["springs"])):
+        yield f"`options.{word}` of a spring", _rows(options_table(word))
+    yield "`[rubbing]`, `[train.rubbing]`", _rows(schema_installed.RubbingModel)
+    yield "`[operation]`", _rows(OperationModel)
+    yield "`[lift_law]`, every kind", _rows(LiftModel)
+    for kind in registry.BUILT_IN["lifts"]:
+        yield f"`[lift_law]` of kind `{kind}`", _rows(registry.find("lifts", kind).table, LiftModel)
+    yield "`[train]`", _rows(train_schema.TrainModel)
+    for name, model in train_schema.PARTS.items():
+        yield f"`[train.{name}]`" if name != "variants" else "`[[train.variants]]`", _rows(model)
+    yield "`[train.contacts.PLACE]`, every law", _rows(ContactTable)
+    for law in registry.BUILT_IN["contacts"]:
+        yield f"`[train.contacts.PLACE]` of law `{law}`", _rows(registry.find("contacts", law).table, ContactTable)
+
+
+def _section(title: str, rows: list[str]) -> str:
+    return "\n".join([f"## {title}", "", "| key | default | meaning |", "|---|---|---|", *rows, ""])
+
+
+def _rows(model: type[BaseModel], base: type[BaseModel] | None = None) -> list[str]:
+    """Rows of the fields of ``model`` that have a default to tell and differ from those of ``base``."""
+    known = base.model_fields if base is not None else {}
+    fields = {name: field for name, field in model.model_fields.items() if name not in known or field.default != known[name].default}
+    return [f"| `{name}` | {_shown(field)} | {_meaning(field)} |" for name, field in fields.items() if _told(field)]
+
+
+def _told(field: FieldInfo) -> bool:
+    """Whether leaving the key out means something: a plain value, or none with a word on what follows."""
+    if field.is_required() or field.default_factory is not None or isinstance(field.default, (BaseModel, dict, list)):
+        return False
+    return bool(field.description) if field.default is None or field.default == "" else True
+
+
+def _shown(field: FieldInfo) -> str:
+    value = field.default
+    if value is None or value == "":
+        return "not given"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return f"`{value}`"
+    dimension = next((item.dimension for item in field.metadata if isinstance(item, Quantity)), None)
+    if dimension is None:
+        return "-".join(map(str, value)) if isinstance(value, tuple) else str(value) if isinstance(value, int) else number(value)
+    unit = DIMENSIONS[dimension].usual_unit
+    scale = unit_factor(unit) if unit else 1.0
+    values = value if isinstance(value, tuple) else (value,)
+    return f"{', '.join(number(entry / scale) for entry in values)} {unit}".strip()
+
+
+def _meaning(field: FieldInfo) -> str:
+    return field.description or ""
+
+
+def _end_row(kind: str, end: EndCoil) -> str:
+    turns = f"{number(end.inactive_coils)} and {number(end.ground_coils)}"
+    return f"| `inactive_coils`, `ground_coils` | {turns} | turns of an end of kind `{kind}` held and ground |"

@@ -1,0 +1,204 @@
+"""A student study of a diesel's cam, pushrod and rocker in a commercial multibody tool: stock against performance valve springs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from valvetrain.solution.comparison import Finding
+from valvetrain.solution.quantity import Quantity, named, same_speed
+from valvetrain.solution.result import Solution
+from valvetrain.solution.study import Study
+from valvetrain.sources.contract import Origin, SourceStudy
+
+PRINTED, CLOSED_FORM = "as printed", "closed form of the source"
+ORIGINS = {PRINTED: Origin("MB", "multibody study"), CLOSED_FORM: Origin("CF", "closed form of the source")}
+#: Numbers that the source prints in its formulas: contact (N/mm^1.5, N s/mm, mm), masses of valve, rocker and pushrod (kg), two loads of
+#: the performance spring (N) and the lift between them (m).
+CONTACT_STIFFNESS, CONTACT_DAMPING, CONTACT_DEPTH = 1e5, 49.92, 0.02
+MASSES = (0.03049, 0.10634, 0.17362)
+RATE = (605.18 - 342.66) / 8.5e-3
+#: A printed force fits a computed one within this share, and a change below a third of it is next to nothing.
+FIT = 0.08
+
+Runs = Mapping[str, Solution]
+
+
+def runs_of(study: Study) -> dict[str, Solution]:
+    """The run of every label at the engine speed of the published values, else at its lowest, where it gave numbers."""
+    speed = next((value.engine_speed for value in study.record.published if value.engine_speed is not None), None)
+    chosen = {}
+    for label in study.labels:
+        series = [run for run in study.runs(label) if run.quantities]
+        if series:
+            chosen[label] = next((run for run in series if same_speed(run.engine_speed, speed)), series[0])
+    return chosen
+
+
+def number(run: Solution, name: str) -> float:
+    """A quantity of a run; NaN where it has none of that name."""
+    return run.quantities.get(name, math.nan)
+
+
+def study_quantities(study: Study) -> dict[Quantity, float]:
+    """Numbers that the published values ask for, by their published names (SI): from the runs without seat load, and closed forms."""
+    runs = runs_of(study)
+    stock, performance = runs.get("stock, as printed"), runs.get("performance, as printed")
+    found = named(closed_forms(), None, "")
+    if stock is None or performance is None:
+        return found
+    nose, lift = "nose_cam_contact_force", "peak_valve_lift"
+    values = {
+        f"stock_{nose}": number(stock, nose), f"performance_{nose}": number(performance, nose),
+        "contact_force_rise_ratio": _rise(number(performance, nose), number(stock, nose)),
+        f"stock_{lift}": number(stock, lift),
+        "performance_lift_difference_displacement": number(stock, lift) - number(performance, lift),
+        "peak_lever_speed": number(performance, "peak_lever_speed"),
+        "peak_lever_speed_valve_lift": number(performance, "peak_lever_speed_valve_lift"),
+    }  # fmt: skip
+    if "performance, as printed, zeta 1" in runs:
+        values[f"performance_damped_{nose}"] = number(runs["performance, as printed, zeta 1"], nose)
+    return found | named({name: value for name, value in values.items() if np.isfinite(value)}, stock.engine_speed, "")
+
+
+def closed_forms() -> dict[str, float]:
+    """The source's own formulas, evaluated as printed: equations 5, 8 and 10."""
+    mass = sum(MASSES)
+    return {
+        "contact_formula_force": (CONTACT_STIFFNESS + CONTACT_DAMPING) * CONTACT_DEPTH**1.5,
+        "lumped_natural_frequency": math.sqrt(RATE / mass) / (2 * math.pi), "critical_damping_ratio": 2 * math.sqrt(RATE * mass),
+    }  # fmt: skip
+
+
+def _rise(after: float, before: float) -> float:
+    """Share by which a force rises; NaN where there was none (a train that floats carries nothing at the nose)."""
+    return after / before - 1 if before > 0 else math.nan
+
+
+def findings(study: Study) -> tuple[Finding, ...]:
+    """The findings in words that this set of runs can answer; of a train that carries nothing at the nose the source does not speak."""
+    runs = {label: run for label, run in runs_of(study).items() if number(run, "nose_cam_contact_force") > 0}
+    return tuple(one for one in (_stiffer_spring(runs), _lift_loss(runs), _damping(runs)) if one is not None)
+
+
+def _stiffer_spring(runs: Runs) -> Finding | None:
+    if not {"stock", "performance"} <= set(runs):
+        return None
+    forces = [number(runs[label], "nose_cam_contact_force") for label in ("stock", "performance")]
+    rise = _rise(forces[1], forces[0])
+    if rise <= 0:
+        verdict = "not seen: the force does not rise"
+    else:
+        verdict = "agrees" if abs(rise - 0.4) <= FIT else f"the sign holds, the rise is {rise:.0%}: that of the whole spring force"
+    words = f"with the seat load {forces[0]:.0f} N and {forces[1]:.0f} N, {'up' if rise > 0 else 'down'} {abs(rise):.0%}"
+    return Finding("section 7", "contact force up about 40 % with the stiffer spring, peak at the cam nose", words, verdict)
+
+
+def _lift_loss(runs: Runs) -> Finding | None:
+    if not {"stock", "performance"} <= set(runs):
+        return None
+    loss = [1e3 * number(runs[label], "lift_loss_displacement") for label in ("stock", "performance")]
+    more = loss[1] - loss[0]
+    if not math.isfinite(more):
+        return None
+    words = f"lift lost to contact compliance {loss[0]:.3f} mm (stock) and {loss[1]:.3f} mm (performance)"
+    if more <= 0:
+        verdict = "not seen: the performance spring loses no more"
+    else:
+        verdict = "smaller than printed; the sign holds" if more < 0.15 else "agrees" if more <= 0.25 else "larger than printed"
+    return Finding("section 5.2", "the performance spring gives about 0.2 mm less lift", words, verdict)
+
+
+def _damping(runs: Runs) -> Finding | None:
+    labels = ("performance", "performance, zeta 0.5", "performance, zeta 1")
+    if not set(labels) <= set(runs):
+        return None
+    nose = [number(runs[label], "nose_cam_contact_force") for label in labels]
+    peaks = [number(runs[label], "peak_open_cam_contact_force") for label in labels]
+    at_nose, over_all = _rise(nose[2], nose[0]), _rise(peaks[2], peaks[0])
+    words = (
+        f"at the nose {nose[0]:.0f}, {nose[1]:.0f}, {nose[2]:.0f} N, over the open valve up to {peaks[0]:.0f}, {peaks[1]:.0f}, "
+        f"{peaks[2]:.0f} N at zeta 0, 0.5, 1"
+    )
+    verdict = f"at the nose {at_nose:+.1%} (source +3 %), "
+    if over_all > at_nose + FIT:
+        verdict += f"but the true peak lies off the nose and rises {over_all:.0%}"
+    else:
+        verdict += f"and the peak over the open valve changes by {over_all:+.0%} as well"
+    return Finding("section 6", "damping raises the peak contact force slightly (400 to 412 N)", words, verdict)
+
+
+def notes(study: Study) -> tuple[str, ...]:
+    """Where the source's numbers do not fit together, told with what came out here."""
+    runs, printed = runs_of(study), {value.quantity: value.value for value in study.record.published}
+    return tuple(one for one in (_seat_load(runs, printed), _formula(printed), _damper(runs), _rocker(runs, printed), _surge(runs)) if one)
+
+
+def _seat_load(runs: Runs, printed: Mapping[str, float]) -> str:
+    told = []
+    for spring in ("stock", "performance"):
+        force = printed.get(f"{spring}_nose_cam_contact_force")
+        bare, whole = (runs.get(label) for label in (f"{spring}, as printed", spring))
+        if force is None or bare is None or whole is None:
+            return ""
+        told.append((force, number(bare, "nose_cam_contact_force"), number(whole, "nose_cam_contact_force")))
+    fits = [sum(abs(row[place] / row[0] - 1) <= FIT for row in told) for place in (1, 2)]
+    if fits == [2, 0]:
+        words = "fit springs without their seat load"
+    else:
+        words = "fit springs with their seat load" if fits == [0, 2] else "fit neither springs with nor springs without their seat load"
+    numbers = [" and ".join(f"{row[place]:.0f}" for row in told) for place in range(3)]
+    return f"The peak contact forces printed ({numbers[0]} N) {words}: without it {numbers[1]} N came out, with it {numbers[2]} N."
+
+
+def _formula(printed: Mapping[str, float]) -> str:
+    if "contact_formula_force" not in printed:
+        return ""
+    elastic, whole = CONTACT_STIFFNESS * CONTACT_DEPTH**1.5, closed_forms()["contact_formula_force"]
+    return (
+        f"Equation 4 of the source lacks the penetration rate in its damping term and adds N s/mm to N; its check of "
+        f"{printed['contact_formula_force']:.0f} N is all but the elastic force at {CONTACT_DEPTH} mm ({elastic:.1f} of {whole:.1f} N)."
+    )
+
+
+def _damper(runs: Runs) -> str:
+    free, damped = (runs.get(label) for label in ("performance, as printed", "performance, as printed, zeta 1"))
+    if free is None or damped is None or not damped.has("valve_velocity"):
+        return ""
+    damping, velocity = closed_forms()["critical_damping_ratio"], float(np.max(np.abs(damped.channel("valve_velocity"))))
+    change = _rise(number(damped, "nose_cam_contact_force"), number(free, "nose_cam_contact_force"))
+    if not math.isfinite(change):
+        return ""
+    word = "next to nothing" if abs(change) < FIT / 3 else "it clearly"
+    lost = number(damped, "loft_count") > 0
+    flank = "lets go of the cam" if lost else "keeps contact"
+    return (
+        f"A damper of zeta = 1 ({damping:.1f} N s/m) on a valve moving at up to {velocity:.1f} m/s adds some {damping * velocity:.0f} N "
+        f"on the flanks; at the nose, where the valve stands still, it changes {word} ({change:+.1%}). So damped and without seat load the train {flank}."
+    )
+
+
+def _rocker(runs: Runs, printed: Mapping[str, float]) -> str:
+    run, rate = runs.get("performance, as printed"), printed.get("peak_lever_speed")
+    if run is None or rate is None or not number(run, "peak_lever_speed") > 0:
+        return ""
+    ratio = number(run, "peak_lever_speed") / rate
+    words = f"{np.degrees(rate):.0f} deg/s of rocker rotation, as printed,"
+    here = f"{np.degrees(number(run, 'peak_lever_speed')):.0f} deg/s came out"
+    if 0.5 < ratio < 2:
+        return f"{words} is possible: {here}."
+    return f"{words} cannot be: {here}, {ratio:.1f} times that, and no usual arm makes up for it."
+
+
+def _surge(runs: Runs) -> str:
+    lumped = closed_forms()["lumped_natural_frequency"]
+    surge = runs["performance"].quantities.get("surge_frequency") if "performance" in runs else None
+    if surge is None:
+        return ""
+    words = "no surge frequency" if abs(surge / lumped - 1) > 0.5 else "near the surge frequency by chance"
+    return f"{lumped:.0f} Hz is the lumped mass on the spring rate, {words}: the spring's own lies at {surge:.0f} Hz."
+
+
+SPEC = SourceStudy("multibody4b17", study_quantities=study_quantities, findings=findings, notes=notes, origins=ORIGINS)

@@ -1,0 +1,128 @@
+"""A member of a problem made ready to run: its system, its state at rest and what its numbers are judged by, each found once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from valvetrain.errors import InputError
+from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions
+from valvetrain.integrate.run import run
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.evaluate import evaluate
+from valvetrain.quantities.frame import Frame
+from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
+from valvetrain.solution.provenance import Option, Provenance, collect_provenance
+from valvetrain.solution.result import Solution, empty_channels
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.status import Status
+from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.system.prescribed import PrescribedSpring, names_of
+from valvetrain.system.problem import Member, Problem, Rest
+from valvetrain.system.train_rest import TrainRest, rest_of
+from valvetrain.system.train_system import TrainSystem
+
+#: What a run can meet that is its own failure and not the study's.
+FAILURES = (InputError, ArithmeticError, ValueError)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What is asked of every run: ``keep`` of its channels (``contacts`` for a sweep), samples per cam turn (None: the usual), whether
+    the solution keeps its channels at all, cam turns of prescribed motion, most turns of a train, and when (ISO 8601)."""
+
+    keep: Keep = "all"
+    samples: int | None = None
+    whole: bool = True
+    cycles: int = 2
+    cycles_to_settle: int | None = None
+    created_at: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Ready:
+    """A member with everything its runs share; ``refusal`` says why it cannot run, empty when it can."""
+
+    member: Member
+    frame: Frame
+    system: PrescribedSpring | TrainSystem | None = None
+    rest: TrainRest | None = None
+    motion: RigidMotion | None = None
+    refusal: str = ""
+
+
+def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Ready:
+    """The member assembled; what its parts refuse is kept as its ``refusal``."""
+    found = tuple(rest[spring] for spring in member.springs if spring in rest)
+    frequencies = tuple(value for spring in member.springs if (value := surge_frequency(spring, rest.get(spring))) is not None)
+    frame = Frame(member.springs, found, frequencies, problem.lift_event, problem.valve_lift.lift, source)
+    try:
+        system = member.system(rest)
+        if isinstance(system, PrescribedSpring):
+            for spring in system.springs:
+                if isinstance(spring, FiniteElementRod):  # found once, before the runs share the model
+                    spring.installed, spring.stable_time_step()
+            return Ready(member, frame, system)
+        assert member.gear is not None
+        still = rest_of(system)
+        motion = rigid_motion(system, member.gear.parameters, rest=still)
+        return Ready(member, replace(frame, valve_lift=system.mechanism.kinematics.valve_lift), system, still, motion)
+    except FAILURES as error:
+        return Ready(member, frame, refusal=" ".join(str(error).split()))
+
+
+def surge_frequency(spring: InstalledSpring, rest: SpringAtRest | None = None) -> float | None:
+    """First surge frequency (Hz), both ends fixed, as installed: of the spring at rest, else of the equivalent uniform spring."""
+    if rest is not None and rest.modes is not None and len(rest.modes.axial_modes):
+        return float(rest.modes.axial_frequencies[0])
+    if spring.card is not None and spring.card.mass is None:
+        return None
+    return EquivalentSpring.from_installed(spring).surge_frequency
+
+
+def provenance_of(problem: Problem, member: Member, engine_speed: float, created_at: str) -> Provenance:
+    """Where a run of ``member`` comes from, its options with their values (SI)."""
+    first = member.springs[0] if member.springs else None
+    options: dict[str, Option] = {}
+    if first is not None:
+        options |= member.model.read_options(first.options_of(member.model.word)).model_dump()
+        options |= {
+            "coil_contact_stiffness": first.contact.stiffness, "coil_contact_damping_time": first.contact.damping_time,
+            "mass_damping": first.damping.mass_damping, "stiffness_damping": first.damping.stiffness_damping,
+        }  # fmt: skip
+    if member.gear is None:
+        options |= {"cycles": problem.cycles, "output_step": problem.output_step}
+    count = 1 if member.rubbing is not None and len(member.springs) == 2 else len(member.springs)
+    return collect_provenance(
+        problem.record.name, member.model.word, engine_speed=engine_speed, case_digest=problem.record.digest, options=options,
+        created_at=created_at, citations=problem.record.citations, label=member.label, spring_set=member.spring_set, system=member.kind,
+        springs=names_of(member.springs[:count]),
+    )  # fmt: skip
+
+
+def integrate_point(ready: Ready, engine_speed: float, plan: Plan, provenance: Provenance) -> Solution:
+    """One run in time (rad/s of the crank); a failure of any kind is its status."""
+    if ready.system is None:
+        remedy = "choose another model, or tell more of the spring"
+        return Solution(empty_channels(), (), Status("refused", ready.refusal, remedy=remedy), {}, provenance)
+    prescribed = isinstance(ready.system, PrescribedSpring)
+    until = Cycles(plan.cycles) if prescribed else Periodic(plan.cycles_to_settle)
+    try:
+        return run(ready.system, engine_speed / 2, until, RunOptions(plan.samples, keep=plan.keep, rest=ready.rest), provenance)
+    except FAILURES as error:
+        words = " ".join(str(error).split())
+        return Solution(empty_channels(), (), Status("diverged", words, remedy="look at this run alone"), {}, provenance)
+
+
+def judge(ready: Ready, solution: Solution, plan: Plan, rest: Rest) -> Solution:
+    """The run with events and named quantities, without channels where the plan keeps none."""
+    frame = ready.frame
+    if rest:
+        found = tuple(rest[spring] for spring in ready.member.springs if spring in rest)
+        frequencies = (surge_frequency(spring, rest.get(spring)) for spring in ready.member.springs)
+        frame = replace(frame, rest=found, surge_frequencies=tuple(value for value in frequencies if value is not None))
+    if ready.motion is not None:
+        frame = replace(frame, rigid=ready.motion.table(solution.engine_speed / 2))
+    if len(solution.time):
+        solution = evaluate(solution, frame)
+    return solution if plan.whole else solution.reduced()

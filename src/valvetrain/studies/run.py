@@ -1,0 +1,203 @@
+"""Every study: points times models to solutions, quantities and, where something was published, comparisons."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.statics import rest_quantities
+from valvetrain.solution.provenance import collect_provenance
+from valvetrain.solution.quantity import same_speed
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.study import Study
+from valvetrain.sources.contract import against_source
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.spec import spring_model
+from valvetrain.studies.batch import available_cores
+from valvetrain.studies.engine import Progress, map_points
+from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
+from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
+from valvetrain.studies.spread import spread_sentences
+from valvetrain.system.build import build
+from valvetrain.system.contract import TRAIN
+from valvetrain.system.prescribed import PrescribedSpring
+from valvetrain.system.problem import Member, Problem, Rest
+
+CARD_WIRE_NOTE = (
+    "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils are assumed, "
+    "and its coils never touch. Its clashes and stresses are not those of the real spring."
+)
+ReadyPoint = tuple[int, float]
+
+
+def run_study(
+    case: Case, *, engine_speeds: Sequence[float] | None = None, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
+    workers: int | None = None, progress: Progress | None = None, created_at: str = "", command: str = "run", whole: bool = True,
+) -> Study:  # fmt: skip
+    """A case at its engine speeds (rad/s of the crank; those given instead) by its variants, or by the models and spring sets asked for.
+
+    ``whole``: solutions keep their channels. Results do not depend on ``workers`` (None: the cores there are). Raises :class:`InputError`
+    for what cannot be built, for a speed that is not positive and when no model asked for can run; a run that fails is a status.
+    """
+    problem = build(case, spring_models=spring_models, spring_sets=spring_sets)
+    speeds = problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)
+    return run_problem(problem, speeds, workers=workers, progress=progress, created_at=created_at, command=command, whole=whole)
+
+
+def run_problem(
+    problem: Problem, engine_speeds: Sequence[float], *, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
+    command: str = "run", whole: bool = True,
+) -> Study:  # fmt: skip
+    """The study of a problem at ``engine_speeds`` (rad/s of the crank); see :func:`run_study`."""
+    begun = time.perf_counter()
+    speeds = tuple(float(speed) for speed in engine_speeds)
+    if any(not (np.isfinite(speed) and speed > 0) for speed in speeds):
+        raise InputError("every engine speed must be positive; give it as '4200 rpm'", "--engine-speed")
+    refusals = [member.refusal for member in problem.members]
+    if problem.members and all(refusals):
+        raise InputError(refusals[0], "--spring")
+    samples = None if problem.kind == TRAIN else round(2 * np.pi / problem.output_step)
+    if command == "sweep" and problem.kind == TRAIN:
+        samples = 720
+    keep = "all" if whole else "ends" if problem.kind == TRAIN else "contacts"
+    plan = Plan(keep, samples, whole, problem.cycles, problem.cycles_to_settle, created_at)
+    count = available_cores() if workers is None else workers
+    if count < 1:
+        raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
+    runner = _run_trains if problem.kind == TRAIN else _run_springs
+    solutions, rest, still = runner(problem, speeds, plan, count, progress)
+    provenance = collect_provenance(
+        problem.record.name, ", ".join(dict.fromkeys(member.model.word for member in problem.members)), case_digest=problem.record.digest,
+        created_at=created_at, citations=problem.record.citations,
+    )  # fmt: skip
+    notes = (CARD_WIRE_NOTE,) if any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members) else ()
+    study = Study(
+        problem.record, command, solutions, rest, still, notes=notes, lift_event=problem.lift_event, provenance=provenance,
+        wall_time=time.perf_counter() - begun,
+    )  # fmt: skip
+    return beside_published(study, problem)
+
+
+def beside_published(study: Study, problem: Problem) -> Study:
+    """The study beside what was published of its case; a run at other speeds, by other variants, or a sweep, speaks of none of it."""
+    published = study.record.published
+    spoken = {value.engine_speed for value in published if value.engine_speed is not None}
+    ran = study.engine_speeds
+    if (
+        study.command == "sweep"
+        or study.record.changed
+        or (ran and not all(any(same_speed(s, own) for own in problem.engine_speeds) for s in ran))
+    ):
+        return study
+    if spoken and ran and not any(same_speed(one, other) for one in spoken for other in ran):
+        return study
+    compared = against_source(study)
+    rows = tuple(row for row in compared.comparisons if row.engine_speed is None or any(same_speed(row.engine_speed, s) for s in ran))
+    notes = (*compared.notes, *study.record.remarks, *spread_sentences(study.record, ran)) if rows or compared.findings else compared.notes
+    return replace(compared, comparisons=rows, notes=notes)
+
+
+def _run_springs(
+    problem: Problem, speeds: tuple[float, ...], plan: Plan, workers: int, progress: Progress | None
+) -> tuple[tuple[Solution, ...], tuple[SpringAtRest, ...], dict[str, dict[str, float]]]:
+    """Prescribed motion, over threads; the springs' states at rest are found while the first runs go on."""
+    source, jobs = problem.record.study, len(problem.members) * len(speeds) + 1
+    lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
+    done = 0
+
+    def tell(text: str) -> None:
+        nonlocal done
+        done += 1
+        if progress is not None:
+            progress(min(1.0, done / jobs), text)
+
+    def one(ready: Ready, speed: float) -> Solution:
+        return integrate_point(ready, speed, plan, provenance_of(problem, ready.member, speed, plan.created_at))
+
+    ready: dict[Member, Ready] = {m: make_ready(problem, m, {}, source) for m in problem.members if not m.model.needs_rest}
+    raw: dict[tuple[Member, float], Future[Solution]] = {}
+    with ThreadPoolExecutor(max(1, workers)) as pool:
+        raw |= {(member, speed): pool.submit(one, ready[member], speed) for member in ready for speed in speeds}
+        jobs_at_rest = {spring: pool.submit(_rest, spring, lift, ready) for spring in problem.springs}
+        rest: Rest = {spring: job.result() for spring, job in jobs_at_rest.items()}
+        tell("springs at rest")
+        for member in problem.members:
+            if member not in ready:
+                ready[member] = make_ready(problem, member, rest, source)
+                raw |= {(member, speed): pool.submit(one, ready[member], speed) for speed in speeds}
+        solutions = []
+        for member in problem.members:
+            for speed in speeds:
+                solutions.append(judge(ready[member], raw.pop((member, speed)).result(), plan, rest))
+                tell(f"{member.label} at {speed * 30 / np.pi:.6g} rpm")
+    wanted = [value.quantity for value in problem.record.published]
+    names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
+    still = {name: rest_quantities(rest[spring], wanted) for name, spring in zip(names, problem.springs, strict=True)}
+    return tuple(solutions), tuple(rest.values()), still
+
+
+def _rest(spring: InstalledSpring, maximum_lift: float, ready: Mapping[Member, Ready]) -> SpringAtRest:
+    """A spring at rest by the finite-element rod (the one that runs, where one does), or from its card."""
+    if spring.wire is None:
+        assert spring.card is not None
+        word = "modal-uniform" if spring.card.mass is not None else "massless"
+        reach = spring.precompression + max(1.06 * maximum_lift, 0.2 * spring.precompression)
+        return rest_by_model(spring, word, np.linspace(0.0, reach, 33))
+    rods = (
+        model for one in ready.values() if isinstance(one.system, PrescribedSpring)
+        for own, model in zip(one.member.springs, one.system.springs, strict=False) if own == spring and isinstance(model, FiniteElementRod)
+    )  # fmt: skip
+    rod = next(rods, None) or spring_model("finite-element").build(spring)
+    assert isinstance(rod, FiniteElementRod)
+    return at_rest(rod, reach_of(spring, maximum_lift))
+
+
+def _run_trains(
+    problem: Problem, speeds: tuple[float, ...], plan: Plan, workers: int, progress: Progress | None
+) -> tuple[tuple[Solution, ...], tuple[SpringAtRest, ...], dict[str, dict[str, float]]]:
+    """Trains to their periodic state, over processes; what a member's runs share is found once and handed to every worker."""
+    if not speeds:
+        raise InputError(f"case '{problem.record.name}' names no engine speed; add engine_speeds or cam_speeds to [operation]")
+    lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
+    needed = [spring for member in problem.members if member.model.needs_rest for spring in member.springs if spring.wire is not None]
+    rest: Rest = {spring: _rest(spring, 1.05 * _largest_lift(problem, lift), {}) for spring in dict.fromkeys(needed)}
+    ready = tuple(make_ready(problem, member, rest, problem.record.study) for member in problem.members)
+    points = [(place, speed) for speed in speeds for place in range(len(ready))]
+    shared = (problem, ready, plan)
+
+    def tell(count: int, total: int) -> None:
+        if progress is not None:
+            place, speed = points[count - 1]
+            progress(count / total, f"{ready[place].member.label} at {speed * 30 / np.pi:.6g} rpm")
+
+    solutions = map_points(train_point, shared, points, workers, processes=True, tell=tell)
+    still: dict[str, dict[str, float]] = {}
+    for one in ready:
+        if one.motion is not None and one.member.spring_set not in still:
+            cam_speed, angle = one.motion.contact_loss()
+            values = {"rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle}
+            values["rigid_maximum_valve_lift"] = float(np.max(one.motion.derivatives[0]))
+            still[one.member.spring_set] = {name: float(value) for name, value in values.items() if np.isfinite(value)}
+    return solutions, tuple(rest.values()), still
+
+
+def _largest_lift(problem: Problem, cam_lift: float) -> float:
+    lifts = [float(m.gear.mechanism.kinematics.maximum_lift) for m in problem.members if m.gear is not None]
+    return max(lifts, default=cam_lift)
+
+
+def train_point(shared: tuple[Problem, tuple[Ready, ...], Plan], point: ReadyPoint) -> Solution:
+    """One run of one member at one engine speed (rad/s)."""
+    problem, ready, plan = shared
+    place, engine_speed = point
+    one = ready[place]
+    solution = integrate_point(one, engine_speed, plan, provenance_of(problem, one.member, engine_speed, plan.created_at))
+    return judge(one, solution, plan, {})
