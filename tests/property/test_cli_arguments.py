@@ -70,7 +70,11 @@ def test_any_setting(command, case, path, value):
 
 
 @FEW
-@given(st.sampled_from(["run", "compare", "sweep"]), st.sampled_from(["--engine-speed", "--workers", "--elements-per-coil", "--spring", "--spring-set", "--output", "--limit"]), st.text(max_size=30))
+@given(
+    st.sampled_from(["run", "compare", "sweep"]),
+    st.sampled_from(["--engine-speed", "--workers", "--elements-per-coil", "--spring", "--spring-set", "--output", "--limit"]),
+    st.text(max_size=30),
+)
 def test_any_option_of_a_study(command, option, value):
     assert_civil(call(command, "job-c", f"{option}={value}"))
 

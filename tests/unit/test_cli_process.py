@@ -52,7 +52,18 @@ def test_a_file_without_end_is_refused(tmp_path):
 @pytest.mark.skipif(os.name != "posix", reason="sends a signal as the keyboard does")
 def test_ctrl_c_ends_at_once_with_one_sentence_and_130(tmp_path):
     (tmp_path / "small.toml").write_text(SMALL)
-    command = [sys.executable, *MODULE, "run", "small.toml", "--set", "operation.cycles=10000", "--elements-per-coil", "24", "--limit", "1 d, 1 TB"]
+    command = [
+        sys.executable,
+        *MODULE,
+        "run",
+        "small.toml",
+        "--set",
+        "operation.cycles=10000",
+        "--elements-per-coil",
+        "24",
+        "--limit",
+        "1 d, 1 TB",
+    ]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=process_environment()
     ) as running:

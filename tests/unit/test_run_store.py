@@ -34,7 +34,7 @@ def answer(peak: float = 900.0, **more):
         "label": "massless", "engine_speed": {"value": 4000.0, "unit": "rpm"},
         "quantities": {"peak_spring_force": {"value": peak, "unit": "N"}, "bounce_count": {"value": None, "unit": "1"}},
     }]  # fmt: skip
-    still = {"case": {"preload": {"value": 250.0, "unit": "N"}}}
+    still = {"preload": {"value": 250.0, "unit": "N"}}
     return {"command": "run", "case": "mine", "created_at": NOON.isoformat(), "completed": True, "runs": runs, "quantities": still} | more
 
 
@@ -109,7 +109,16 @@ def test_where_links_are_not_possible_a_text_file_says_which_is_newest(tmp_path,
 def test_runs_are_found_by_folder_digest_case_and_latest(tmp_path):
     one = made(tmp_path, Inputs("mine", "x = 1"), answer())
     two = made(tmp_path, Inputs("other", "x = 2"), answer(case="other"), NOON + timedelta(hours=1))
-    names = (str(one.folder), str(one.case_file), str(one.folder / ANSWER), one.digest, one.digest[:5], one.folder.name, "mine", "mine/latest")
+    names = (
+        str(one.folder),
+        str(one.case_file),
+        str(one.folder / ANSWER),
+        one.digest,
+        one.digest[:5],
+        one.folder.name,
+        "mine",
+        "mine/latest",
+    )
     assert {find_run(name, tmp_path).folder for name in names} == {one.folder}
     assert find_run("latest", tmp_path).folder == two.folder
     assert [run.case for run in kept_runs("other", tmp_path)] == ["other"]

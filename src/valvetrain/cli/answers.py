@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from valvetrain.cli.tables import plain_table
+from valvetrain.parameters.words import number
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow, clashes_of, headline_columns, headline_rows
-from valvetrain.report.words import number, rpm
+from valvetrain.report.words import rpm
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
     from valvetrain.solution.study import Study
 
 #: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
-BESIDE, BELOW = 5, 24
+BESIDE, BELOW = 4, 24
+#: Answers of the page that the terminal leaves out: they stand in other rows, or decide nothing.
+ON_PAGE_ONLY = ("largest_clash_impulse", "nearest_lift_harmonic_lift")
 #: Of many runs, what is shown of each.
 BRIEF = (
     "peak_spring_force", "minimum_spring_force", "clash_count", "clash_energy", "surge_amplitude_force", "seating_velocity", "bounce_count",
@@ -58,15 +61,14 @@ def _tables(study: Study) -> Iterator[Table]:
 
 def _side_by_side(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow]) -> Table:
     """A row per question, a column per run; the largest clash of each run below the number of clashes."""
-    headers = [
-        "",
-        "",
-        *(f"{column.label}{'' if column.engine_speed is None else f' {rpm(column.engine_speed):g} rpm'}" for column in columns),
-    ]
+    speeds = ("" if column.engine_speed is None else f"\n{rpm(column.engine_speed):g} rpm" for column in columns)
+    headers = ["", "", *(column.label + words for column, words in zip(columns, speeds, strict=True))]
     table = plain_table(headers, (), right=range(2, len(headers)))
+    table.columns[0].no_wrap = table.columns[1].no_wrap = True
     clashes = [_largest_clash(study, column) for column in columns]
     for row in rows:
-        table.add_row(row.words, row.unit, *map(_words, row.values))
+        if row.name not in ON_PAGE_ONLY:
+            table.add_row(row.words, row.unit, *map(_words, row.values))
         if row.name == "clash_count":
             for words, unit, cells in _clash_rows(clashes):
                 table.add_row(words, unit, *cells)
@@ -75,12 +77,16 @@ def _side_by_side(study: Study, columns: Sequence[HeadlineColumn], rows: Sequenc
 
 def _by_run(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], noun: str) -> Table:
     """A row per run (in a sweep per label, with the speed of each worst value), a column per question."""
-    headers = [noun, *(f"{row.words}{f' ({row.unit})' if row.unit else ''}" for row in rows)]
+    timed = any(column.engine_speed is not None for column in columns)
+    headers = [noun, *(["rpm"] if timed else []), *(f"{row.words}{f' ({row.unit})' if row.unit else ''}" for row in rows)]
     table = plain_table(headers, (), right=range(1, len(headers)))
+    for place in range(1 + timed):
+        table.columns[place].no_wrap = True
     for place, column in enumerate(columns[:BELOW]):
-        table.add_row(column.words, *(_at_speed(row.values[place], row.speeds[place]) for row in rows))
+        speed = [] if not timed else [f"{rpm(column.engine_speed):g}" if column.engine_speed is not None else ""]
+        table.add_row(column.label, *speed, *(_at_speed(row.values[place], row.speeds[place]) for row in rows))
     if len(columns) > BELOW:
-        table.add_row(f"and {len(columns) - BELOW} more runs", *("" for _ in rows))
+        table.add_row(f"and {len(columns) - BELOW} more")
     return table
 
 
@@ -159,7 +165,7 @@ def published_words(rows: Sequence[Comparison]) -> str:
     from valvetrain.report.words import percent, speed_words
     from valvetrain.solution.definition import label_of
 
-    known = [(abs(row.relative_difference), row) for row in rows if row.relative_difference is not None]
+    known = [(abs(row.relative_difference), row) for row in rows if row.relative_difference is not None and row.unit != "deg"]
     judged = [row for row in rows if row.verdict.startswith(("within", "misses"))]
     met = sum(row.verdict.startswith("within") for row in judged)
     text = f"{len(rows)} published value{'s' if len(rows) > 1 else ''}"

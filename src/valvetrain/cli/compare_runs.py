@@ -54,7 +54,8 @@ def _show(
     console: Console, pair: tuple[KeptRun, KeptRun], inputs: tuple[tuple[str, Any, Any], ...], results: tuple[ResultDifference, ...]
 ) -> None:
     from valvetrain.cli.tables import plain_table
-    from valvetrain.report.words import number, percent
+    from valvetrain.parameters.words import number
+    from valvetrain.report.words import percent
     from valvetrain.solution.definition import label_of, shown
 
     for name, run in zip("AB", pair, strict=True):
@@ -64,17 +65,20 @@ def _show(
         console.print(plain_table(("inputs", "A", "B"), ((key, _word(first), _word(second)) for key, first, second in inputs[:MOST_ROWS])))
     else:
         console.print("the inputs are the same")
-    rows = []
-    for row in results[:MOST_ROWS]:
-        values = [None if value is None else float(shown(row.quantity, value)[0]) for value in (row.a, row.b)]
-        share = "" if row.relative is None else percent(row.relative)
-        rows.append((label_of(row.quantity), row.run, *map(number, values), shown(row.quantity, 1.0)[1], share))
+    both, rows = [row for row in results if row.difference is not None], []
+    for row in both[:MOST_ROWS]:
+        a, b = (number(float(shown(row.quantity, value)[0])) for value in (row.a or 0.0, row.b or 0.0))
+        rows.append(
+            (label_of(row.quantity), row.run, a, b, shown(row.quantity, 1.0)[1], "" if row.relative is None else percent(row.relative))
+        )
     console.print()
     if rows:
         console.print(plain_table(("results", "run", "A", "B", "", "difference"), rows, right=(2, 3, 5)))
-    else:
+    elif not results:
         console.print("the results are the same")
-    left = max(0, len(inputs) - MOST_ROWS) + max(0, len(results) - MOST_ROWS)
+    left, alone = max(0, len(inputs) - MOST_ROWS) + max(0, len(both) - MOST_ROWS), len(results) - len(both)
+    if alone:
+        console.print(f"\n{alone} numbers stand in one of the two runs only; --json has them")
     if left:
         console.print(f"\nand {left} more differences; --json has them all")
 

@@ -65,7 +65,7 @@ def refuse_beyond(request: StudyRequest, whole: bool = True) -> None:
     if over:
         bounds, options = " and ".join(bound for _, bound in over), " ".join(option for option, _ in over)
         remedy = f"ask for fewer speeds, cycles or unknowns, or raise the bound with {options}"
-        raise InputError(f"this request will take {words}, beyond the bound of {bounds}; {remedy}", "--limit")
+        raise InputError(f"this request will take {words}, beyond the bound of {bounds}; {remedy}")
     if cost.seconds > WORTH_SAYING:
         tell(f"this will take {words}")
 

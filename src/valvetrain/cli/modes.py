@@ -77,7 +77,7 @@ def compute_modes(case: Case, count: int, compression: float | None = None) -> O
 
 def _show(console: Console, case: Case, result: ModalResult) -> None:
     from valvetrain.cli.tables import plain_table
-    from valvetrain.report.words import number
+    from valvetrain.parameters.words import number
 
     names = {place: f"axial mode {index}" for index, place in enumerate(result.axial_modes, start=1)}
     rows = [

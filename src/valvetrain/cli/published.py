@@ -1,4 +1,4 @@
-"""A spring study for people: computed beside published, or all that was computed where nothing was published."""
+"""Every published value beside the computed one, for people."""
 
 from __future__ import annotations
 
@@ -6,28 +6,15 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from valvetrain.cli.tables import plain_table, shown
+from valvetrain.cli.tables import plain_table
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from valvetrain.quantities.study import SpringStudy
     from valvetrain.solution.comparison import Comparison
 
 ROLES = {"calibration": "calibration: used to identify the case", "prediction": "prediction: not used to identify the case"}
-
-
-def show_study(console: Console, study: SpringStudy) -> None:
-    """Print title, table and notes."""
-    console.print(study.case.title or study.case.name)
-    if study.comparisons:
-        show_comparisons(console, study.comparisons)
-    else:
-        console.print()
-        console.print(quantity_table(study))
-    for note in study.notes:
-        console.print(f"\n{note}")
 
 
 def show_comparisons(console: Console, rows: Sequence[Comparison]) -> None:
@@ -54,8 +41,9 @@ def show_comparisons(console: Console, rows: Sequence[Comparison]) -> None:
 
 def comparison_table(rows: Sequence[Comparison], title: str) -> Table:
     """Quantity, by whom, published, computed, difference, verdict: within 100 columns."""
+    from valvetrain.parameters.words import in_unit, number
     from valvetrain.report import theme
-    from valvetrain.report.words import in_unit, number, quantity_words
+    from valvetrain.solution.definition import label_of
 
     def words(value: float | None, unit: str) -> str:
         return "–" if value is None else number(in_unit(value, unit))
@@ -66,7 +54,7 @@ def comparison_table(rows: Sequence[Comparison], title: str) -> Table:
     for row in rows:
         published = f"{words(row.published, row.unit)} {short_unit(row.unit)}".strip()
         table.add_row(
-            quantity_words(row.quantity), theme.origin_style(row.origin)[0], published, words(row.computed, row.unit),
+            label_of(row.quantity), theme.origin_style(row.origin)[0], published, words(row.computed, row.unit),
             difference_words(row), short_verdict(row),
         )  # fmt: skip
     return table
@@ -79,7 +67,8 @@ def short_unit(unit: str) -> str:
 
 def difference_words(row: Comparison) -> str:
     """In percent of what was published; angles, and what was published as zero, in their unit."""
-    from valvetrain.report.words import in_unit, number, percent
+    from valvetrain.parameters.words import in_unit, number
+    from valvetrain.report.words import percent
 
     if row.difference is None:
         return "–"
@@ -109,22 +98,3 @@ def tally(rows: Sequence[Comparison], role: str) -> str:
     missing = f", {kinds['not']} not computed" if kinds["not"] else ""
     met = f"{kinds['within']} of {judged} stated tolerances met" if judged else "no tolerance was stated"
     return f"{role}: {len(rows)} published values, {met}{missing}"
-
-
-def quantity_table(study: SpringStudy) -> Table:
-    """Every computed quantity, one column per run, statics and modes first."""
-    from valvetrain.report.words import quantity_words, rpm
-    from valvetrain.solution.quantity import Quantity, unit_of
-
-    runs = [(run.model, run.engine_speed) for run in study.solutions]
-    names = list(dict.fromkeys(key.name for key in study.quantities))
-    still = {key.name: value for key, value in study.quantities.items() if key.engine_speed is None}
-    headers = ["quantity", "unit", *(["static"] if still else []), *(f"{model} {rpm(speed):g} rpm" for model, speed in runs)]
-    table = plain_table(headers, (), right=range(2, len(headers)))
-    for name in names:
-        unit = unit_of(name)
-        first = [shown(still.get(name), unit)[0] if name in still else ""] if still else []
-        found = (study.quantities.get(Quantity(name, speed, model)) for model, speed in runs)
-        moving = ["" if value is None else shown(value, unit)[0] for value in found]
-        table.add_row(quantity_words(name), shown(None, unit)[1], *first, *moving)
-    return table

@@ -48,7 +48,8 @@ def _run_object(run: KeptRun) -> dict[str, Any]:
 
 def headline(answer: Any) -> dict[str, Any] | None:
     """The number that stands for a run: ``quantity``, ``value`` and ``unit`` (SI); None where it has none of :data:`HEADLINES`."""
-    sets = [run.get("quantities", {}) for run in answer.get("runs", ())] + list(answer.get("quantities", {}).values())
+    still = (answer.get("quantities", {}), *answer.get("quantities_by_label", {}).values())
+    sets = (*(run.get("quantities", {}) for run in answer.get("runs", ())), *still)
     for name in HEADLINES:
         values = [found[name] for found in sets if isinstance(found, dict) and isinstance(found.get(name), dict)]
         values = [item for item in values if isinstance(item.get("value"), (int, float))]
@@ -64,12 +65,15 @@ def _show(console: Console, found: tuple[KeptRun, ...], folder: Path) -> None:
         console.print(f"no runs under '{folder}'; 'valvetrain run CASE' makes one")
         return
     headers = ("time (UTC)", "case", "digest", "asked", "models", "rpm", "ended", "headline")
-    console.print(plain_table(headers, map(_row, found)))
+    table = plain_table(headers, map(_row, found))
+    for place in range(4):
+        table.columns[place].no_wrap = True
+    console.print(table)
     console.print("\n'valvetrain compare-runs A B' compares two by digest or folder; 'valvetrain run FOLDER' repeats one.", soft_wrap=True)
 
 
 def _row(run: KeptRun) -> tuple[str, ...]:
-    from valvetrain.report.words import number
+    from valvetrain.parameters.words import number
     from valvetrain.solution.definition import label_of, shown
 
     choices, best = run.answer.get("choices", {}), headline(run.answer)
@@ -81,7 +85,7 @@ def _row(run: KeptRun) -> tuple[str, ...]:
         value, unit = shown(best["quantity"], best["value"])
         told = f"{label_of(best['quantity'])} {number(value)} {unit}".strip()
     return (
-        run.created_at[:19].replace("T", " "), run.case, run.digest, str(run.answer.get("command", "")),
+        run.created_at[5:16].replace("T", " "), run.case, run.digest, str(run.answer.get("command", "")),
         ", ".join(models[:2]) + (f" +{len(models) - 2}" if len(models) > 2 else ""), words,
         "completed" if run.answer.get("completed") else "failed", told,
     )  # fmt: skip

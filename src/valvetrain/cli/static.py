@@ -90,8 +90,8 @@ def compute_static(case: Case, largest: float | None, steps: int, csv: Path | No
 
 def _show(console: Console, case: Case, curve: StaticCurve, quantities: dict[str, float], csv: Path | None) -> None:
     from valvetrain.cli.tables import plain_table, quantity_rows
+    from valvetrain.parameters.words import number
     from valvetrain.report.figures.statics import static_table
-    from valvetrain.report.words import number
 
     data = static_table(curve)
     headers = [f"{column.name} ({column.unit})" if column.unit else column.name for column in data.columns]

@@ -55,7 +55,7 @@ def _inputs_of(run: KeptRun) -> dict[str, Any]:
     except (OSError, ValueError):
         values = {}
     about = {"case": run.case, "command": run.answer.get("command"), "choices": run.answer.get("choices")}
-    return values | dict(_leaves(about | {"versions": run.answer.get("versions")}))
+    return dict(_leaves(about | {"versions": run.answer.get("versions")})) | values
 
 
 def _leaves(item: Any, path: str = "") -> Iterator[tuple[str, Any]]:
@@ -74,8 +74,8 @@ def _leaves(item: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 def _numbers(answer: Mapping[str, Any]) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
     """(quantity, run in words) -> value and unit, of every named number of a ``run.json``."""
-    for label, values in answer.get("quantities", {}).items():
-        yield from _quantities(values, "" if label == "case" else label)
+    for label, values in {"": answer.get("quantities", {}), **answer.get("quantities_by_label", {})}.items():
+        yield from _quantities(values, label)
     for run in answer.get("runs", ()):
         speed = (run.get("engine_speed") or {}).get("value")
         label = run.get("label") or run.get("model") or ""
