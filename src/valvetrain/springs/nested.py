@@ -61,7 +61,9 @@ class NestedSprings:
 
     def __post_init__(self) -> None:
         if self.rubbing is not None and any(_sections(member) is None for member in (self.outer, self.inner)):
-            raise InputError("rubbing of nested springs needs sections that move: choose multi-mass or rod for both, or leave rubbing out")
+            raise InputError(
+                "rubbing of nested springs needs sections that move: choose multi-mass or wave-rod for both, or leave rubbing out"
+            )
 
     @property
     def members(self) -> tuple[SpringModel, SpringModel]:

@@ -12,6 +12,7 @@ from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import Equilibrium, compress
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.stress import EQUIVALENT, SHEAR
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.static import SpringAtRest, StaticCurve, StaticStress
 from valvetrain.solution.status import COMPLETED, Status
@@ -20,7 +21,6 @@ from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import interpolation, pair_values, static_section_loads, wire_points
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
-from valvetrain.quantities.stress import EQUIVALENT, SHEAR
 from valvetrain.springs.stress import wire_stress
 
 Array = NDArray[np.float64]

@@ -182,7 +182,9 @@ def _run_trains(
     still: dict[str, dict[str, float]] = {}
     for one in ready:
         if one.motion is not None and one.member.spring_set not in still:
-            cam_speed, angle = one.motion.contact_loss()
+            # rigid theory knows no surge: the springs count with the Rayleigh share of their mass, whatever model runs
+            plain = make_ready(problem, replace(one.member, model=spring_model("massless"), rubbing=None), {}, "")
+            cam_speed, angle = (plain.motion or one.motion).contact_loss()
             values = {"rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle}
             values["rigid_maximum_valve_lift"] = float(np.max(one.motion.derivatives[0]))
             still[one.member.spring_set] = {name: float(value) for name, value in values.items() if np.isfinite(value)}

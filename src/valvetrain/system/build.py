@@ -96,4 +96,5 @@ def _train_members(
 
 
 def _rubbing(rubbing: Rubbing | None) -> RadialRubbing | None:
-    return None if rubbing is None else RadialRubbing(rubbing.coefficient, rubbing.normal_force)
+    rubs = rubbing is not None and rubbing.coefficient > 0 and rubbing.normal_force > 0
+    return RadialRubbing(rubbing.coefficient, rubbing.normal_force) if rubbing is not None and rubs else None
