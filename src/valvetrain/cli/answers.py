@@ -11,6 +11,7 @@ from valvetrain.cli.tables import plain_table
 from valvetrain.parameters.words import number
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow, clashes_of, headline_columns, headline_rows
 from valvetrain.report.words import rpm
+from valvetrain.solution.definition import label_of
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -22,6 +23,14 @@ if TYPE_CHECKING:
 
 #: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
 BESIDE, BELOW = 4, 24
+#: What a sweep answers: where control is lost, then the worst of each, with the engine speed but for :data:`NO_SPEED`.
+CONTROL = ("contact_loss_engine_speed", "float_engine_speed")
+SWEPT = (
+    *CONTROL, "rigid_contact_loss_engine_speed", "peak_spring_force", "minimum_spring_force", "coil_bind_clearance", "surge_frequency",
+    "surge_amplitude_force", "clash_count", "clash_energy", "seating_velocity", "bounce_count", "lift_loss_displacement",
+    "peak_shear_stress", "nominal_peak_shear_stress",
+)  # fmt: skip
+NO_SPEED = ("coil_bind_clearance", "surge_frequency")
 #: Answers of the page that the terminal leaves out: they stand in other rows, or decide nothing.
 ON_PAGE_ONLY = ("largest_clash_impulse", "nearest_lift_harmonic_lift")
 #: Of many runs, what is shown of each.
@@ -48,7 +57,8 @@ def _tables(study: Study) -> Iterator[Table]:
     if len(study.rest) > 1 or not study.solutions:
         yield from _rest_tables(study)
     if study.command == "sweep":
-        yield _by_run(columns, rows, "springs")
+        for first in range(0, len(columns), BESIDE):
+            yield _over_speeds(study, columns[first : first + BESIDE], rows, first)
     elif len(columns) <= BESIDE:
         if rows:
             yield _side_by_side(study, columns, rows)
@@ -75,8 +85,32 @@ def _side_by_side(study: Study, columns: Sequence[HeadlineColumn], rows: Sequenc
     return table
 
 
+def _over_speeds(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], first: int) -> Table:
+    """A row per question, a column per label with its worst value and the engine speed (rpm) where that stands; ``first``: its column."""
+    table = plain_table(("", "", *(column.label for column in columns)), (), right=range(2, 2 + len(columns)))
+    table.columns[0].no_wrap = table.columns[1].no_wrap = True
+    known = {row.name: row for row in rows}
+    trains = any("float_excess_lift" in run.quantities for run in study.solutions)
+    for name in SWEPT:
+        row = known.get(name)
+        if row is not None:
+            pairs = zip(row.values[first : first + len(columns)], row.speeds[first : first + len(columns)], strict=True)
+            missing = "never" if name in CONTROL and trains else "–"
+            still = name in NO_SPEED
+            cells = [missing if value is None else _at_speed(value, None if still else speed) for value, speed in pairs]
+            table.add_row(row.words, row.unit, *cells)
+        elif name in CONTROL and trains:
+            table.add_row(label_of(name).capitalize(), "rpm", *("never" for _ in columns))
+    speeds = [study.runs(column.label) for column in columns]
+    unsettled = [sum(run.status.code == "not-converged" for run in runs) for runs in speeds]
+    table.add_row("Engine speeds run", "", *(str(len(runs)) for runs in speeds))
+    if any(unsettled):
+        table.add_row("  that did not settle", "", *map(str, unsettled))
+    return table
+
+
 def _by_run(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], noun: str) -> Table:
-    """A row per run (in a sweep per label, with the speed of each worst value), a column per question."""
+    """A row per run, a column per question."""
     timed = any(column.engine_speed is not None for column in columns)
     headers = [noun, *(["rpm"] if timed else []), *(f"{row.words}{f' ({row.unit})' if row.unit else ''}" for row in rows)]
     table = plain_table(headers, (), right=range(1, len(headers)))
@@ -163,7 +197,6 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
 def published_words(rows: Sequence[Comparison]) -> str:
     """One sentence: how many published values, the median and the largest difference, and how many stated tolerances are met."""
     from valvetrain.report.words import percent, speed_words
-    from valvetrain.solution.definition import label_of
 
     known = [(abs(row.relative_difference), row) for row in rows if row.relative_difference is not None and row.unit != "deg"]
     judged = [row for row in rows if row.verdict.startswith(("within", "misses"))]

@@ -134,6 +134,8 @@ def _planned(request: StudyRequest) -> list[tuple[tuple[str, ...], Sequence[Inst
     train, sets = case.train, case.train.springs
     if request.command == "compare":
         models = models or words("springs")
+    if request.command == "sweep" and not request.spring_sets:
+        return [(models or (train.spring_model,), springs) for springs in sets.values()]
     if models or request.spring_sets or not train.variants:
         chosen = request.spring_sets or (train.spring_set or next(iter(sets), ""),)
         return [(models or (train.spring_model,), sets.get(name, ())) for name in chosen]

@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from valvetrain.cli.options import CaseArgument, ElementsOption, JsonOption, SetOption, read_count, read_length
-from valvetrain.errors import InputError
+from valvetrain.cli.options import (
+    CaseArgument,
+    ElementsOption,
+    JsonOption,
+    QuietOption,
+    SetOption,
+    SpringOption,
+    SpringSetOption,
+    read_count,
+    read_length,
+    read_models,
+    read_words,
+)
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.cli.outcome import Outcome
     from valvetrain.parameters.case import Case
-    from valvetrain.solution.modal import ModalResult
+    from valvetrain.solution.study import Study
 
 
 def register(app: typer.Typer) -> None:
@@ -28,62 +39,50 @@ def modes(
     compression: Annotated[
         str | None, typer.Option("--compression", metavar="LENGTH", help="State they are about, such as '7 mm' (default: as installed).")
     ] = None,
-    settings: SetOption = None,
-    elements_per_coil: ElementsOption = None,
-    as_json: JsonOption = False,
-) -> None:
-    """Natural frequencies about the installed state, both ends held, coils that touch kept together."""
+    spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
+    as_json: JsonOption = False, quiet: QuietOption = False,
+) -> None:  # fmt: skip
+    """Natural frequencies about the installed state, both ends fixed, coils that touch kept together."""
     from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.outcome import deliver
 
     chosen = choose_case(case, settings, elements_per_coil)
-    spring = chosen.require_spring()
     read_count(count, 1, 400, "--count")
-    wanted = read_length(compression, "--compression")
-    room = spring.free_length - spring.solid_height
-    if wanted is not None and wanted >= room:
-        raise InputError(f"{wanted * 1e3:g} mm is too much, the spring is solid at {room * 1e3:.4g} mm; give less", "--compression")
-    deliver(compute_modes(chosen, count, wanted), as_json)
+    deliver(compute_modes(chosen, read_models(spring), read_words(spring_set), count, read_length(compression, "--compression")))
 
 
-def compute_modes(case: Case, count: int, compression: float | None = None) -> Outcome:
-    """Modes about ``compression`` (m from the free state; None: as installed)."""
-    from valvetrain.cli.outcome import Outcome, measured
+def compute_modes(
+    case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], count: int, compression: float | None = None
+) -> Outcome:  # fmt: skip
+    """The ``count`` lowest modes of every spring about ``compression`` (m from the free state; None: as installed)."""
+    from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
-    from valvetrain.cli.results import quantities_object, status_object
-    from valvetrain.quantities.statics import modal_quantities
-    from valvetrain.springs.finite_element import FiniteElementRod
-    from valvetrain.studies.spring_runs import modal_result
+    from valvetrain.report.json import study_json
+    from valvetrain.studies.rest_study import rest_study
 
     announce_compilation("statics")
-    model = FiniteElementRod.from_case(case, **({} if compression is None else {"precompression": compression}))
-    with progress_bar("modes"):
-        result = modal_result(model, count)
-    listed: list[dict[str, Any]] = [
-        {
-            "mode": place + 1, "natural_frequency": measured(float(frequency), "Hz"),
-            "axial_transmission_ratio": measured(float(result.axial_transmission[place]), "1"), "axial": place in result.axial_modes,
-        }
-        for place, frequency in enumerate(result.natural_frequency)
-    ]  # fmt: skip
-    data = {
-        "command": "modes", "case": case.name, "spring_model": model.name, "elements_per_coil": case.rod.elements_per_coil,
-        "status": status_object(result.status), "compression": measured(result.compression, "m"),
-        "quantities": quantities_object(modal_quantities(result)), "modes": listed,
-    }  # fmt: skip
-    failures = () if result.status.completed else (f"modes of '{case.name}': {result.status.sentence()}",)
-    return Outcome(data, lambda console: _show(console, case, result), failures)
+    with progress_bar("modes") as report:
+        study = rest_study(
+            case, spring_models, spring_sets=spring_sets, command="modes", compression=compression, modes=count, progress=report
+        )  # fmt: skip
+    return Outcome(study_json(study), lambda console: _show(console, study), study.failures)
 
 
-def _show(console: Console, case: Case, result: ModalResult) -> None:
+def _show(console: Console, study: Study) -> None:
     from valvetrain.cli.tables import plain_table
     from valvetrain.parameters.words import number
 
-    names = {place: f"axial mode {index}" for index, place in enumerate(result.axial_modes, start=1)}
-    rows = [
-        (str(place + 1), number(float(frequency), 5), f"{result.axial_transmission[place]:+.3f}".replace("-", "−"), names.get(place, ""))
-        for place, frequency in enumerate(result.natural_frequency)
-    ]
-    state = f"{number(result.compression * 1e3)} mm compression"
-    console.print(f"{case.name}: modes at {state}, both ends held, coils that touch kept together\n")
-    console.print(plain_table(("mode", "frequency (Hz)", "axial transmission", ""), rows, right=(0, 1, 2)))
+    console.print(study.record.title or study.record.name)
+    for one in study.rest:
+        console.print()
+        if one.modes is None:
+            console.print(f"{one.spring} by {one.model}: no inner motion, so no modes")
+            continue
+        names = {place: f"axial mode {index}" for index, place in enumerate(one.modes.axial_modes, start=1)}
+        shares = [f"{share:+.3f}".replace("-", "−") for share in one.modes.axial_transmission]
+        rows = [
+            (str(place + 1), number(float(frequency), 5), shares[place], names.get(place, ""))
+            for place, frequency in enumerate(one.modes.natural_frequency)
+        ]
+        title = f"{one.spring} by {one.model}, at {number(one.modes.compression * 1e3)} mm compression"
+        console.print(plain_table(("mode", "frequency (Hz)", "axial transmission", ""), rows, title, right=(0, 1, 2)))

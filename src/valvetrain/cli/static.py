@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from valvetrain.cli.options import CaseArgument, ElementsOption, JsonOption, SetOption, read_count, read_length
+from valvetrain.cli.options import (
+    CaseArgument,
+    ElementsOption,
+    JsonOption,
+    QuietOption,
+    SetOption,
+    SpringOption,
+    SpringSetOption,
+    read_count,
+    read_length,
+    read_models,
+    read_words,
+)
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -16,6 +28,10 @@ if TYPE_CHECKING:
     from valvetrain.cli.outcome import Outcome
     from valvetrain.parameters.case import Case
     from valvetrain.solution.static import StaticCurve
+    from valvetrain.solution.study import Study
+
+#: Most rows of a curve that are printed; the CSV file has them all.
+MOST_ROWS = 30
 
 
 def register(app: typer.Typer) -> None:
@@ -30,75 +46,74 @@ def static(
     ] = None,
     steps: Annotated[int, typer.Option("--steps", metavar="N", help="Number of even steps.")] = 24,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the curve to a CSV file.", show_default=False)] = None,
-    settings: SetOption = None,
-    elements_per_coil: ElementsOption = None,
-    as_json: JsonOption = False,
-) -> None:
-    """Force and stiffness over compression, coils closing, by the finite-element rod."""
+    spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
+    as_json: JsonOption = False, quiet: QuietOption = False,
+) -> None:  # fmt: skip
+    """Force and stiffness over compression, coils closing, of every spring of a case."""
     from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.outcome import deliver
 
-    chosen = choose_case(case, settings, elements_per_coil)
-    largest = _reach(chosen, read_length(to, "--to"))
+    chosen, largest = choose_case(case, settings, elements_per_coil), read_length(to, "--to")
     read_count(steps, 2, 2000, "--steps")
     if csv is not None and csv.is_dir():
         raise InputError(f"'{csv}' is a folder; give the name of a file", "--csv")
-    deliver(compute_static(chosen, largest, steps, csv), as_json)
+    deliver(compute_static(chosen, read_models(spring), read_words(spring_set), largest, steps, csv))
 
 
-def _reach(case: Case, largest: float | None) -> float | None:
-    """Checks ``--to`` against the room the spring has; None stays None."""
-    spring = case.require_spring()
-    room = spring.free_length - spring.solid_height
-    if largest is not None and not 0 < largest < room:
-        reason = f"{largest * 1e3:g} mm is no compression of this spring, which is solid at {room * 1e3:.4g} mm; give one between"
-        raise InputError(reason, "--to")
-    return largest
-
-
-def compute_static(case: Case, largest: float | None, steps: int, csv: Path | None = None) -> Outcome:
-    """Solve the static curve up to ``largest`` (m; None: a little beyond full lift) and write ``csv`` where asked."""
-    from valvetrain.cli.outcome import Outcome, measured
+def compute_static(
+    case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], largest: float | None, steps: int, csv: Path | None = None
+) -> Outcome:  # fmt: skip
+    """Solve the static curves up to ``largest`` (m; None: a little beyond full lift) and write ``csv`` where asked."""
+    from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
-    from valvetrain.cli.results import quantities_object, status_object
-    from valvetrain.quantities.statics import static_quantities
-    from valvetrain.report.figures.statics import static_table
+    from valvetrain.report.json import study_json
     from valvetrain.solution.atomic import write_text
-    from valvetrain.springs.finite_element import FiniteElementRod
-    from valvetrain.studies.spring_runs import static_curve
-    from valvetrain.studies.spring_study import static_reach
+    from valvetrain.studies.rest_study import rest_study
 
     announce_compilation("statics")
-    model = FiniteElementRod.from_case(case)
-    if largest is None:
-        largest = static_reach(case, model)
     with progress_bar("static curve") as report:
-        curve = static_curve(model, largest, steps, lambda at: report(at.state.compression / largest, f"{at.retainer_force:.0f} N"))
-    quantities = static_quantities(curve, case.installation.precompression)
-    units = {"compression": "m", "force": "N", "stiffness": "N/m"}
-    arrays = {name: {"values": getattr(curve, name), "unit": unit} for name, unit in units.items()}
-    data: dict[str, Any] = {
-        "command": "static", "case": case.name, "spring_model": model.name, "elements_per_coil": case.rod.elements_per_coil,
-        "status": status_object(curve.status), "quantities": quantities_object(quantities), "static_curve": arrays,
-        "largest_compression": measured(float(curve.compression[-1]), "m"),
-    }  # fmt: skip
+        study = rest_study(
+            case, spring_models, spring_sets=spring_sets, command="static", largest_compression=largest, steps=steps, progress=report
+        )  # fmt: skip
+    data = study_json(study)
     if csv is not None:
-        data["files"] = [str(write_text(csv, static_table(curve).csv()))]
-    failures = () if curve.status.completed else (f"static curve of '{case.name}': {curve.status.sentence()}",)
-    return Outcome(data, lambda console: _show(console, case, curve, quantities, csv), failures)
+        data["files"] = [str(write_text(csv, curve_text(study)))]
+    return Outcome(data, lambda console: _show(console, study, csv), study.failures)
 
 
-def _show(console: Console, case: Case, curve: StaticCurve, quantities: dict[str, float], csv: Path | None) -> None:
+def curve_text(study: Study) -> str:
+    """The static curves as CSV; with several, the spring and its model stand in front."""
+    several = len(study.rest) > 1
+    lines = [("spring,model," if several else "") + "compression [mm],force [N],stiffness [N/mm]"]
+    for one in study.rest:
+        place = f"{one.spring},{one.model}," if several else ""
+        lines += [place + ",".join(map(repr, row)) for row in _rows(one.curve)]
+    return "\n".join(lines) + "\n"
+
+
+def _rows(curve: StaticCurve | None) -> list[tuple[float, float, float]]:
+    if curve is None:
+        return []
+    return [
+        (float(compression) * 1e3, float(force), float(stiffness) * 1e-3)
+        for compression, force, stiffness in zip(curve.compression, curve.force, curve.stiffness, strict=True)
+    ]
+
+
+def _show(console: Console, study: Study, csv: Path | None) -> None:
     from valvetrain.cli.tables import plain_table, quantity_rows
     from valvetrain.parameters.words import number
-    from valvetrain.report.figures.statics import static_table
 
-    data = static_table(curve)
-    headers = [f"{column.name} ({column.unit})" if column.unit else column.name for column in data.columns]
-    console.print(f"{case.name}: static curve by the finite-element rod, {case.rod.elements_per_coil} elements per coil\n")
-    console.print(plain_table(headers, ([number(value, 5) for value in row] for row in data.rows()), right=range(len(headers))))
-    if quantities:
+    console.print(study.record.title or study.record.name)
+    headers = ("compression (mm)", "force (N)", "stiffness (N/mm)")
+    for one, quantities in zip(study.rest, study.still.values(), strict=True):
+        rows = _rows(one.curve)
+        each = -(-len(rows) // MOST_ROWS)
         console.print()
-        console.print(plain_table(("", "", ""), quantity_rows(quantities), right=(1,)))
+        words = ([number(value, 5) for value in row] for row in rows[::each])
+        console.print(plain_table(headers, words, f"{one.spring} by {one.model}", right=range(3)))
+        if quantities:
+            console.print()
+            console.print(plain_table(("", "", ""), quantity_rows(quantities), right=(1,)))
     if csv is not None:
-        console.print(f"\nwritten to {csv}")
+        console.print(f"\nwritten to {csv}", soft_wrap=True)

@@ -34,6 +34,6 @@ def sweep(request: StudyRequest) -> None:
         request,
         lambda report: sweep_study(
             request.case, engine_speeds, spring_models=request.spring_models, spring_sets=request.spring_sets, workers=request.workers,
-            progress=report,
+            progress=report, created_at=request.created_at.isoformat(),
         ),
     )  # fmt: skip
