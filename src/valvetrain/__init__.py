@@ -1,17 +1,17 @@
 """case file -> parameters -> Problem (parts, built once) -> System -> integrate -> Solution -> quantities -> report
 
-Dynamics of valve springs and valvetrains. The names below load their rooms on first use, so that
+Dynamics of valve springs and valvetrains. The names below load their packages on first use, so that
 ``import valvetrain`` itself costs next to nothing.
 """
 
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
 
-#: Public name -> module that holds it.
+#: Public name -> module that holds it. A new name is a line here and one in the block for type checkers below; a test compares them.
 _HOMES = {
     # the spring and its case
     "SpringDefinition": "parameters.spring",
@@ -48,17 +48,12 @@ _HOMES = {
     "FiniteElementRod": "springs.finite_element",
     "SolidSpring": "springs.solid.jobs",
     # studies
-    "run_spring_study": "studies.spring_study",
-    "SpringStudy": "quantities.study",
-    "run_train": "studies.train_study",
-    "run_train_study": "studies.train_study",
-    "TrainRun": "quantities.valvetrain_study",
-    "TrainStudy": "quantities.valvetrain_study",
-    "run_sweep": "studies.sweep",
-    "TrainSweep": "studies.sweep",
-    "run_solid_comparison": "studies.solid_comparison",
-    "SolidChoice": "studies.solid_comparison",
-    "SpringComparison": "quantities.spring_comparison",
+    "build": "system.build",
+    "Problem": "system.problem",
+    "simulate": "studies.api",
+    "compare": "studies.api",
+    "sweep": "studies.api",
+    "Study": "solution.study",
     "simulate_batch": "cosserat.batch",
     "RodBatch": "cosserat.batch",
     "map_cases": "studies.batch",
@@ -70,14 +65,12 @@ _HOMES = {
     "ModalResult": "solution.modal",
     "Comparison": "solution.comparison",
     "Quantity": "solution.quantity",
+    "Quantities": "solution.quantity",
     "save_netcdf": "solution.netcdf",
     "load_netcdf": "solution.netcdf",
     "save_csv": "solution.textfile",
     "load_csv": "solution.textfile",
-    "write_report": "report.write",
-    "write_train_report": "report.train_report",
-    "write_sweep_report": "report.train_report",
-    "write_comparison": "report.spring_comparison_page",
+    "write_study": "report.write",
     "cite": "citations",
     "bibtex": "citations",
     "InputError": "errors",
@@ -86,14 +79,74 @@ _HOMES = {
 
 __all__ = ["__version__", *_HOMES]
 
+if TYPE_CHECKING:
+    from valvetrain.cam.build import build_lift_law as build_lift_law
+    from valvetrain.cam.contract import LiftLaw as LiftLaw
+    from valvetrain.citations import bibtex as bibtex
+    from valvetrain.citations import cite as cite
+    from valvetrain.contact.law import ContactLaw as ContactLaw
+    from valvetrain.contact.library import build_contact_law as build_contact_law
+    from valvetrain.cosserat.batch import RodBatch as RodBatch
+    from valvetrain.cosserat.batch import simulate_batch as simulate_batch
+    from valvetrain.errors import InputError as InputError
+    from valvetrain.errors import ValvetrainError as ValvetrainError
+    from valvetrain.parameters.case import Case as Case
+    from valvetrain.parameters.constructors import barrel as barrel
+    from valvetrain.parameters.constructors import beehive as beehive
+    from valvetrain.parameters.constructors import conical as conical
+    from valvetrain.parameters.constructors import cylindrical as cylindrical
+    from valvetrain.parameters.constructors import hourglass as hourglass
+    from valvetrain.parameters.constructors import variable_pitch as variable_pitch
+    from valvetrain.parameters.curves import Constant as Constant
+    from valvetrain.parameters.curves import FunctionCurve as FunctionCurve
+    from valvetrain.parameters.curves import PiecewiseLinear as PiecewiseLinear
+    from valvetrain.parameters.curves import Table as Table
+    from valvetrain.parameters.loading import list_cases as list_cases
+    from valvetrain.parameters.loading import load_case as load_case
+    from valvetrain.parameters.material import Material as Material
+    from valvetrain.parameters.spring import EndCoil as EndCoil
+    from valvetrain.parameters.spring import SpringDefinition as SpringDefinition
+    from valvetrain.report.write import write_study as write_study
+    from valvetrain.solution.comparison import Comparison as Comparison
+    from valvetrain.solution.event import Event as Event
+    from valvetrain.solution.modal import ModalResult as ModalResult
+    from valvetrain.solution.netcdf import load_netcdf as load_netcdf
+    from valvetrain.solution.netcdf import save_netcdf as save_netcdf
+    from valvetrain.solution.quantity import Quantities as Quantities
+    from valvetrain.solution.quantity import Quantity as Quantity
+    from valvetrain.solution.result import Solution as Solution
+    from valvetrain.solution.static import StaticCurve as StaticCurve
+    from valvetrain.solution.status import Status as Status
+    from valvetrain.solution.study import Study as Study
+    from valvetrain.solution.textfile import load_csv as load_csv
+    from valvetrain.solution.textfile import save_csv as save_csv
+    from valvetrain.springs.contract import SpringModel as SpringModel
+    from valvetrain.springs.equivalent import EquivalentSpring as EquivalentSpring
+    from valvetrain.springs.finite_element import FiniteElementRod as FiniteElementRod
+    from valvetrain.springs.massless import MasslessSpring as MasslessSpring
+    from valvetrain.springs.massless import MasslessTable as MasslessTable
+    from valvetrain.springs.modal_uniform import ModalUniform as ModalUniform
+    from valvetrain.springs.modal_varied import ModalVaried as ModalVaried
+    from valvetrain.springs.multi_mass import MultiMassSpring as MultiMassSpring
+    from valvetrain.springs.nested import NestedSprings as NestedSprings
+    from valvetrain.springs.solid.jobs import SolidSpring as SolidSpring
+    from valvetrain.springs.wave_rod import WaveRod as WaveRod
+    from valvetrain.springs.wave_rod_clash import WaveRodWithClash as WaveRodWithClash
+    from valvetrain.studies.api import compare as compare
+    from valvetrain.studies.api import simulate as simulate
+    from valvetrain.studies.api import sweep as sweep
+    from valvetrain.studies.batch import map_cases as map_cases
+    from valvetrain.system.build import build as build
+    from valvetrain.system.problem import Problem as Problem
+else:  # a type checker that saw this would take any name for granted
 
-def __getattr__(name: str) -> Any:
-    home = _HOMES.get(name)
-    if home is None:
-        raise AttributeError(f"module 'valvetrain' has no name '{name}'; see valvetrain.__all__")
-    value = getattr(import_module(f"valvetrain.{home}"), name)
-    globals()[name] = value
-    return value
+    def __getattr__(name: str) -> object:
+        home = _HOMES.get(name)
+        if home is None:
+            raise AttributeError(f"module 'valvetrain' has no name '{name}'; see valvetrain.__all__")
+        value = getattr(import_module(f"valvetrain.{home}"), name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import tomllib
 from collections.abc import Callable, Iterator
 from functools import cache
 
@@ -90,6 +91,34 @@ def debts(rule: str) -> set[str]:
     """Findings that were there before the rule."""
     lines = (ROOT / "tests" / "architecture" / "debts.txt").read_text(encoding="utf-8").splitlines()
     return {line.removeprefix(f"{rule} ") for line in lines if line.startswith(f"{rule} ")}
+
+
+def relaxed_modules() -> list[str]:
+    """Modules whose functions mypy lets be untyped, from pyproject.toml."""
+    overrides = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["mypy"]["overrides"]
+    return [module for entry in overrides if entry.get("disallow_untyped_defs") is False for module in entry["module"]]
+
+
+def test_types_are_strict_but_for_compiled_kernels():
+    """mypy is strict everywhere; in the modules that are let off, every function without types is one that numba compiles."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["mypy"]
+    assert settings["strict"] is True
+    assert not {key for key, value in settings.items() if value is False} - {"disallow_untyped_decorators"}
+    found = []
+    for module in relaxed_modules():
+        assert module in modules(), f"{module} in pyproject.toml is no module"
+        for node in ast.walk(tree_of(modules()[module])):
+            if isinstance(node, Function) and node.returns is None:
+                found += [f"{module}: {node.name}"] if not is_compiled(node, tree_of(modules()[module])) else []
+    assert not found
+
+
+def is_compiled(function: Function, tree: ast.Module) -> bool:
+    """Whether numba compiles a function: by its decorator, or because the module hands it to a compiler by name."""
+    if any("njit" in ast.unparse(mark) for mark in function.decorator_list):
+        return True
+    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call) and "compiled" in ast.unparse(node.func))
+    return any(isinstance(given, ast.Name) and given.id == function.name for call in calls for given in call.args)
 
 
 def test_the_rules_catch_what_they_should():

@@ -1,13 +1,19 @@
-"""The names of ``import valvetrain`` all resolve, on first use."""
+"""The names of ``import valvetrain`` all resolve on first use, a type checker sees them, and their examples run."""
 
 from __future__ import annotations
 
+import ast
+import doctest
 import importlib
+import os
+import re
+import subprocess
+import sys
 
 import pytest
 
 import valvetrain
-from architecture.house import DATA_FLOW
+from architecture.house import DATA_FLOW, PACKAGE, ROOT, tree_of
 
 
 def test_the_first_line_is_the_data_flow():
@@ -21,10 +27,62 @@ def test_every_public_name_resolves(name):
 
 
 @pytest.mark.parametrize(("name", "home"), sorted(valvetrain._HOMES.items()))
-def test_a_public_name_is_the_object_of_its_room(name, home):
+def test_a_public_name_is_the_object_of_its_module(name, home):
     assert getattr(valvetrain, name) is getattr(importlib.import_module(f"valvetrain.{home}"), name)
 
 
 def test_an_unknown_name_is_refused_with_a_sentence():
     with pytest.raises(AttributeError, match="no name 'SpringDefintion'"):
         _ = valvetrain.SpringDefintion
+
+
+def test_the_block_for_type_checkers_lists_the_same_names():
+    """Every line of the lazy table stands under TYPE_CHECKING too, and nothing else does."""
+    blocks = [node for node in tree_of(PACKAGE / "__init__.py").body if isinstance(node, ast.If)]
+    imports = [node for block in blocks for node in block.body if isinstance(node, ast.ImportFrom)]
+    seen = {alias.name: (node.module or "").removeprefix("valvetrain.") for node in imports for alias in node.names}
+    assert seen == valvetrain._HOMES
+    assert all(alias.asname == alias.name for node in imports for alias in node.names), "only 'import x as x' is a public name"
+
+
+def test_a_type_checker_sees_every_public_name(tmp_path):
+    """mypy knows the type of each name, and that a misspelt one does not exist."""
+    names = [name for name in valvetrain.__all__ if name != "__version__"]
+    lines = ["import valvetrain as vt", *(f"reveal_type(vt.{name})" for name in names), "vt.load_cse"]
+    (tmp_path / "snippet.py").write_text("\n".join(lines), encoding="utf-8")
+    command = [sys.executable, "-m", "mypy", "--config-file", str(ROOT / "pyproject.toml"), "--follow-imports=silent",
+               "--cache-dir", str(tmp_path / "cache"), str(tmp_path / "snippet.py")]  # fmt: skip
+    found = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env={**os.environ, "MYPYPATH": str(PACKAGE.parent)})
+    types = re.findall(r'note: Revealed type is "(.*)"', found.stdout)
+    assert len(types) == len(names), found.stdout + found.stderr
+    assert not [name for name, seen in zip(names, types, strict=True) if seen in ("Any", "object", "builtins.object")]
+    assert 'Module has no attribute "load_cse"' in found.stdout
+    assert found.stdout.count(" error: ") == 1, found.stdout
+
+
+def examples() -> list[doctest.DocTest]:
+    """The examples in the docstrings of all public names and their methods."""
+    finder = doctest.DocTestFinder(exclude_empty=True)
+    found = []
+    for name in valvetrain.__all__[1:]:
+        home = importlib.import_module(f"valvetrain.{valvetrain._HOMES[name]}")
+        found += [test for test in finder.find(getattr(valvetrain, name), name, module=home) if test.examples]
+    return found
+
+
+@pytest.mark.parametrize("example", examples(), ids=lambda example: example.name)
+def test_the_example_of_a_docstring_gives_what_it_shows(example):
+    said: list[str] = []
+    result = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(example, out=said.append)
+    assert result.failed == 0, "".join(said)
+
+
+#: Public functions and results that carry an example; a name may be added, never taken out.
+WITH_EXAMPLE = {
+    "cylindrical", "conical", "barrel", "hourglass", "beehive", "variable_pitch", "EndCoil", "Material", "load_case", "list_cases",
+    "cite", "bibtex", "Quantities", "Study", "Solution", "StaticCurve",
+}  # fmt: skip
+
+
+def test_public_names_carry_an_example():
+    assert not WITH_EXAMPLE - {example.name for example in examples()}

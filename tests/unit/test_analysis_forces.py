@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from synthetic_spring import ENGINE_SPEED, bump, run
+from synthetic_spring import ENGINE_SPEED, EVENT, bump, clashing_run, run
 from valvetrain.errors import InputError
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.energy import energy_balance
 from valvetrain.quantities.filters import filtered_force, low_pass
+from valvetrain.quantities.main_clash import IMPULSE_TIME, find_clash_window, main_clash_quantities
 from valvetrain.quantities.spectrum import order_spectrum, surge_order
-from valvetrain.quantities.stages import stage_quantities
+from valvetrain.sources.gu2021_stages import stage_quantities
 
 DEG = np.pi / 180
 
@@ -23,7 +24,7 @@ def _force(degrees):
 
 
 def test_stage_quantities_of_a_drawn_curve():
-    found = stage_quantities(reported_cycle(run({"seat_force": _force})), 10 * DEG)
+    found = stage_quantities(reported_cycle(run({"seat_force": _force})), 10 * DEG, EVENT)
     peaks = [found[f"stage_1_peak_{number}_cam_angle"] / DEG for number in (1, 2, 3)]
     assert peaks == pytest.approx([12, 42, 84.5])
     assert found["stage_1_minimum_force"] == pytest.approx(280.0)
@@ -45,7 +46,7 @@ def test_falling_flank_is_no_spike_and_one_hump_has_no_valley():
     def force(degrees):
         return 280 + 600 * bump(degrees, 180, 130) + 20 * bump(degrees, 300, 30)
 
-    found = stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG)
+    found = stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG, EVENT)
     assert found["stage_2_end_force"] > 315
     assert (found["stage_3_peak_force"], found["stage_3_peak_cam_angle"] / DEG) == pytest.approx((300.0, 300.0))
     assert "stage_2_valley_force" not in found
@@ -55,7 +56,7 @@ def test_a_peak_at_the_seam_of_the_cycle_counts_once():
     def force(degrees):
         return 300 + 10 * np.cos(3 * degrees * DEG)
 
-    found = stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG)
+    found = stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG, EVENT)
     assert [value / DEG for name, value in found.items() if name.startswith("stage_1_peak")] == pytest.approx([0, 120])
 
 
@@ -64,7 +65,7 @@ def test_an_aborted_run_gives_only_what_it_covers():
     cut = type(whole)(whole.channels.isel(sample=slice(0, 300)), provenance=whole.provenance)
     cycle = reported_cycle(cut)
     assert not cycle.whole
-    found = stage_quantities(cycle, 10 * DEG)
+    found = stage_quantities(cycle, 10 * DEG, EVENT)
     assert "stage_1_maximum_force" in found and not any(name.startswith("stage_2") for name in found)
 
 
@@ -141,3 +142,26 @@ def test_energy_balance_finds_the_energy_that_was_lost():
     assert lossy is not None
     assert lossy.relative_imbalance == pytest.approx(0.5 * 0.1 * 4 * np.pi / np.ptp(work))
     assert energy_balance(run({"seat_force": _force})) is None
+
+
+def test_main_clash_of_a_made_up_force():
+    """A bump of 400 N over 3 degrees at 250: angle, height and the impulse within 0.1 ms are those of the formula."""
+    made = clashing_run(samples=2880)
+    cycle = reported_cycle(made)
+    window = find_clash_window(cycle, 600.0, EVENT)
+    assert window is not None and window.first < np.radians(250.0) < window.last
+    found = main_clash_quantities(cycle, window)
+    assert np.degrees(found["main_clash_cam_angle"]) == pytest.approx(250.0, abs=0.02)
+    assert found["main_clash_peak_force"] == pytest.approx(700.0, abs=0.5)
+    fine, angle = made.channel("seat_force_fine"), made.cam_angle[:, None] + np.arange(4) * np.pi / 2 / 2880
+    time = angle.ravel() / (made.engine_speed / 2)
+    here = np.abs(time - (2 * np.pi + np.radians(250.0)) / (made.engine_speed / 2)) <= IMPULSE_TIME
+    assert found["main_clash_impulse"] == pytest.approx(np.trapezoid(fine.ravel()[here] - 300.0, time[here]), rel=0.02)
+
+
+def test_filter_of_a_closed_period_sees_its_end_before_its_beginning():
+    time = np.arange(2000) * 1e-5
+    wave = np.exp(-(((time - 0.5 * time[-1]) / 3e-4) ** 2))
+    middle = low_pass(time, wave, 2e3, closed=True)
+    at_the_seam = low_pass(time, np.roll(wave, 1000), 2e3, closed=True)
+    np.testing.assert_allclose(np.roll(middle, 1000), at_the_seam, atol=1e-12)

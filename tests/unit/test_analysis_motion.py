@@ -7,17 +7,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from synthetic_spring import ENGINE_SPEED, bump, run
+from synthetic_spring import ENGINE_SPEED, EVENT, bump, run
 from valvetrain.quantities.clash import ClashRule, clash_events, runs
-from valvetrain.quantities.collisions import bounce_quantities, collision_angles, mean_interval, separation_angle
 from valvetrain.quantities.compare import compare, pair_angles
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.evaluate import run_quantities, study_quantities
+from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.peaks import separate_spikes
-from valvetrain.quantities.statics import natural_quantities, slope_change, static_quantities
+from valvetrain.quantities.statics import natural_quantities, rest_quantities, slope_change, static_quantities
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.quantity import Quantity, unit_of
-from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.static import SpringAtRest, StaticCurve
+from valvetrain.sources.gu2021 import COUNTERPARTS, SPEC, quantities
+from valvetrain.sources.gu2021_collisions import bounce_quantities, collision_angles, mean_interval, separation_angle
 
 DEG = np.pi / 180
 SPIKES = (20.0, 46.5, 73.0, 100.0, 245.5, 300.0, 327.0, 354.5)
@@ -62,11 +63,11 @@ def _motion(**changes):
 
 
 def _values(**options):
-    return {key.name: value for key, value in run_quantities(_motion(), **options).items()}
+    return quantities(_motion(), Frame(lift_event=EVENT, **options))
 
 
 def test_collisions_repeat_with_the_period_of_the_first_mode():
-    found = _values(surge_frequency=630.0)
+    found = _values(surge_frequencies=(630.0,))
     angles = [found[f"clash_{number}_cam_angle"] / DEG for number in range(1, 9)]
     assert angles == pytest.approx(SPIKES)
     assert "clash_9_cam_angle" not in found
@@ -90,9 +91,12 @@ def test_node_2_motion():
     assert found["node_2_peak_acceleration_cam_angle"] / DEG == pytest.approx(245.5)
 
 
-def test_without_gaps_collisions_show_as_spikes_of_the_acceleration():
-    cycle = reported_cycle(_motion(coil_gap=None))
-    assert collision_angles(cycle, 8 * DEG) / DEG == pytest.approx(SPIKES)
+@pytest.mark.parametrize("change", [{"coil_gap": None}, {"coil_contact_force": None}])
+def test_a_model_without_coil_pairs_has_no_clash_whatever_its_accelerations(change):
+    made = _motion(**change)
+    assert clash_events(made) == ()
+    if "coil_gap" in change:
+        assert len(collision_angles(reported_cycle(made), 8 * DEG)) == 0
 
 
 def test_touches_close_together_are_one_collision():
@@ -102,8 +106,8 @@ def test_touches_close_together_are_one_collision():
 
 
 def test_mean_interval_skips_stage_2_and_missed_collisions():
-    assert mean_interval(np.array([20, 46, 72, 240, 266, 292, 345]) * DEG) == pytest.approx(26 * DEG)
-    assert mean_interval(np.array([20, 240]) * DEG) is None
+    assert mean_interval(np.array([20, 46, 72, 240, 266, 292, 345]) * DEG, EVENT) == pytest.approx(26 * DEG)
+    assert mean_interval(np.array([20, 240]) * DEG, EVENT) is None
 
 
 def test_separation_follows_speed_and_frequency():
@@ -184,11 +188,10 @@ def test_statics_of_a_bilinear_spring():
     assert static_quantities(curve, 11e-3) == {}
 
 
-def test_study_quantities_join_all_parts():
+def test_quantities_at_rest_join_curve_and_modes():
     modes = ModalResult(7e-3, np.array([500.0, 630.0, 1120.0]), np.zeros((3, 2, 3)), np.arange(2.0), np.ones(3), (1, 2))
-    found = study_quantities(None, modes, [_motion()], precompression=7e-3)
-    assert found[Quantity("mode_2_frequency")] == 1120.0
-    assert Quantity("stage_2_peak_force", ENGINE_SPEED, "finite-element") in found
+    found = rest_quantities(SpringAtRest("spring", "finite-element", 7e-3, modes=modes), ["natural_1_frequency"])
+    assert found == {"mode_1_frequency": 630.0, "mode_2_frequency": 1120.0, "natural_1_frequency": 500.0}
 
 
 def test_units_follow_the_last_word():
@@ -218,21 +221,23 @@ def _published(quantity, value, **more):
 )
 def test_verdicts_say_how_far(published, computed, verdict):
     name = "stage_2_peak_force" if published.quantity == "other_force" else published.quantity
-    (row,) = compare([published], {Quantity(name, 100.0, "finite-element"): computed})
+    (row,) = compare([published], {Quantity(name, 100.0, "finite-element"): computed}, COUNTERPARTS)
     assert row.verdict == verdict
 
 
 def test_published_collision_meets_the_nearest_computed_one():
     computed = {Quantity(f"clash_{n}_cam_angle", 100.0, "finite-element"): angle * DEG for n, angle in enumerate((5, 20, 48), start=1)}
-    rows = compare([_published("clash_1_cam_angle", 20 * DEG), _published("clash_2_cam_angle", 46.5 * DEG)], computed)
+    rows = compare(
+        [_published("clash_1_cam_angle", 20 * DEG), _published("clash_2_cam_angle", 46.5 * DEG)], computed, COUNTERPARTS, SPEC.counted
+    )
     assert [row.difference / DEG for row in rows] == pytest.approx([0, 1.5])
 
 
 def test_models_meet_their_counterparts_only():
-    quantities = {Quantity("stage_2_peak_force", 100.0, "modal-varied"): 1.0, Quantity("preload"): 289.0}
+    values = {Quantity("stage_2_peak_force", 100.0, "modal-varied"): 1.0, Quantity("preload"): 289.0}
     peak = "stage_2_peak_force"
     published = [_published(peak, 2.0), _published(peak, 2.0, model="analytical modal"), _published("preload", 289.0, engine_speed=None)]
-    rows = compare(published, quantities)
+    rows = compare(published, values, COUNTERPARTS)
     assert [row.computed for row in rows] == [None, 1.0, 289.0]
 
 

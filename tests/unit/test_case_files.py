@@ -233,6 +233,7 @@ REFUSED = [
     ('[spring_card]\npreload = "195.81 N"', "[spring_card] is now [spring]"),
     (SPRING + '[train.spring_options]\nmass_damping = "50 1/s"', "is now damping.mass_damping in each [[train.springs.SET]] block"),
     (SPRING + '[operation]\noutput_step = "90 deg"', "too large"),
+    (SPRING + "[rubbing]\ncoefficient = 0.1", "line 9, rubbing: rubbing acts between two nested springs"),
     (SPRING + '[operation]\nengine_speeds = "4200 Hz"', "a rotational speed is needed"),
     (SPRING + '[operation]\nengine_speeds = "4200 rpm"\ncam_speeds = "2100 rpm"', "twice the cam speed"),
     (SPRING.replace('"4.0 mm"', '{ value = "4.0 mm", status = "guessed" }'), "status 'guessed' is unknown"),

@@ -69,7 +69,7 @@ def test_text_is_short_and_the_table_is_escaped(make):
     text, page = repr(make()), make()._repr_html_()
     assert 1 <= len(text.splitlines()) <= 6
     assert max(map(len, text.splitlines())) < 160
-    assert page.startswith("<table>") and page.endswith("</table>")
+    assert page.startswith("<div>") and page.endswith("</table></div>")
     assert "<b>" not in page and "<i>" not in page
 
 
@@ -77,18 +77,29 @@ def test_text_speaks_the_units_of_the_field():
     assert "5600 rpm: completed" in repr(solution())
     assert "361 samples, 0 to 360 deg of the cam; 3 channels" in repr(solution())
     assert "seat_force 300 to 800 N" in repr(solution())
-    assert "1 events: 1 clash" in repr(solution())
+    assert "events: 1 clash" in repr(solution())
     assert "peak_seat_force 800 N, clearance 1 mm" in repr(solution())
     assert "diverged: no, at time 0.1 s" in repr(solution(status=Status("diverged", "no", 0.1)))
     assert repr(curve()) == (
         "StaticCurve: 0 to 8 mm in 9 steps, 0 to 320 N, completed\n  stiffness 40 N/mm first, 40 N/mm last; 2 coil pairs"
     )
-    assert repr(modes()) == "ModalResult at 7 mm compression: 5 modes, completed\n  3 axial: 630, 1120, 1639 Hz"
+    assert repr(modes()) == "ModalResult at 7 mm compression, 5 modes, completed\n  3 axial: 630, 1120, 1639 Hz"
     assert repr(study()).splitlines()[:2] == ["Study of own <i> (sweep): 4 runs", "  rod, chain; 4200 rpm, 5600 rpm"]
     assert repr(quantities()).splitlines()[-1] == "  and 2 more"
     assert [words(*one) for one in ((0.007, "m"), (41e3, "N/m"), (7.5e8, "Pa"), (0.5, "1"), (3.0, "J"))] == [
         "7 mm", "41 N/mm", "750 MPa", "0.5", "3 J",
     ]  # fmt: skip
+
+
+def test_results_are_asked_in_the_units_of_the_field():
+    assert curve().force_at("7.5 mm") == curve().force_at(7.5e-3) == pytest.approx(300.0)
+    assert curve().stiffness_at("0.2 inch") == pytest.approx(40e3)
+    assert study().solution("rod", "5600 rpm").label == "rod"
+    assert study().quantities.of_run("rod", "5600 rpm")["clearance"] == 1e-3
+    with pytest.raises(InputError, match="7 m of compression can only be meant as 7 mm"):
+        curve().force_at(7)
+    with pytest.raises(InputError, match="can only be meant as 5600 rpm"):
+        study().solution("rod", 5600)
 
 
 def test_frames_hold_every_value_in_si():
@@ -120,6 +131,7 @@ def test_plots_are_figures_of_the_numbers(make):
     figure = make().plot()
     assert isinstance(figure, plotly.graph_objects.Figure)
     assert figure.layout.xaxis.title.text or figure.layout.xaxis2.title.text
+    assert "<b>" not in figure.layout.title.text and "<i>" not in figure.layout.title.text
     assert all(len(trace.x) == len(trace.y) > 1 for trace in figure.data)
 
 

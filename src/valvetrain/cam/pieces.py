@@ -42,7 +42,7 @@ class PeriodicPieces:
         angle = self.breaks[0] + after(float(self.breaks[0]), cam_angle)
         piece = np.clip(np.searchsorted(self.breaks, angle, side="right") - 1, 0, len(self.coefficients) - 1)
         step, chosen = angle - self.breaks[piece], self.coefficients[piece]
-        total = np.zeros_like(step)
+        total: Array = np.zeros_like(step)
         for power in range(self.coefficients.shape[1] - 1, derivative - 1, -1):
             factor = float(np.prod(np.arange(power, power - derivative, -1)))
             total = total * step + factor * chosen[..., power]

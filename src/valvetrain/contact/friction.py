@@ -31,7 +31,8 @@ class CoulombFriction:
 
     def dissipated_power(self, normal_force: ArrayLike, sliding_velocity: ArrayLike) -> Array:
         """Power (W) turned to heat, never negative."""
-        return -self.force(normal_force, sliding_velocity) * np.asarray(sliding_velocity)
+        found: Array = -self.force(normal_force, sliding_velocity) * np.asarray(sliding_velocity)
+        return found
 
     def damping(self, normal_force: float) -> float:
         """Largest slope (N s/m) of the force over the velocity."""

@@ -33,7 +33,8 @@ def effective_radius(first_radius: ArrayLike, second_radius: ArrayLike = np.inf)
 def line_half_width(force: ArrayLike, length: float, radius: ArrayLike, modulus: float) -> Array:
     """Half width (m) b = sqrt(4 F R / (pi L E*)) of a line contact; force in N, length L and effective radius R in m."""
     _positive(length=length, modulus=modulus)
-    return np.sqrt(4 * np.maximum(force, 0.0) * np.asarray(radius) / (np.pi * length * modulus))
+    found: Array = np.sqrt(4 * np.maximum(force, 0.0) * np.asarray(radius) / (np.pi * length * modulus))
+    return found
 
 
 def line_peak_pressure(force: ArrayLike, length: float, radius: ArrayLike, modulus: float) -> Array:

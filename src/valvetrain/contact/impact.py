@@ -21,7 +21,8 @@ PRINTED_RATE = 1e-3
 def cubic_step(share: ArrayLike) -> Array:
     """Step s**2 (3 - 2 s) from 0 at share 0 to 1 at share 1, flat beyond."""
     inside = np.clip(np.asarray(share, dtype=float), 0.0, 1.0)
-    return inside**2 * (3.0 - 2.0 * inside)
+    found: Array = inside**2 * (3.0 - 2.0 * inside)
+    return found
 
 
 def _cubic_step_slope(share: Array) -> Array:
@@ -62,7 +63,8 @@ class ImpactContact:
 
     def force(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
         rate = np.asarray(penetration_rate, dtype=float)
-        return np.maximum(self._elastic(penetration) + self._damping(penetration) * rate, 0.0)
+        found: Array = np.maximum(self._elastic(penetration) + self._damping(penetration) * rate, 0.0)
+        return found
 
     def tangent(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
         depth, rate = overlap(penetration), np.asarray(penetration_rate, dtype=float)
@@ -73,7 +75,8 @@ class ImpactContact:
 
     def dissipated_power(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
         rate = np.asarray(penetration_rate, dtype=float)
-        return (self.force(penetration, rate) - self._elastic(penetration)) * rate
+        found: Array = (self.force(penetration, rate) - self._elastic(penetration)) * rate
+        return found
 
     def stiffness(self, penetration: float) -> float:
         return float(self.contact_stiffness * self.exponent * max(penetration, 0.0) ** (self.exponent - 1.0))

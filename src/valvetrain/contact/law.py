@@ -53,7 +53,8 @@ def row(stiffness: float, exponent: float = 1.0, damping: float = 0.0, restituti
 
 def overlap(penetration: ArrayLike) -> Array:
     """Penetration where positive, else zero."""
-    return np.maximum(np.asarray(penetration, dtype=float), 0.0)
+    found: Array = np.maximum(np.asarray(penetration, dtype=float), 0.0)
+    return found
 
 
 def require_positive(law: str, **values: float) -> None:

@@ -42,7 +42,8 @@ class LinearContact:
 
     def dissipated_power(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
         extra = self.force(penetration, penetration_rate) - self.contact_stiffness * overlap(penetration)
-        return extra * np.asarray(penetration_rate, dtype=float)
+        found: Array = extra * np.asarray(penetration_rate, dtype=float)
+        return found
 
     def stiffness(self, penetration: float) -> float:
         return self.contact_stiffness

@@ -31,7 +31,8 @@ class DampedPower:
 
     def dissipated_power(self, penetration: ArrayLike, penetration_rate: ArrayLike, impact_rate: float = SLOWEST_IMPACT) -> Array:
         growth = self._growth(penetration_rate, impact_rate)
-        return self._elastic(penetration) * (growth - 1.0) * np.asarray(penetration_rate, dtype=float)
+        found: Array = self._elastic(penetration) * (growth - 1.0) * np.asarray(penetration_rate, dtype=float)
+        return found
 
     def stiffness(self, penetration: float) -> float:
         return float(self._elastic_slope(penetration))

@@ -53,7 +53,7 @@ def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
     top = float(eigsh(scaled, k=1, which="LA", tol=1e-3, v0=start, return_eigenvectors=False)[0])
     moving = slice(mesh.first + 1, mesh.last)
     contact = 4 * dynamics.contact_stiffness * float(np.max((mesh.contact.length.sum(axis=0) / mesh.node_mass)[moving], initial=0.0))
-    return dynamics.step_safety * 2.0 / np.sqrt(1.001 * top + contact)
+    return float(dynamics.step_safety * 2.0 / np.sqrt(1.001 * top + contact))
 
 
 def inertia_of(mesh: RodMesh) -> Array:

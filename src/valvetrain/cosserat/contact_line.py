@@ -93,7 +93,8 @@ def true_distance(axis: Callable[[Array], Array], coil: Array) -> Array:
         # Without the axis' curvature, which is unknown at the corners of a diameter law; converges by (radial shift / radius) a step.
         slope = (axis(below + step) - axis(below - step)) / (2 * step)
         below = below + np.sum((point - axis(below)) * slope, axis=1) / np.sum(slope * slope, axis=1)
-    return np.linalg.norm(point - axis(below), axis=1)
+    found: Array = np.linalg.norm(point - axis(below), axis=1)
+    return found
 
 
 def _separation(position: Array, index: NDArray[np.int64], offset: int, upper: float, lower: float) -> Array:
@@ -104,4 +105,5 @@ def _separation(position: Array, index: NDArray[np.int64], offset: int, upper: f
     base = sum(w[..., None] * position[below + k - 1] for k, w in enumerate(span_weights(lower)))
     gap = point - base
     foot = np.sum(gap * slope, axis=1) / np.sum(slope * slope, axis=1)
-    return gap - foot[:, None] * slope - 0.5 * foot[:, None] ** 2 * (after - 2 * centre + before)
+    found: Array = gap - foot[:, None] * slope - 0.5 * foot[:, None] ** 2 * (after - 2 * centre + before)
+    return found

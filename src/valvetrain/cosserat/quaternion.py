@@ -15,14 +15,16 @@ def from_directors(first: Array, second: Array, third: Array) -> Array:
     matrices = np.stack([first, second, third], axis=-1)
     quaternion = np.roll(Rotation.from_matrix(matrices).as_quat(), 1, axis=-1)
     flips = np.where(np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0, -1.0, 1.0)
-    return quaternion * np.concatenate(([1.0], np.cumprod(flips)))[:, None]
+    found: Array = quaternion * np.concatenate(([1.0], np.cumprod(flips)))[:, None]
+    return found
 
 
 def to_matrix(quaternion: Array) -> Array:
     """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
     from scipy.spatial.transform import Rotation
 
-    return Rotation.from_quat(np.roll(quaternion, -1, axis=-1)).as_matrix()
+    found: Array = Rotation.from_quat(np.roll(quaternion, -1, axis=-1)).as_matrix()
+    return found
 
 
 def relative_vector(before: Array, after: Array) -> tuple[Array, Array]:

@@ -181,9 +181,11 @@ class RodStatics:
     def _solve_linear(self, band: Array, contact: csc_matrix | None, right: Array) -> Array:
         half = kern.HALF_BAND
         if contact is None:
-            return solve_banded((half, half), band[:, self._span], right, check_finite=False)
+            found: Array = solve_banded((half, half), band[:, self._span], right, check_finite=False)
+            return found
         matrix = (_sparse(band) + contact).tocsc()[self._span, self._span]
-        return splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
+        found = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
+        return found
 
     def _norm(self, residual: Array) -> float:
         steps = (residual * self.free).reshape(-1, 6)

@@ -38,7 +38,8 @@ OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy",
 def _compiled(kernel: Callable[..., Any], *constants: int | np.uint64) -> Callable[..., Any]:
     # The constants belong to the name: compiled code of equal name from two cached runs would be taken for the same.
     kernel.__qualname__ = "_".join([kernel.__name__, *(str(int(constant)) for constant in constants)])
-    return njit(**OPTIONS)(kernel)
+    found: Callable[..., Any] = njit(**OPTIONS)(kernel)
+    return found
 
 
 def section_forces_of(one: np.uint64) -> Callable[..., Any]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
+from valvetrain.cam.contract import LiftLaw
 from valvetrain.contact.friction import CoulombFriction
 from valvetrain.contact.law import ContactLaw
 from valvetrain.contact.library import build_contact_law
@@ -26,7 +26,7 @@ PLACES = {
 }
 
 
-def build_mechanism(train: TrainParameters, law: Any, lift_of: str = "tappet") -> AssembledMechanism:
+def build_mechanism(train: TrainParameters, law: LiftLaw, lift_of: str = "tappet") -> AssembledMechanism:
     """Mechanism of a train under a lift law (``lift_of`` 'tappet' or 'valve'), in the model the train asks for.
 
     Raises :class:`InputError` for geometry that cannot work, lash larger than the lift, a missing contact law, or friction where

@@ -6,10 +6,10 @@ own centre (pitch curve). Both are smooth functions of one angle, free of root f
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 
@@ -18,7 +18,14 @@ NODES = 1440
 """Nodes per cam turn of every table (a quarter of a cam degree); quintic interpolation between them."""
 
 
-def lift_table(law: Any, nodes: int = NODES) -> Array:
+class Lift(Protocol):
+    """What is needed of a lift law."""
+
+    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
+        """Lift (m) or its derivative (m per rad**derivative) at cam angles (rad)."""
+
+
+def lift_table(law: Lift, nodes: int = NODES) -> Array:
     """(nodes, 3) lift (m) and its first two derivatives (per rad) of a lift law."""
     angle = np.arange(nodes) * 2 * np.pi / nodes
     return np.column_stack([np.asarray(law.lift(angle, derivative), dtype=float) for derivative in range(3)])
@@ -47,7 +54,8 @@ def curvature_radius_round(table: Array, follower_radius: float) -> Array:
     bend = r**2 + 2 * r1**2 - r * r2
     with np.errstate(divide="ignore"):
         pitch = (r**2 + r1**2) ** 1.5 / bend
-    return pitch - follower_radius
+    found: Array = pitch - follower_radius
+    return found
 
 
 def check_flat(table: Array) -> None:

@@ -19,9 +19,11 @@ def piston_travel(crank: CrankParameters, cam_angle: ArrayLike) -> Array:
     angle = 2 * (np.asarray(cam_angle, dtype=float) - crank.top_dead_centre)
     reach = crank.radius * np.cos(angle) + np.sqrt(crank.rod_length**2 - (crank.radius * np.sin(angle) - crank.offset) ** 2)
     top = np.sqrt((crank.radius + crank.rod_length) ** 2 - crank.offset**2)
-    return top - reach
+    found: Array = top - reach
+    return found
 
 
 def piston_clearance(crank: CrankParameters, cam_angle: ArrayLike, valve_lift: ArrayLike) -> Array:
     """Gap (m) between piston crown and valve along the cylinder; negative where they would meet."""
-    return crank.clearance + piston_travel(crank, cam_angle) - np.asarray(valve_lift) * np.cos(crank.valve_inclination)
+    found: Array = crank.clearance + piston_travel(crank, cam_angle) - np.asarray(valve_lift) * np.cos(crank.valve_inclination)
+    return found

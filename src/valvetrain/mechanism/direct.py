@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
+from valvetrain.cam.contract import LiftLaw
+from valvetrain.contact.law import ContactLaw
 from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction
 from valvetrain.mechanism.planar import cam_contact, sample_angles, sliding_row, unit, valve_parts
@@ -14,7 +15,7 @@ from valvetrain.mechanism.rigid import RatioCurve, RigidKinematics, check_lash
 from valvetrain.parameters.train import TrainParameters
 
 
-def build_direct(train: TrainParameters, law: Any, laws: dict[str, Any]) -> AssembledMechanism:
+def build_direct(train: TrainParameters, law: LiftLaw, laws: dict[str, ContactLaw]) -> AssembledMechanism:
     """Planar direct-acting train; the tappet slides along the valve's opening direction and its lift is the law's.
 
     ``law``: lift law of tappet or valve (the same here). ``laws``: contact laws for ``cam``, ``valve_tip`` and ``seat``.

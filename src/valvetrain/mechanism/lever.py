@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
+from valvetrain.cam.contract import LiftLaw
+from valvetrain.contact.law import ContactLaw
 from valvetrain.errors import InputError
 from valvetrain.mechanism.gap_kinds import ARC_RADIUS, LINEAR, POINT_PLANE
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, ElasticLink, Interaction
@@ -15,7 +16,7 @@ from valvetrain.mechanism.rigid import RatioCurve, RigidKinematics, check_lash
 from valvetrain.parameters.train import LeverParameters, TrainParameters
 
 
-def build_lever(train: TrainParameters, law: Any, laws: dict[str, Any], law_of: str) -> AssembledMechanism:
+def build_lever(train: TrainParameters, law: LiftLaw, laws: dict[str, ContactLaw], law_of: str) -> AssembledMechanism:
     """Planar train with a cam-driven lever. ``law_of`` 'valve': lift at the valve with zero lash; 'tappet': drive arm times lever angle
     (m)."""
     lever = train.lever
@@ -95,7 +96,7 @@ def lever_bodies(train: TrainParameters, lever: LeverParameters) -> tuple[list[C
 
 
 def valve_tip_contact(
-    train: TrainParameters, tip: tuple[float, ...], sign: float, support: tuple[float, float], names: tuple[str, ...], law: Any
+    train: TrainParameters, tip: tuple[float, ...], sign: float, support: tuple[float, float], names: tuple[str, ...], law: ContactLaw
 ) -> Interaction:
     """Arc of the lever's tip on the flat end of the stem, the lash between them."""
     assert train.lever is not None

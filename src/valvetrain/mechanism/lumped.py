@@ -7,10 +7,9 @@ differ from it by nothing but the missing geometry.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.mechanism.contour import lift_table
@@ -46,7 +45,7 @@ class _Scaled:
     def __init__(self, kinematics: RigidKinematics, scale: float) -> None:
         self.kinematics, self.scale = kinematics, scale
 
-    def lift(self, cam_angle: Any, derivative: int = 0) -> Array:
+    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         """Drive travel (m) along the cam contact's normal at zero lift."""
         tight = replace(self.kinematics, lash=0.0)
         return np.asarray(tight._tight(cam_angle, derivative)) * self.scale
@@ -90,7 +89,7 @@ def rigid_mode(mechanism: AssembledMechanism, gradients: Array) -> Array:
     matrix = np.array([*rows, *pins])
     target = np.zeros(len(matrix))
     target[len(rows)] = 1.0
-    mode, *_ = np.linalg.lstsq(matrix, target, rcond=None)
+    mode: Array = np.linalg.lstsq(matrix, target, rcond=None)[0]
     if np.max(np.abs(matrix @ mode - target)) > 1e-9:
         raise InputError(f"mechanism '{mechanism.name}' does not tie every body to the valve; check its interactions")
     return mode

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.contact.law import ContactLaw
 from valvetrain.mechanism.contour import NODES, check_flat, check_round, table_from_samples
 from valvetrain.mechanism.gap_kinds import ARC_RADIUS, CAM_FLAT, CAM_ROUND, LINEAR
 from valvetrain.mechanism.parts import Coordinate, ElasticLink, Interaction
@@ -38,7 +39,7 @@ def sliding_row(origin: tuple[float, float], direction: tuple[float, float]) -> 
 
 
 def cam_contact(
-    base_row: list[float], coordinates: tuple[str, ...], follower: FollowerParameters, law: Any, cam_angle: Array,
+    base_row: list[float], coordinates: tuple[str, ...], follower: FollowerParameters, law: ContactLaw, cam_angle: Array,
     centre: tuple[Array, Array], turn: Array, face_direction: float, rotation: int,
 ) -> tuple[Interaction, Array]:  # fmt: skip
     """Cam contact and its contour table, ground so that the rigid follower passes through the given poses.
@@ -69,7 +70,7 @@ def sample_angles(per_node: int = 4) -> Array:
     return np.arange(count) * 2 * np.pi / count
 
 
-def valve_parts(train: TrainParameters, laws: dict[str, Any]) -> tuple[list[Coordinate], list[Interaction], str, str]:
+def valve_parts(train: TrainParameters, laws: dict[str, ContactLaw]) -> tuple[list[Coordinate], list[Interaction], str, str]:
     """Valve coordinates, stem and seat: returns parts, the coordinate called valve lift, and the one carrying the retainer."""
     valve = train.valve
     ux, uy = unit(valve.opening_direction)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
+from valvetrain.cam.contract import LiftLaw
+from valvetrain.contact.law import ContactLaw
 from valvetrain.errors import InputError
 from valvetrain.mechanism.gap_kinds import DISTANCE, LINEAR
 from valvetrain.mechanism.lever import lever_bodies, opening_sign, valve_tip_contact
@@ -16,7 +17,7 @@ from valvetrain.mechanism.rigid import RatioCurve, RigidKinematics, check_lash
 from valvetrain.parameters.train import TrainParameters
 
 
-def build_pushrod(train: TrainParameters, law: Any, laws: dict[str, Any], law_of: str) -> AssembledMechanism:
+def build_pushrod(train: TrainParameters, law: LiftLaw, laws: dict[str, ContactLaw], law_of: str) -> AssembledMechanism:
     """Planar pushrod train; the tappet slides along +y from the cam. ``law_of`` 'tappet' or 'valve' (at zero lash)."""
     lever, rod, follower, cam = train.lever, train.pushrod, train.follower, train.cam
     assert lever is not None and rod is not None
@@ -58,7 +59,7 @@ def build_pushrod(train: TrainParameters, law: Any, laws: dict[str, Any], law_of
     )  # fmt: skip
 
 
-def _tappet_parts(train: TrainParameters, lower: str, laws: dict[str, Any]) -> tuple[list[Coordinate], list[Interaction]]:
+def _tappet_parts(train: TrainParameters, lower: str, laws: dict[str, ContactLaw]) -> tuple[list[Coordinate], list[Interaction]]:
     """A tappet of its own between cam and pushrod; without a mass the pushrod's end rides on the cam itself."""
     follower = train.follower
     weight = follower.mass * train.gravity[1]

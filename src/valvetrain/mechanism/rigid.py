@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 Array = NDArray[np.float64]
 
@@ -20,7 +24,7 @@ class RatioCurve:
     drive: Array
     valve_lift: Array
 
-    def spline(self) -> Any:
+    def spline(self) -> BSpline:
         """The interpolating spline lift(s)."""
         from scipy.interpolate import make_interp_spline
 
@@ -31,7 +35,7 @@ class RatioCurve:
         spline = self.spline()
         slope = spline.derivative()
         wanted = np.asarray(valve_lift, dtype=float)
-        drive = np.interp(wanted, self.valve_lift, self.drive)
+        drive: Array = np.interp(wanted, self.valve_lift, self.drive)
         for _ in range(20):
             change = (spline(drive) - wanted) / slope(drive)
             drive = drive - change
@@ -48,7 +52,7 @@ class RigidKinematics:
     when it prescribes the valve lift at zero lash. ``ratio``: geometry of the chain.
     """
 
-    law: Any
+    law: LiftLaw
     law_of: str
     ratio: RatioCurve
     drive_scale: float = 1.0

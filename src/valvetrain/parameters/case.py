@@ -14,7 +14,7 @@ from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring,
 from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.train import TrainParameters
-from valvetrain.solution.record import CaseRecord, PublishedValue
+from valvetrain.solution.record import CaseRecord, CaseValue, PublishedValue
 
 __all__ = [
     "Case", "CaseSummary", "CoilContact", "DampingParameters", "InstalledSpring", "LiftLawParameters",
@@ -123,7 +123,25 @@ class Case:
         return self.spring
 
     def record(self) -> CaseRecord:
-        """What may be shown of this case: words, sources, published values and the resolved text."""
-        from valvetrain.parameters.words import case_record
+        """What may be shown of this case: words, sources, published values and the resolved text.
 
-        return case_record(self)
+        Keys of works that valvetrain/references.bib does not hold are shown as they are.
+        """
+        from valvetrain.citations import cite, references
+        from valvetrain.parameters.words import words_at
+
+        # In the file the springs are [spring], or [[spring]] with places.
+        paths = {path: f"springs{path[6:]}" if path.partition(".")[0] == "spring" else path for path in self.notes}
+        return CaseRecord(
+            name=self.name,
+            title=self.title,
+            description=self.description,
+            study=self.study,
+            remarks=self.remarks,
+            published=self.published,
+            values=tuple(CaseValue(path, words_at(self, paths[path]), note.status or "", note.source) for path, note in self.notes.items()),
+            citations=tuple(cite(key) if key in references() else key for key in self.cite()),
+            zero_of_angle=self.lift_law.zero_of_angle if self.lift_law is not None else "",
+            changed=self.changed,
+            text=self.text,
+        )

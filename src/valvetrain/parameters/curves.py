@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
 
 Array = NDArray[np.float64]
 
@@ -59,7 +62,8 @@ class PiecewiseLinear:
         _check_knots(self.coils, self.values)
 
     def value(self, coil: ArrayLike) -> Array:
-        return np.interp(np.asarray(coil, dtype=float), self.coils, self.values)
+        found: Array = np.interp(np.asarray(coil, dtype=float), self.coils, self.values)
+        return found
 
     def derivative(self, coil: ArrayLike) -> Array:
         knots, values = np.asarray(self.coils), np.asarray(self.values)
@@ -77,7 +81,8 @@ class PiecewiseLinear:
         step = inside - knots[segment]
         slope = (np.diff(values) / np.diff(knots))[segment]
         area = areas[segment] + values[segment] * step + slope * step**2 / 2
-        return area + np.minimum(coil - knots[0], 0) * values[0] + np.maximum(coil - knots[-1], 0) * values[-1]
+        found: Array = area + np.minimum(coil - knots[0], 0) * values[0] + np.maximum(coil - knots[-1], 0) * values[-1]
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,16 +95,18 @@ class Table:
     def __post_init__(self) -> None:
         _check_knots(self.coils, self.values)
 
-    def _interpolant(self):
+    def _interpolant(self) -> PchipInterpolator:
         from scipy.interpolate import PchipInterpolator
 
         return PchipInterpolator(self.coils, self.values, extrapolate=False)
 
     def value(self, coil: ArrayLike) -> Array:
-        return self._interpolant()(np.clip(coil, self.coils[0], self.coils[-1]))
+        found: Array = self._interpolant()(np.clip(coil, self.coils[0], self.coils[-1]))
+        return found
 
     def derivative(self, coil: ArrayLike) -> Array:
-        return np.nan_to_num(self._interpolant().derivative()(np.asarray(coil, dtype=float)))
+        found: Array = np.nan_to_num(self._interpolant().derivative()(np.asarray(coil, dtype=float)))
+        return found
 
     def integral(self, coil: ArrayLike) -> Array:
         coil = np.asarray(coil, dtype=float)
@@ -108,7 +115,8 @@ class Table:
 
         def area(point: Array) -> Array:
             beyond = np.minimum(point - first, 0) * self.values[0] + np.maximum(point - last, 0) * self.values[-1]
-            return primitive(np.clip(point, first, last)) + beyond
+            found: Array = primitive(np.clip(point, first, last)) + beyond
+            return found
 
         return area(coil) - area(np.asarray(0.0))
 

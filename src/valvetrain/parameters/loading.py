@@ -29,9 +29,18 @@ MOST_BYTES = 5_000_000
 
 
 def load_case(name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None) -> Case:
-    """The case of a library name (``gu2021-beehive``) or a TOML file, with ``changes`` (key path -> value as a file would hold it).
+    """The case of a library name or a TOML file.
+
+    Parameters
+    ----------
+    name_or_path : name of a library case (:func:`list_cases`), such as ``gu2021-beehive``, or path of a TOML file.
+    changes : key path -> value, as a file would hold it.
 
     Raises :class:`InputError` with one sentence: file, line, key path, what is wrong and the remedy.
+
+    >>> case = load_case("gu2021-beehive", {"spring.wire_diameter": "4.1 mm"})
+    >>> case.spring.wire_diameter.value(0.0).round(6)
+    np.float64(0.0041)
     """
     text = os.fspath(name_or_path)
     if not isinstance(text, str) or not text.strip() or "\0" in text:
@@ -80,7 +89,11 @@ def library_names() -> tuple[str, ...]:
 
 
 def list_cases() -> tuple[CaseSummary, ...]:
-    """One line per library case; what each holds is read from its tables, without building it."""
+    """One line per library case; what each holds is read from its tables, without building it.
+
+    >>> [summary.name for summary in list_cases() if "gu2021" in summary.sources]
+    ['gu2021-beehive']
+    """
     summaries = []
     for name in library_names():
         tree = _parse_toml(_read_text(LIBRARY / f"{name}.toml"), name)

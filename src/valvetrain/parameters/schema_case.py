@@ -65,6 +65,8 @@ class CaseModel(StrictModel):
         known = registry.words("sources")
         if self.study and known and self.study not in known:
             raise problem(f"study '{self.study[:40]}' is unknown; {nearest(self.study, known)}", ("study",))
+        if self.rubbing.model_fields_set and (self.spring is None or len(self.spring.blocks) < 2):
+            raise problem("rubbing acts between two nested springs; remove it (a train has [train.rubbing])", ("rubbing",))
         name = self.name or name
         published = (placed(("published", index), group.build) for index, group in enumerate(self.published))
         return Case(

@@ -213,6 +213,8 @@ class TrainModel(StrictModel):
             raise problem("gravity is a vector in the plane of motion, two accelerations", ("gravity",))
         names = ("kind", "model", "spring_set", "spring_model", "lash", "gravity", "cycles")
         plain = {name: getattr(self, name) for name in names} | {"rubbing": self.rubbing.build()}
+        if self.rubbing.model_fields_set and all(len(blocks.blocks) < 2 for blocks in self.springs.values()):
+            raise problem("rubbing acts between two nested springs, and no set has two; remove it", ("rubbing",))
         springs = {name: placed(("springs", name), blocks.build, "spring") for name, blocks in self.springs.items()}
         variants = tuple(variant.build() for variant in self.variants)
         for place, variant in enumerate(variants):

@@ -1,4 +1,4 @@
-"""The values of a case in words, with their status, and what a result says of the case it comes from."""
+"""The values of a case in words: numbers and curves in the units in which they are usually given."""
 
 from __future__ import annotations
 
@@ -8,13 +8,10 @@ from dataclasses import MISSING, Field, fields, is_dataclass
 from typing import Any
 
 from valvetrain import registry
-from valvetrain.citations import cite, references
-from valvetrain.parameters.case import Case
 from valvetrain.parameters.curves import Constant, PiecewiseLinear, Table
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.train import ContactParameters
-from valvetrain.solution.record import CaseRecord, CaseValue
 from valvetrain.units import unit_factor
 
 #: Last word of a key path -> unit shown.
@@ -33,38 +30,14 @@ _UNITS = {
 }  # fmt: skip
 
 
-def case_record(case: Case) -> CaseRecord:
-    """What may be shown of ``case``; keys of works that references.bib does not hold are shown as they are."""
-    known = references()
-    values = (CaseValue(path, _words_at(case, path), note.status or "", note.source) for path, note in case.notes.items())
-    return CaseRecord(
-        name=case.name,
-        title=case.title,
-        description=case.description,
-        study=case.study,
-        remarks=case.remarks,
-        published=case.published,
-        values=tuple(values),
-        citations=tuple(cite(key) if key in known else key for key in case.cite()),
-        zero_of_angle=case.lift_law.zero_of_angle if case.lift_law is not None else "",
-        changed=case.changed,
-        text=case.text,
-    )
-
-
-def _words_at(case: Case, path: str) -> str:
-    """The value at a key path of the file in words; empty where the case keeps it in another form."""
-    keys = path.split(".")
-    item: Any = case
-    if keys[0] == "spring":
-        item, keys = case.springs, keys[1:] if keys[1:2] and keys[1].isdigit() else ["0", *keys[1:]]
+def words_at(holder: Any, path: str) -> str:
+    """The value at a key path below ``holder`` in words; empty where it is kept in another form than the file's."""
+    item, keys = holder, path.split(".")
     for key in keys:
         item = _part(item, key)
         if item is None:
             return ""
-    if keys[-2:] == ["contact", "stiffness"]:
-        return f"{_number(item, 'N/mm^2')}"
-    return value_words(item, keys[-1])
+    return _number(item, "N/mm^2") if keys[-2:] == ["contact", "stiffness"] else value_words(item, keys[-1])
 
 
 def _part(item: Any, key: str) -> Any:

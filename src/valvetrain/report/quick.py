@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -94,7 +95,7 @@ def plot_modes(modes: ModalResult) -> go.Figure:
 def _speaking_quantity(study: Study) -> str:
     """The first peak force among the numbers of the runs, else the first number."""
     names = list(dict.fromkeys(name for run in study.solutions for name in run.quantities))
-    peaks = [name for name in names if unit_of(name) == "N" and "peak" in name]
+    peaks = [name for name in names if unit_of(name) == "N" and name.startswith("peak") and "clash" not in name]
     if not names:
         raise InputError(f"the runs of the study of {study.record.name} hold no quantities to draw; evaluate them first")
     return (peaks or names)[0]
@@ -105,7 +106,7 @@ def _figure(title: str, rows: int = 1) -> go.Figure:
 
     figure = make_subplots(rows=rows, cols=1, shared_xaxes=True, vertical_spacing=0.06)
     figure.update_layout(
-        title={"text": title, "font": {"size": 14}}, font={"family": theme.FONT, "size": 13, "color": theme.INK},
+        title={"text": escape(title), "font": {"size": 14}}, font={"family": theme.FONT, "size": 13, "color": theme.INK},
         paper_bgcolor=theme.PAPER, plot_bgcolor=theme.PAPER, colorway=theme.SERIES, showlegend=True,
     )  # fmt: skip
     figure.update_xaxes(showgrid=False, linecolor=theme.RULE, zeroline=False)
@@ -114,4 +115,4 @@ def _figure(title: str, rows: int = 1) -> go.Figure:
 
 
 def _line(figure: go.Figure, x: ArrayLike, y: ArrayLike, name: str, row: int = 1, mode: str = "lines") -> None:
-    figure.add_scatter(x=np.asarray(x), y=np.asarray(y), name=name, mode=mode, row=row, col=1)
+    figure.add_scatter(x=np.asarray(x), y=np.asarray(y), name=escape(name), mode=mode, row=row, col=1)

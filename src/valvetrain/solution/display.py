@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol
@@ -59,10 +59,10 @@ def table(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> s
     body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows[:MOST_ROWS])
     more = f"<tr><td colspan='{len(head)}'>and {len(rows) - MOST_ROWS} more</td></tr>" if len(rows) > MOST_ROWS else ""
     title = escape(caption).replace("\n", "<br>")
-    return f"<table><caption style='text-align:left'>{title}</caption><thead><tr>{top}</tr></thead><tbody>{body}{more}</tbody></table>"
+    return f"<div>{title}<table><thead><tr>{top}</tr></thead><tbody>{body}{more}</tbody></table></div>"
 
 
-def frame(columns: Mapping[str, ArrayLike | Iterable[object]], index: str = "", units: Mapping[str, str] | None = None) -> pandas.DataFrame:
+def frame(columns: Mapping[str, ArrayLike], index: str = "", units: Mapping[str, str] | None = None) -> pandas.DataFrame:
     """Columns as a pandas frame, ``index`` the column that numbers the rows, ``units`` kept in its ``attrs``.
 
     Raises :class:`MissingExtraError` where pandas is not installed.

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.display import frame, table, words
+from valvetrain.units import Given, si
 
 if TYPE_CHECKING:
     import pandas
@@ -90,7 +92,7 @@ class Quantities(Mapping[Quantity, float]):
     def to_pandas(self) -> pandas.DataFrame:
         """One row per value (SI): quantity, label, engine_speed (rad/s of the crank, missing where none applies), value, unit."""
         keys = list(self._values)
-        columns = {
+        columns: dict[str, ArrayLike] = {
             "quantity": [key.name for key in keys], "label": [key.label for key in keys],
             "engine_speed": np.array([np.nan if key.engine_speed is None else key.engine_speed for key in keys], dtype=float),
             "value": np.array(list(self._values.values()), dtype=float), "unit": [key.unit for key in keys],
@@ -104,10 +106,11 @@ class Quantities(Mapping[Quantity, float]):
         """Name -> value of what has no engine speed, of one ``label`` where given."""
         return {key.name: value for key, value in self._values.items() if key.engine_speed is None and label in (None, key.label)}
 
-    def of_run(self, label: str, engine_speed: float) -> dict[str, float]:
-        """Name -> value of the run of ``label`` at ``engine_speed`` (rad/s of the crank)."""
+    def of_run(self, label: str, engine_speed: Given) -> dict[str, float]:
+        """Name -> value of the run of ``label`` at ``engine_speed`` (of the crank: rad/s, "5600 rpm" or a pint quantity)."""
+        wanted = si(engine_speed, "engine_speed", "engine_speed")
         mine = ((key, value) for key, value in self._values.items() if key.label == label)
-        return {key.name: value for key, value in mine if key.engine_speed is not None and same_speed(key.engine_speed, engine_speed)}
+        return {key.name: value for key, value in mine if key.engine_speed is not None and same_speed(key.engine_speed, wanted)}
 
 
 def _run_words(key: Quantity) -> str:

@@ -131,10 +131,10 @@ class Solution:
             lines.append(f"{name} {span(self.channel(name), self.channels[name].attrs['units'])}")
         if self.events:
             kinds = Counter(event.kind for event in self.events)
-            lines.append(f"{len(self.events)} events: {', '.join(f'{count} {kind}' for kind, count in kinds.items())}")
+            lines.append(f"events: {', '.join(f'{count} {kind}' for kind, count in kinds.items())}")
         if self.quantities:
             named = [f"{name} {words(value, unit_of(name))}" for name, value in list(self.quantities.items())[:3]]
-            lines.append(f"{len(self.quantities)} quantities: {', '.join(named)}{', ...' if len(self.quantities) > 3 else ''}")
+            lines.append(f"quantities ({len(self.quantities)}): {', '.join(named)}{', ...' if len(self.quantities) > 3 else ''}")
         return "\n  ".join(lines)
 
     def _repr_html_(self) -> str:

@@ -13,6 +13,7 @@ from valvetrain.errors import InputError
 from valvetrain.solution.display import Figure, frame, plotted, span, table, words
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.units import Given, si
 
 if TYPE_CHECKING:
     import pandas
@@ -31,7 +32,7 @@ class StaticCurve:
     >>> import numpy as np
     >>> steps, none = np.linspace(0, 8e-3, 9), np.zeros((9, 0))
     >>> curve = StaticCurve(steps, 40e3 * steps, np.full(9, 40e3), none, none, np.zeros(0), none, np.zeros(0))
-    >>> round(curve.force_at(7.5e-3), 9)
+    >>> round(curve.force_at("7.5 mm"), 9)
     300.0
     >>> curve
     StaticCurve: 0 to 8 mm in 9 steps, 0 to 320 N, completed
@@ -67,8 +68,9 @@ class StaticCurve:
         return "\n  ".join(lines)
 
     def _repr_html_(self) -> str:
-        chosen = np.unique(np.linspace(0, len(self.compression) - 1, 12).astype(int)) if len(self.compression) else []
-        numbers = zip(self.compression[chosen], self.force[chosen], self.stiffness[chosen], strict=True) if len(chosen) else ()
+        count = len(self.compression)
+        chosen = np.unique(np.linspace(0, count - 1, min(count, 12)).astype(int))
+        numbers = zip(self.compression[chosen], self.force[chosen], self.stiffness[chosen], strict=True)
         rows = [(words(one, "m"), words(force, "N"), words(rate, "N/m")) for one, force, rate in numbers]
         return table(repr(self), ("compression", "force", "stiffness"), rows)
 
@@ -86,15 +88,16 @@ class StaticCurve:
         """Force and stiffness over compression as a plotly figure."""
         return plotted("plot_static_curve", self)
 
-    def force_at(self, compression: float) -> float:
-        """Force (N) at a compression (m), straight between steps; :class:`InputError` outside the curve."""
+    def force_at(self, compression: Given) -> float:
+        """Force (N) at a compression (m, "7.5 mm" or a pint quantity), straight between steps; :class:`InputError` outside the curve."""
         return self._interpolate(compression, self.force)
 
-    def stiffness_at(self, compression: float) -> float:
-        """Tangent stiffness (N/m) at a compression (m), straight between steps; :class:`InputError` outside the curve."""
+    def stiffness_at(self, compression: Given) -> float:
+        """Tangent stiffness (N/m) at a compression, as :meth:`force_at`."""
         return self._interpolate(compression, self.stiffness)
 
-    def _interpolate(self, compression: float, values: Array) -> float:
+    def _interpolate(self, given: Given, values: Array) -> float:
+        compression = si(given, "compression", "compression")
         first, last = float(self.compression[0]), float(self.compression[-1])
         if not first - 1e-12 <= compression <= last + 1e-12:
             reach = f"{first * 1e3:g} to {last * 1e3:g} mm"

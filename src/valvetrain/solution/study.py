@@ -17,6 +17,7 @@ from valvetrain.solution.quantity import Quantities, Quantity, named, same_speed
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
+from valvetrain.units import Given, si
 
 if TYPE_CHECKING:
     import pandas
@@ -45,7 +46,7 @@ class Study:
     301.5
     >>> study
     Study of own-spring (run): no runs
-      1 quantities: preload 301.5 N
+      quantities (1): preload 301.5 N
     """
 
     record: CaseRecord
@@ -69,7 +70,7 @@ class Study:
             lines.append(f"{', '.join(self.labels)}; {reach}")
         if found:
             first = [f"{key.name} {words(value, key.unit)}" for key, value in list(found.items())[:3]]
-            lines.append(f"{len(found)} quantities: {', '.join(first)}{', ...' if len(found) > 3 else ''}")
+            lines.append(f"quantities ({len(found)}): {', '.join(first)}{', ...' if len(found) > 3 else ''}")
         if self.comparisons or self.findings:
             lines.append(f"{len(self.comparisons)} comparisons with published values, {len(self.findings)} findings")
         if self.failures:
@@ -113,14 +114,15 @@ class Study:
             found |= named(solution.quantities, solution.engine_speed, solution.label)
         return Quantities(found)
 
-    def solution(self, label: str = "", engine_speed: float | None = None) -> Solution:
-        """The run of ``label`` at ``engine_speed`` (rad/s), each left out where it is not needed to tell.
+    def solution(self, label: str = "", engine_speed: Given | None = None) -> Solution:
+        """The run of ``label`` at ``engine_speed`` (rad/s, "5600 rpm" or a pint quantity), each left out where not needed to tell.
 
         Raises :class:`InputError` when none or several runs fit.
         """
+        wanted = None if engine_speed is None else si(engine_speed, "engine_speed", "engine_speed")
         fits = [
             run for run in self.solutions
-            if (not label or run.label == label) and (engine_speed is None or same_speed(run.engine_speed, engine_speed))
+            if (not label or run.label == label) and (wanted is None or same_speed(run.engine_speed, wanted))
         ]  # fmt: skip
         if len(fits) != 1:
             known = "; ".join(f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm" for run in self.solutions[:8])

@@ -94,7 +94,8 @@ def _spikes(run: Solution, modal: Solution, solid: Printed, spike: PublishedValu
     printed, here, there = solid.get(SPIKE), run.quantities.get(SPIKE), modal.quantities.get(SPIKE)
     if printed is None or here is None or not there:
         return ()
-    statement = f"{_rpm(run)}: spike of Stage III {printed.value:.0f} N by finite elements, {spike.value:.0f} N by the modal model"
+    most = "at most " if printed.relation == "at-most" else ""
+    statement = f"{_rpm(run)}: spike of Stage III {most}{printed.value:.0f} N by finite elements, {spike.value:.0f} N by the modal model"
     theirs, ours = printed.value / spike.value, here / there
     if (ours > 1) == (theirs > 1):
         verdict = f"the sign holds: {ours:.2f} times the modal model's, printed {theirs:.2f}"

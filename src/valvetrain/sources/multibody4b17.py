@@ -176,7 +176,8 @@ def _damper(runs: Runs) -> str:
     flank = "lets go of the cam" if lost else "keeps contact"
     return (
         f"A damper of zeta = 1 ({damping:.1f} N s/m) on a valve moving at up to {velocity:.1f} m/s adds some {damping * velocity:.0f} N "
-        f"on the flanks; at the nose, where the valve stands still, it changes {word} ({change:+.1%}). So damped and without seat load the train {flank}."
+        f"on the flanks; at the nose, where the valve stands still, it changes {word} ({change:+.1%}). "
+        f"So damped and without seat load the train {flank}."
     )
 
 

@@ -124,13 +124,15 @@ def local_compliance(spring: SpringDefinition, coil: Array) -> Array:
     """Compliance (m/N) of each interval of ``coil`` (n + 1,) -> (n,): integral of 64 R**3 / (G d**4) over the turns."""
     points, weights = _gauss(coil)
     radius, wire = spring.mean_diameter.value(points) / 2, spring.wire_diameter.value(points)
-    return np.sum(weights * 64 * radius**3 / (spring.material.shear_modulus * wire**4), axis=1)
+    found: Array = np.sum(weights * 64 * radius**3 / (spring.material.shear_modulus * wire**4), axis=1)
+    return found
 
 
 def _wire_mass(spring: SpringDefinition, coil: Array) -> Array:
     points, weights = _gauss(coil)
     area = np.pi / 4 * spring.wire_diameter.value(points) ** 2
-    return np.sum(weights * spring.material.density * area * spring.line_speed(points), axis=1)
+    found: Array = np.sum(weights * spring.material.density * area * spring.line_speed(points), axis=1)
+    return found
 
 
 def _gauss(coil: Array) -> tuple[Array, Array]:

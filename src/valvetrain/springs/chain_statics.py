@@ -61,7 +61,7 @@ def solve_static(layout: ChainLayout, compression: float, iterations: int = 200)
     """
     elements, rows = element_matrix(layout), contact_rows(layout)
     flow = np.concatenate(([0.0], np.cumsum(1 / layout.stiffness)))
-    nodes = compression * flow / flow[-1]
+    nodes: Array = compression * flow / flow[-1]
     scale = layout.rate * max(abs(compression), 1e-6)
     for _ in range(iterations):
         depth = contact_depths(layout, nodes)

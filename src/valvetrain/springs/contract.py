@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,7 +97,7 @@ class SpringModel(Protocol):
         ...
 
     @property
-    def kernel(self) -> Any:
+    def kernel(self) -> Kernel:
         """Compiled function with the signature of :data:`Kernel`."""
         ...
 

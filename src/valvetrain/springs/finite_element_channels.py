@@ -180,7 +180,8 @@ def _energies(model: FiniteElementRod, strains: dict[str, Array], gaps: Array, r
 def _kinetic(mesh: RodMesh, run: RodTransient) -> Array:
     moving = slice(mesh.first + 1, mesh.last)
     turning = 0.5 * np.sum(mesh.edge_inertia * run.spin**2, axis=(1, 2))
-    return 0.5 * np.sum(run.velocity[:, moving] ** 2, axis=2) @ mesh.node_mass[moving] + turning
+    found: Array = 0.5 * np.sum(run.velocity[:, moving] ** 2, axis=2) @ mesh.node_mass[moving] + turning
+    return found
 
 
 def _status(

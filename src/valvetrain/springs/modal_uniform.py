@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +20,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import modal_kernels
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import SpringModelSpec
 
@@ -91,8 +90,9 @@ class ModalUniform:
         return self.modes
 
     @property
-    def kernel(self) -> Any:
-        return modal_kernels.advance_modal
+    def kernel(self) -> Kernel:
+        kernel: Kernel = modal_kernels.advance_modal
+        return kernel
 
     def parameters(self) -> Array:
         per_mode = np.column_stack(

@@ -85,7 +85,8 @@ class ModalVaried:
                 f"static curve of spring '{self.name}' spans {1e3 * self.compressions[0]:g} to {1e3 * self.compressions[-1]:g} mm, "
                 f"but the motion needs {1e3 * float(np.min(x)):.3f} to {1e3 * float(np.max(x)):.3f} mm; extend the curve"
             )
-        return np.interp(x, self.compressions, self.forces) / x
+        found: Array = np.interp(x, self.compressions, self.forces) / x
+        return found
 
     def solve(self, valve_lift: Callable[[Array], ArrayLike] | ArrayLike, cam_speed: float, samples: int = SAMPLES) -> ModalSolution:
         """Steady periodic response over one cam turn.

@@ -118,7 +118,8 @@ class MultiMassSpring:
         closed = (chain_statics.contact_depths(self.layout, nodes) > 0).astype(float)
         root = 1 / np.sqrt(self.layout.masses)
         matrix = root[:, None] * chain_statics.stiffness_matrix(self.layout, closed)[1:-1, 1:-1] * root
-        return np.sqrt(np.linalg.eigvalsh(matrix)[:count]) / (2 * np.pi)
+        found: Array = np.sqrt(np.linalg.eigvalsh(matrix)[:count]) / (2 * np.pi)
+        return found
 
     def _nodes(self, state: Array, retainer_displacement: float) -> Array:
         return np.concatenate(([0.0], state[: self.unknowns], [self.precompression + retainer_displacement]))

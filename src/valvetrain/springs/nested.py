@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.chain_layout import ChainLayout
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringModel, SpringOutputs
+from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringModel, SpringOutputs
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.nested_kernels import nested_kernel
 from valvetrain.springs.wave_rod import WaveRod
@@ -75,8 +74,9 @@ class NestedSprings:
         return self.outer.unknowns + self.inner.unknowns
 
     @property
-    def kernel(self) -> Any:
-        return nested_kernel(self.outer.kernel, self.inner.kernel)
+    def kernel(self) -> Kernel:
+        kernel: Kernel = nested_kernel(self.outer.kernel, self.inner.kernel)
+        return kernel
 
     @cached_property
     def _pairs(self) -> tuple[NDArray[np.int64], Array]:

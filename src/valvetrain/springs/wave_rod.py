@@ -7,7 +7,6 @@ See docs/decisions/0011-rod-at-unit-courant.md. Source: Vasilyev, Bakhracheva an
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import wave_rod_kernels
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import NoOptions, SpringModelSpec
 
@@ -64,8 +63,9 @@ class WaveRod:
         return self.spring.active_mass / self.cells
 
     @property
-    def kernel(self) -> Any:
-        return wave_rod_kernels.advance_rod
+    def kernel(self) -> Kernel:
+        kernel: Kernel = wave_rod_kernels.advance_rod
+        return kernel
 
     def parameters(self) -> Array:
         return np.array([self.spring.preload, self.cell_stiffness, self.cell_mass, 2 * self.friction])

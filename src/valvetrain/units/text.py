@@ -6,11 +6,17 @@ import difflib
 import math
 import re
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from valvetrain.errors import InputError
 from valvetrain.units.dimensions import DEFINITIONS, DIMENSIONS
 
+if TYPE_CHECKING:
+    import numpy as np
+    import pint
+    from numpy.typing import NDArray
+
+Number = TypeVar("Number", float, "NDArray[np.float64]")
 _SHOWN_UNITS = (
     "m mm cm um µm in inch thou mil ft N kN lbf kgf N/mm N/m lbf/in kg g lb oz Pa kPa MPa GPa bar psi ksi rad deg "
     "rpm rad/s s ms us min Hz kHz 1/s kg/m^3 g/cm^3 N/mm^2 mm/s m/s mm/s^2 m/s^2 N*s/m N*s/mm J mJ W %"
@@ -22,10 +28,10 @@ _UNIT = re.compile(rf"{_FACTOR}(?:\s*[*/·]\s*{_FACTOR}|\s+{_FACTOR})*\Z")
 
 
 @lru_cache(maxsize=1)
-def _registry() -> Any:
+def _registry() -> pint.UnitRegistry[Any]:
     import pint
 
-    registry: Any = pint.UnitRegistry(None)
+    registry: pint.UnitRegistry[Any] = pint.UnitRegistry(None)
     registry.load_definitions(DEFINITIONS.strip().splitlines())
     return registry
 
@@ -41,7 +47,7 @@ def _resolve(unit: str) -> tuple[float, tuple[tuple[str, float], ...]]:
     if len(text) > 40 or not _UNIT.match(text):
         raise InputError(f"unit '{clipped(unit)}' cannot be read; write it as in 'N/mm' or 'kg/m^3'")
     try:
-        quantity = _registry().Quantity(1.0, _registry().parse_units(text)).to_base_units()
+        quantity: Any = _registry().Quantity(1.0, _registry().parse_units(text)).to_base_units()
     except Exception as error:  # pint raises many kinds for a text it cannot read
         close = difflib.get_close_matches(unit, _SHOWN_UNITS, n=3, cutoff=0.5)
         hint = "did you mean " + " or ".join(close) + "?" if close else "use one such as mm, N, N/mm, MPa, g, rpm, Hz, deg"
@@ -68,7 +74,7 @@ def dimension_powers(text: str) -> dict[str, float]:
     return dict(_resolve(split_quantity(text, None, "")[1])[1])
 
 
-def parse_quantity(text: Any, dimension: str | None, where: str = "") -> float:
+def parse_quantity(text: object, dimension: str | None, where: str = "") -> float:
     """Turn ``text`` ("4.0 mm") into an SI float.
 
     ``dimension``: a name from :data:`DIMENSIONS`, a unit whose dimension is due ("N/m^1.5"), or None for any.
@@ -79,7 +85,7 @@ def parse_quantity(text: Any, dimension: str | None, where: str = "") -> float:
     return to_si(value, unit, dimension, f"'{clipped(str(text))}'", where)
 
 
-def parse_quantities(text: Any, dimension: str | None, where: str = "") -> tuple[float, ...]:
+def parse_quantities(text: object, dimension: str | None, where: str = "") -> tuple[float, ...]:
     """Turn ``"0, 1.5, 3 mm"`` (one unit for all) or a list of quantities into SI floats; as :func:`parse_quantity`."""
     if isinstance(text, (list, tuple)):
         return tuple(parse_quantity(item, dimension, f"{where}[{index}]") for index, item in enumerate(text))
@@ -93,7 +99,7 @@ def parse_quantities(text: Any, dimension: str | None, where: str = "") -> tuple
     return tuple(to_si(number, unit, dimension, f"'{clipped(text)}'", where) for number in [*map(float, heads), value])
 
 
-def split_quantity(text: Any, dimension: str | None, where: str) -> tuple[float, str]:
+def split_quantity(text: object, dimension: str | None, where: str) -> tuple[float, str]:
     """Number and unit in ``text``; arguments and errors as :func:`parse_quantity`."""
     due = DIMENSIONS.get(dimension or "ratio", None)
     usual = due.usual_unit if due else str(dimension)
@@ -145,7 +151,7 @@ def clipped(text: str, limit: int = 40) -> str:
     return clean if len(clean) <= limit else clean[: limit - 3] + "..."
 
 
-def to_unit(value: Any, unit: str) -> Any:
+def to_unit(value: Number, unit: str) -> Number:
     """SI ``value`` (float or array) expressed in ``unit``."""
     return value / unit_factor(unit)
 

@@ -67,7 +67,8 @@ def wire_torque(spring: SpringDefinition, mesh: SolidMesh, coil: Array, reaction
     moment = np.cross(arms, reactions[None, :, 1:4]).sum(axis=1)
     tangent = spring.centreline(coil + 1e-6) - spring.centreline(coil - 1e-6)
     tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)
-    return np.sum(tangent * moment, axis=-1)
+    found: Array = np.sum(tangent * moment, axis=-1)
+    return found
 
 
 def _middle(mesh: SolidMesh, moved: Array, coil: Array) -> Array:
@@ -75,7 +76,8 @@ def _middle(mesh: SolidMesh, moved: Array, coil: Array) -> Array:
     from scipy.interpolate import CubicSpline
 
     fibres = [mesh.fibre(*place) for place in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))]
-    return np.mean([CubicSpline(mesh.coil[nodes], moved[nodes])(coil) for nodes in fibres], axis=0)
+    found: Array = np.mean([CubicSpline(mesh.coil[nodes], moved[nodes])(coil) for nodes in fibres], axis=0)
+    return found
 
 
 def _tensor(components: Array) -> Array:

@@ -61,7 +61,8 @@ def jacobian_determinants(coordinates: Array, elements: NDArray[np.int64], point
     """Determinants (elements, points) of the map from the reference cube; positive everywhere in a usable mesh."""
     gradients = shape_gradients(points, elements.shape[1])
     jacobians = np.einsum("pna,enb->epab", gradients, coordinates[elements])
-    return np.linalg.det(jacobians)
+    found: Array = np.linalg.det(jacobians)
+    return found
 
 
 def volume(coordinates: Array, elements: NDArray[np.int64]) -> float:

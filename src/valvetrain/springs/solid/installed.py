@@ -45,9 +45,9 @@ def installed_statics(model: SolidSpring, installed: float, reach: float, modes:
 
 def statics_seconds(unknowns: int) -> float:
     """Wall time (s) to expect of :func:`installed_statics`."""
-    return STATICS_SECONDS * (unknowns / REFERENCE_UNKNOWNS) ** GROWTH
+    return float(STATICS_SECONDS * (unknowns / REFERENCE_UNKNOWNS) ** GROWTH)
 
 
 def motion_seconds(unknowns: int, increments: int) -> float:
     """Wall time (s) to expect of a ride of so many increments."""
-    return INCREMENT_SECONDS * increments * (unknowns / REFERENCE_UNKNOWNS) ** GROWTH
+    return float(INCREMENT_SECONDS * increments * (unknowns / REFERENCE_UNKNOWNS) ** GROWTH)

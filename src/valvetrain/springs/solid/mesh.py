@@ -47,7 +47,7 @@ class SolidMesh:
     @property
     def quadratic(self) -> bool:
         """True for twenty-node elements, whose edges follow the wire."""
-        return self.elements.shape[1] == 20
+        return bool(self.elements.shape[1] == 20)
 
     @property
     def unknowns(self) -> int:

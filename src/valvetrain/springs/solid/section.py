@@ -38,7 +38,8 @@ class SectionMesh:
     def rim_angles(self) -> Array:
         """Angle (rad, 0 outside, pi/2 on top) of the rim edge's middle of every rim quad."""
         x, y = self.nodes[self.quads[self.rim_quads, 5]].T
-        return np.arctan2(y, x)
+        found: Array = np.arctan2(y, x)
+        return found
 
     def nearest(self, x: float, y: float) -> int:
         """Number of the node nearest to (x, y)."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.solution.channels import spring_channels
@@ -20,9 +20,6 @@ from valvetrain.springs.solid.deck import MILLIMETRE, SolidContact
 from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.springs.solid.printed import read_printed
 
-if TYPE_CHECKING:
-    from valvetrain.parameters.case import Case
-
 Array = NDArray[np.float64]
 
 #: Increments in which the spring is brought to its installed length.
@@ -34,7 +31,7 @@ MOTION_CONTACT = SolidContact(stiffness=1e13)
 class Lift(Protocol):
     """What is needed of a lift law: lift (m) or its derivative by the cam angle (m per rad**derivative), vectorised."""
 
-    def lift(self, cam_angle: Any, derivative: int = 0) -> Any: ...
+    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array: ...
 
 
 @dataclass(frozen=True)
@@ -92,20 +89,6 @@ def run_transient(model: SolidSpring, job: TransientJob, case_name: str = "") ->
     deck = transient_deck(model, job)
     output = model.run(deck)
     return transient_solution(model, job, output, case_name or model.spring.name)
-
-
-def run_case(case: Case, engine_speed: float, first_angle: float, last_angle: float, model: SolidSpring | None = None) -> Solution:
-    """Ride of a case's spring on its lift law between two cam angles (rad) at ``engine_speed`` (crank rad/s).
-
-    ``model`` defaults to the coarse mesh of :meth:`SolidSpring.from_case` with the softer contact of :data:`MOTION_CONTACT`.
-    Only the case's mass-proportional damping acts. Minutes per millisecond: choose the angles with care.
-    """
-    from valvetrain.cam import build_lift_law
-
-    chosen = model or SolidSpring.from_case(case, contact=MOTION_CONTACT)
-    law, damping = build_lift_law(case.lift_law), case.damping.mass_damping
-    job = TransientJob(law, engine_speed, case.installation.precompression, first_angle, last_angle, mass_damping=damping)
-    return run_transient(chosen, job, case.name)
 
 
 def transient_solution(model: SolidSpring, job: TransientJob, output: SolverOutput, case_name: str) -> Solution:

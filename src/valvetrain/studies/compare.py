@@ -1,0 +1,108 @@
+"""A case by several spring models side by side: at rest and in motion, solids among them where they serve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+
+from valvetrain.cam.contract import LiftLaw
+from valvetrain.errors import InputError
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.study import Study
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.spec import spring_model
+from valvetrain.studies.engine import Progress
+from valvetrain.studies.rest import reach_of, rest_by_model
+from valvetrain.studies.run import run_problem
+from valvetrain.studies.solid import Cancel, SolidMotion, check_motion, rod_motion, solid_motion, solid_rest
+from valvetrain.system.build import build
+from valvetrain.system.contract import TRAIN
+
+SOLID = "solid"
+#: Models that are compared when none are named: of a spring alone, of a train.
+SPRING_MODELS = ("massless", "multi-mass", "modal-varied", "wave-rod", "wave-rod-clash", "finite-element")
+TRAIN_MODELS = ("massless", "multi-mass", "modal-uniform", "wave-rod")
+#: Steps of the curves that stand beside a solid: straight lines between them are exact to 0.01 % of the force where coils close.
+FINE_STEPS, STEPS = 160, 64
+
+
+def compare_study(
+    case: Case, *, engine_speeds: Sequence[float] | None = None, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
+    solid: SolidMotion | None = None, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
+) -> Study:  # fmt: skip
+    """The case by each of ``spring_models`` (a usual choice by default): the study's runs, and every spring at rest by each model.
+
+    ``solid`` asks for a short stretch of motion by solids too. A model that cannot stand for a spring is a status in its runs. Raises
+    :class:`InputError` for what cannot be built and when no model can run, :class:`MissingExtraError` for solids without their solver.
+    """
+    chosen = tuple(dict.fromkeys(spring_models)) or (TRAIN_MODELS if case.train is not None else SPRING_MODELS)
+    moving = tuple(word for word in chosen if not spring_model(word, "--spring").no_motion)
+    problem = build(case, spring_models=moving or ("finite-element",), spring_sets=spring_sets)
+    if problem.kind == TRAIN and len(moving) < len(chosen):
+        raise InputError(f"solid finite elements serve a spring alone, and case '{case.name}' is a train; leave solid out", "--spring")
+    speeds = (problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)) if moving else ()
+    with_solid = SOLID in chosen
+    if with_solid and engine_speeds is None and solid is None:
+        speeds = ()  # solids stand beside the others at rest; motion is run where it is asked for
+    study = run_problem(
+        problem, speeds, workers=workers, progress=None if with_solid else progress, created_at=created_at, command="compare"
+    )
+    if problem.kind == TRAIN:
+        return study
+    lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
+    rest, motions = [], []
+    for spring in problem.springs:
+        at_rest, moved = _by_each_model(study, spring, chosen, lift, with_solid, solid, problem.record.name, problem.valve_lift, progress)
+        rest += at_rest
+        motions += moved
+    return replace(study, rest=tuple(rest), solutions=(*study.solutions, *motions))
+
+
+def comparison_reach(spring: InstalledSpring) -> float:
+    """Compression (m) up to which curves stand beside solids: a tenth, or a twentieth of the travel, beyond the installed state."""
+    assert spring.wire is not None
+    travel, installed = spring.wire.free_length - spring.wire.solid_height, spring.precompression
+    return float(min(installed + max(0.1 * installed, 0.05 * travel), 0.97 * travel))
+
+
+def _by_each_model(
+    study: Study, spring: InstalledSpring, chosen: tuple[str, ...], lift: float, with_solid: bool, motion: SolidMotion | None,
+    name: str, lift_law: LiftLaw, progress: Progress | None,
+) -> tuple[list[SpringAtRest], list[Solution]]:  # fmt: skip
+    """One spring at rest by every model that can stand for it, the solid first, then the rod; and the solid's stretch of motion."""
+    reach = comparison_reach(spring) if with_solid else reach_of(spring, lift) if spring.wire is not None else spring.precompression + lift
+    compressions = np.linspace(0.0, max(reach, 1e-6), (FINE_STEPS if with_solid else STEPS) + 1)
+    own = next((one for one in study.rest if one.spring == spring.name), None)
+    order = [word for word in ("finite-element", *chosen) if word != SOLID and word in chosen]
+    found: dict[str, SpringAtRest] = {}
+    motions: list[Solution] = []
+    cancel = Cancel(None if progress is None else lambda reached: progress(min(1.0, max(0.0, reached) / 2), "solid finite elements"))
+    if motion is not None:
+        check_motion(lift_law, motion)
+    with ThreadPoolExecutor(2) as pool:
+        try:
+            jobs = []
+            if with_solid:
+                jobs = [pool.submit(solid_rest, spring, reach, cancel)]
+                if motion is not None:
+                    jobs.append(pool.submit(solid_motion, name, spring, lift_law, motion, cancel))
+            for word in dict.fromkeys(order):
+                if not spring_model(word).why_not(spring):
+                    found[word] = rest_by_model(spring, word, compressions, own, modes=20 if with_solid else 12)
+            results = [job.result() for job in jobs]
+        except BaseException:
+            cancel.flag.set()  # the solver's own loop sees it and stops the solver
+            raise
+    members = [*(one for one in results if isinstance(one, SpringAtRest)), *found.values()]
+    motions = [one for one in results if isinstance(one, Solution)]
+    if motions and "finite-element" in chosen and len(motions[0].time) > 2:
+        rod = spring_model("finite-element").build(spring)
+        assert isinstance(rod, FiniteElementRod)
+        motions.append(rod_motion(name, rod, lift_law, motions[0]))
+    return members, motions
