@@ -31,6 +31,8 @@ SWEPT = (
     "peak_shear_stress", "nominal_peak_shear_stress",
 )  # fmt: skip
 NO_SPEED = ("coil_bind_clearance", "surge_frequency")
+#: Of many runs, what is said once for all of them.
+OF_THE_CASE = (*NO_SPEED, "rigid_contact_loss_engine_speed")
 #: Answers of the page that the terminal leaves out: they stand in other rows, or decide nothing.
 ON_PAGE_ONLY = ("largest_clash_impulse", "nearest_lift_harmonic_lift")
 #: Of many runs, what is shown of each.
@@ -63,9 +65,9 @@ def _tables(study: Study) -> Iterator[Table]:
         if rows:
             yield _side_by_side(study, columns, rows)
     else:
-        same = [row for row in rows if row.name not in BRIEF and len(set(row.values) - {None}) == 1]
+        same = [(row.words, row.unit, _range(row.values)) for row in rows if row.name in OF_THE_CASE]
         if same:
-            yield plain_table(("", "", ""), ((row.words, row.unit, _words(next(v for v in row.values if v is not None))) for row in same))
+            yield plain_table(("", "", ""), same)
         yield _by_run(columns, [row for row in rows if row.name in BRIEF], "run")
 
 
@@ -145,7 +147,7 @@ def _clash_rows(clashes: Sequence[Event | None]) -> Iterator[tuple[str, str, lis
 
 def _rest_tables(study: Study) -> Iterator[Table]:
     """Springs at rest by each model: force and rate as installed, first axial modes; with the difference from the first model."""
-    reference = study.rest[0] if study.rest else None
+    reference, several = study.rest[0] if study.rest else None, len({one.spring for one in study.rest})
     rows = []
     for one in study.rest:
         force = rate = None
@@ -159,10 +161,11 @@ def _rest_tables(study: Study) -> Iterator[Table]:
             [] if one is reference or one.spring != study.rest[0].spring else [_percent(*pair) for pair in zip(cells, first, strict=True)]
         )
         words = [_words(value) + (f" ({share})" if share else "") for value, share in zip(cells, compared or [""] * 5, strict=True)]
-        rows.append((one.spring, one.model, *words))
+        rows.append((one.model if several == 1 else f"{one.spring}, {one.model}", *words))
     if rows:
-        headers = ("at rest", "model", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)")
-        yield plain_table(headers, rows, right=range(2, 7))
+        table = plain_table(("at rest", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)"), rows, right=range(1, 6))
+        table.columns[0].no_wrap = True
+        yield table
 
 
 def _percent(value: float | None, reference: float | None) -> str:
@@ -212,6 +215,11 @@ def published_words(rows: Sequence[Comparison]) -> str:
 
 def _at_speed(value: float | None, engine_speed: float | None) -> str:
     return _words(value) + ("" if engine_speed is None else f" at {rpm(engine_speed):g}")
+
+
+def _range(values: Sequence[float | None]) -> str:
+    """One value, or the least and the largest of several."""
+    return " to ".join(dict.fromkeys(map(_words, (min(known), max(known)) if (known := [v for v in values if v is not None]) else (None,))))
 
 
 def _words(value: float | None) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,12 +12,18 @@ from valvetrain.errors import InputError
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
 
-#: What ``--elements-per-coil`` sets in the table of every spring.
-ELEMENTS = "options.finite-element.elements_per_coil"
+#: Options of the command line -> what they set in the table of every spring.
+IN_EVERY_SPRING = {
+    "--elements-per-coil": "options.finite-element.elements_per_coil", "--solid-elements-per-coil": "options.solid.elements_per_coil",
+    "--solid-core": "options.solid.core", "--solid-rings": "options.solid.rings", "--solid-time-limit": "options.solid.time_limit",
+}  # fmt: skip
 
 
-def choose_case(name: str, settings: Sequence[str] | None = None, elements_per_coil: int | None = None) -> Case:
-    """Load the case ``name`` with ``settings`` (``key.path=value``) and the mesh of ``--elements-per-coil``.
+def choose_case(
+    name: str, settings: Sequence[str] | None = None, elements_per_coil: int | None = None, more: Mapping[str, Any] | None = None
+) -> Case:  # fmt: skip
+    """Load the case ``name`` with ``settings`` (``key.path=value``), the mesh of ``--elements-per-coil`` and ``more`` options of
+    :data:`IN_EVERY_SPRING` by their names.
 
     A kept run is called by its folder. Raises :class:`InputError`; an error in a value
     set here is placed at its option, not at a line of the file.
@@ -34,23 +40,24 @@ def choose_case(name: str, settings: Sequence[str] | None = None, elements_per_c
     kept = None if not name.strip() or name in library_names() else run_of_path(Path(name))
     source = name if kept is None else kept.case_file
     try:
-        if elements_per_coil is not None:
-            for path in _element_paths(load_case(source).text):
-                changes[path], options[path] = elements_per_coil, "--elements-per-coil"
+        given = {"--elements-per-coil": elements_per_coil, **(more or {})}
+        for option, value in given.items():
+            for path in _spring_paths(load_case(source).text) if value is not None else ():
+                changes[f"{path}.{IN_EVERY_SPRING[option]}"], options[f"{path}.{IN_EVERY_SPRING[option]}"] = value, option
         return load_case(source, changes)
     except InputError as error:
         raise _placed(error, options) from None
 
 
-def _element_paths(text: str) -> list[str]:
-    """Key paths of the elements per coil of every spring of a case file; ``spring.`` first where there is none yet."""
+def _spring_paths(text: str) -> list[str]:
+    """Key paths of every spring of a case file."""
     tree = tomllib.loads(text)
     places = {"spring": tree.get("spring", {})} if "train" not in tree else {}
     places |= {f"train.springs.{name}": springs for name, springs in tree.get("train", {}).get("springs", {}).items()}
     paths = []
     for path, springs in places.items():
         paths += [f"{path}.{place}" for place in range(len(springs))] if isinstance(springs, list) else [path]
-    return [f"{path}.{ELEMENTS}" for path in paths]
+    return paths
 
 
 def folder_of(name: str) -> Path:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from valvetrain.cli.options import read_count
+from valvetrain.cli.limits import time_words
 from valvetrain.cli.outcome import tell
 from valvetrain.cli.study_command import StudyRequest, answer_study, study_command
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
-    from valvetrain.studies.solid_comparison import SolidChoice, SolidCost
+    from valvetrain.studies.solid import SolidMotion
 
 SOLID = "solid"
 SolidElementsOption = Annotated[
@@ -40,22 +39,6 @@ SolidTimeOption = Annotated[
 ]
 
 
-@dataclass(frozen=True)
-class SolidOptions:
-    """The options of the solid model as given; None for those that were not."""
-
-    elements_per_coil: int | None = None
-    core: int | None = None
-    rings: int | None = None
-    ride: str | None = None
-    time_limit: str | None = None
-
-    @property
-    def given(self) -> bool:
-        """Whether any was given."""
-        return any(value is not None for value in (self.elements_per_coil, self.core, self.rings, self.ride, self.time_limit))
-
-
 def register(app: typer.Typer) -> None:
     """Add the command."""
     app.command("compare")(compare)
@@ -71,75 +54,55 @@ def compare(
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.studies.compare import compare_study
 
-    options = SolidOptions(solid_elements_per_coil, solid_core, solid_rings, solid_motion, solid_time_limit)
     wanted = SOLID in request.spring_models
-    if options.given and not wanted:
+    given = (solid_elements_per_coil, solid_core, solid_rings, solid_motion, solid_time_limit)
+    if any(value is not None for value in given) and not wanted:
         raise InputError("options of the solid model need the solid model; add --spring finite-element,solid", "--solid-...")
     if wanted and request.case.train is not None:
         name = request.case.name
         raise InputError(f"solid finite elements run for a spring alone, and case '{name}' is a train; leave solid out", "--spring")
     refuse_beyond(request)
-    choice = read_choice(request, options)
+    motion = read_motion(solid_motion, request)
     if wanted:
-        from valvetrain.studies.solid_comparison import solid_cost
-
-        tell(_cost_words(solid_cost(request.case, choice), choice))
+        _tell_cost(request, motion)
     announce_compilation("statics", "transient", "train")
     answer_study(
         request,
         lambda report: compare_study(
-            request.case, engine_speeds=request.engine_speeds, spring_models=request.spring_models, solid=choice,
-            workers=request.workers, progress=report, created_at=request.created_at.isoformat(),
+            request.case, engine_speeds=request.engine_speeds, spring_models=request.spring_models, spring_sets=request.spring_sets,
+            solid=motion, workers=request.workers, progress=report, created_at=request.created_at.isoformat(),
         ),
         at_once=not wanted,
     )  # fmt: skip
 
 
-def read_choice(request: StudyRequest, options: SolidOptions) -> SolidChoice:
-    """The options as numbers. Raises :class:`InputError` for those that cannot be."""
-    from valvetrain.studies.solid_comparison import SolidChoice
-    from valvetrain.units import parse_quantity
-
-    choice = SolidChoice()
-    time_limit = choice.time_limit
-    if options.time_limit is not None:
-        time_limit = parse_quantity(options.time_limit, "time", "--solid-time-limit")
-        if not time_limit > 0:
-            raise InputError(f"'{options.time_limit}' is no time to compute in; give such as '30 min'", "--solid-time-limit")
-    ride = read_motion(options.ride)
-    engine_speeds = request.engine_speeds or request.case.operation.engine_speeds
-    if ride is not None and len(engine_speeds) != 1:
-        raise InputError(
-            f"a motion needs one engine speed, not {len(engine_speeds)}; add such as --engine-speed '4200 rpm'", "--solid-motion"
-        )
-    return SolidChoice(
-        read_count(options.elements_per_coil or choice.elements_per_coil, 4, 200, "--solid-elements-per-coil"),
-        read_count(choice.core if options.core is None else options.core, 1, 12, "--solid-core"),
-        read_count(choice.rings if options.rings is None else options.rings, 1, 12, "--solid-rings"),
-        time_limit, ride, engine_speeds[0] if ride is not None else 0.0,
-    )  # fmt: skip
-
-
-def read_motion(words: str | None) -> tuple[float, float] | None:
-    """First and last cam angle (rad) from ``'85:105 deg'``; None for None. Raises :class:`InputError`."""
+def read_motion(words: str | None, request: StudyRequest) -> SolidMotion | None:
+    """The stretch of motion between two cam angles from ``'85:105 deg'``; None for None. Raises :class:`InputError`."""
     if words is None:
         return None
+    from valvetrain.studies.solid import SolidMotion
     from valvetrain.units import parse_quantity
 
     match = re.fullmatch(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s+(\S+)\s*", words)
     if match is None:
         raise InputError(f"'{words[:40]}' is no stretch of motion; write two cam angles such as '85:105 deg'", "--solid-motion")
+    engine_speeds = request.engine_speeds or request.case.operation.engine_speeds
+    if len(engine_speeds) != 1:
+        count = len(engine_speeds)
+        raise InputError(f"a motion needs one engine speed, not {count}; add such as --engine-speed '4200 rpm'", "--solid-motion")
     first, last = (parse_quantity(f"{match[place]} {match[3]}", "angle", "--solid-motion") for place in (1, 2))
-    return first, last
+    return SolidMotion(first, last, engine_speeds[0])
 
 
-def _cost_words(cost: SolidCost, choice: SolidChoice) -> str:
-    size = f"{cost.elements} elements, {cost.unknowns} unknowns"
-    words = f"solid finite elements: {size}; statics and modes take about {_about(cost.statics)}"
-    if choice.ride is not None:
-        words += f", the motion of {cost.increments} increments about {_about(cost.ride)}"
-    return f"{words}; each run is stopped after {_about(choice.time_limit)}"
+def _tell_cost(request: StudyRequest, motion: SolidMotion | None) -> None:
+    """Say what the solids will take; it is found out before the work, and so is a solver that is not there."""
+    from valvetrain.cam.build import build_lift_law
+    from valvetrain.studies.solid import check_motion, solid_cost
 
-
-def _about(seconds: float) -> str:
-    return f"{max(1.0, seconds):.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
+    if motion is not None:
+        check_motion(build_lift_law(request.case.lift_law), motion)
+    for spring in request.case.springs:
+        cost = solid_cost(spring, motion)
+        words = f"solid finite elements: {cost.elements} elements, {cost.unknowns} unknowns; statics and modes take about "
+        words += time_words(cost.statics)
+        tell(words if motion is None else f"{words}, the motion of {cost.increments} increments about {time_words(cost.motion)}")

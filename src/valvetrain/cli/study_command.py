@@ -9,8 +9,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol, get_type_hints
 
+from valvetrain.cli.case_choice import IN_EVERY_SPRING, choose_case, folder_of
 from valvetrain.cli.options import (
     CaseArgument,
     ElementsOption,
@@ -81,14 +83,13 @@ def _shared(
     case: CaseArgument, engine_speed: SpeedOption = None, spring: SpringOption = None, spring_set: SpringSetOption = None,
     settings: SetOption = None, elements_per_coil: ElementsOption = None, output: OutputOption = None, workers: WorkersOption = None,
     limit: LimitOption = None, report: ReportOption = True, figures: FiguresOption = False, published: PublishedOption = False,
-    open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
+    open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False, more: Mapping[str, Any] = MappingProxyType({}),
 ) -> dict[str, Any]:  # fmt: skip
     """Read the options that all studies share; :func:`valvetrain.cli.outcome.set_manner` has read the last two."""
-    from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.limits import read_limits
     from valvetrain.studies.run_store import check_folder
 
-    chosen = choose_case(case, settings, elements_per_coil)
+    chosen = choose_case(case, settings, elements_per_coil, more)
     check_folder(output or Path("runs"), kept=output is None)
     return {
         "case": chosen, "folder": folder_of(case), "engine_speeds": read_engine_speeds(engine_speed), "spring_models": read_models(spring),
@@ -99,16 +100,21 @@ def _shared(
 
 
 def study_command(function: Callable[..., None]) -> Callable[..., None]:
-    """Give ``function(request, own options...)`` the options that all studies share; its own come after them in the help."""
+    """Give ``function(request, own options...)`` the options that all studies share; its own come after them in the help.
+
+    An own option that :data:`valvetrain.cli.case_choice.IN_EVERY_SPRING` knows is set in the case.
+    """
     own = list(inspect.signature(function).parameters.values())[1:]
-    shared = list(inspect.signature(_shared).parameters.values())
+    shared = list(inspect.signature(_shared).parameters.values())[:-1]
 
     @functools.wraps(function)
     def command(**given: Any) -> None:
         mine = {parameter.name: given.pop(parameter.name) for parameter in own}
         if function.__name__ == "sweep" and (text := given["engine_speed"]) and not any(char.isalpha() for char in text):
             given["engine_speed"] = f"{text} rpm"  # a range over the whole engine can mean nothing else
-        function(StudyRequest(command=function.__name__, **_shared(**given)), **mine)
+        options = {f"--{name.replace('_', '-')}": value for name, value in mine.items()}
+        more = {option: value for option, value in options.items() if option in IN_EVERY_SPRING}
+        function(StudyRequest(command=function.__name__, **_shared(**given, more=more)), **mine)
 
     hints = get_type_hints(_shared, include_extras=True) | {
         name: hint for name, hint in get_type_hints(function, vars(sys.modules[function.__module__]), include_extras=True).items()
