@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -132,32 +133,44 @@ def test_check_shows_the_units_of_the_field():
 
 def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
     from valvetrain.parameters.loading import load_case
-    from valvetrain.springs.finite_element import FiniteElementRod
-    from valvetrain.studies.spring_runs import static_curve
+    from valvetrain.springs.spec import spring_model
+    from valvetrain.studies.rest import static_curve
 
     result = call("static", *UNIFORM, "--to", "8 mm", "--steps", "4", "--csv", str(tmp_path / "curve.csv"), "--json")
     assert result.exit_code == 0
     found = json.loads(result.stdout)
-    model = FiniteElementRod.from_case(load_case("uniform-spring").replace({"rod.elements_per_coil": 8}))
-    curve = static_curve(model, 8e-3, 4)
-    assert found["static_curve"]["force"] == {"values": curve.force.tolist(), "unit": "N"}
-    assert found["static_curve"]["compression"]["values"] == pytest.approx([0, 2e-3, 4e-3, 6e-3, 8e-3])
+    (spring,) = load_case("uniform-spring").springs
+    curve, _ = static_curve(spring_model("finite-element").build(spring.with_options("finite-element", elements_per_coil=8)), 8e-3, 4)
+    (rest,) = found["springs_at_rest"]
+    assert rest["static_curve"]["force"] == {"values": curve.force.tolist(), "unit": "N"}
+    assert rest["static_curve"]["compression"]["values"] == pytest.approx([0, 2e-3, 4e-3, 6e-3, 8e-3])
     assert found["quantities"]["preload"]["value"] == pytest.approx(curve.force_at(7e-3))
     rows = (tmp_path / "curve.csv").read_text().splitlines()
-    assert rows[0].startswith("compression [mm],force [N],stiffness [N/mm]") and len(rows) == 6
+    assert rows[0] == "compression [mm],force [N],stiffness [N/mm]" and len(rows) == 6
     assert float(rows[-1].split(",")[1]) == curve.force[-1]
+
+
+def test_static_shows_every_spring_of_a_train_by_the_models_asked_for():
+    result = call("static", "tdi-pushrod", "--spring", "massless,wave-rod", "--spring-set", "stock,performance", "--steps", "4", "--json")
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)["springs_at_rest"]
+    assert [(one["spring"], one["model"]) for one in found] == [
+        (spring, model) for spring in ("stock", "performance") for model in ("massless", "wave-rod")
+    ]  # fmt: skip
 
 
 def test_modes_agree_with_the_library():
     from valvetrain.parameters.loading import load_case
-    from valvetrain.springs.finite_element import FiniteElementRod
-    from valvetrain.studies.spring_runs import modal_result
+    from valvetrain.springs.spec import spring_model
+    from valvetrain.studies.rest import modal_result
 
     found = json.loads(call("modes", *UNIFORM, "--count", "6", "--compression", "3 mm", "--json").stdout)
-    case = load_case("uniform-spring").replace({"rod.elements_per_coil": 8})
-    expected = modal_result(FiniteElementRod.from_case(case, precompression=3e-3), 6)
-    assert [mode["natural_frequency"]["value"] for mode in found["modes"]] == pytest.approx(expected.natural_frequency.tolist())
-    assert found["compression"] == {"value": 3e-3, "unit": "m"}
+    (spring,) = load_case("uniform-spring").springs
+    spring = replace(spring.with_options("finite-element", elements_per_coil=8), precompression=3e-3)
+    expected = modal_result(spring_model("finite-element").build(spring), 6)
+    modes = found["springs_at_rest"][0]["modes"]
+    assert [mode["natural_frequency"]["value"] for mode in modes["modes"]] == pytest.approx(expected.natural_frequency.tolist())
+    assert modes["compression"] == {"value": 3e-3, "unit": "m"}
     assert found["quantities"]["mode_1_frequency"]["value"] == pytest.approx(expected.axial_frequencies[0])
     assert "axial mode 1" in call("modes", *UNIFORM, "--count", "6").stdout
 
@@ -193,7 +206,7 @@ def test_modes_agree_with_the_library():
         (("run", "job-c", "--set", "spring.wire_diameter=4"), "4 has no unit"),
         (("run", "job-c", "--set", "spring.wire_diameter=40 mm"), "widen the coil"),
         (("run", "job-c", "--set", "spring.total_coils.x=4"), "is the plain value '6', which has no 'x'"),
-        (("run", "job-c", "--set", "sprung.x=4"), "did you mean spring?"),
+        (("run", "job-c", "--set", "sprung.x=4"), "did you mean spring"),
         (("run", "job-c", "--set", "spring.pitch.coils.9=4"), "no place in a list of 4"),
         (("run", "job-c", "--set", "spring.options.finite-element.time_step="), "is not in the case"),
         (("run", "job-c", "--elements-per-coil", "2"), "--elements-per-coil"),
@@ -234,9 +247,11 @@ def test_what_may_not_be_read_or_written_is_refused(small, monkeypatch):
     result = call("run", "small.toml", "--output", "out")
     assert result.exit_code == 2 and "may not be written to; choose another" in sentence(result)
     monkeypatch.setattr(os, "access", lambda *_: True)
-    monkeypatch.setattr(Path, "mkdir", closed)
-    result = call("run", "small.toml", "--output", "out")
-    assert result.exit_code == 2 and "cannot be made (Permission denied); choose another" in sentence(result)
+    with monkeypatch.context() as one:
+        one.setattr(Path, "mkdir", closed)
+        for arguments, words in ((("--output", "out"), "folder 'out' cannot be written"), ((), "cannot be made (Permission denied)")):
+            result = call("run", "small.toml", "--spring", "massless", "--no-report", *arguments)
+            assert result.exit_code == 2 and words in sentence(result)
     monkeypatch.setattr(Path, "open", closed)
     result = call("check", "small.toml")
     assert result.exit_code == 2 and "cannot be read (Permission denied); check the path and its permissions" in sentence(result)

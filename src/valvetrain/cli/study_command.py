@@ -34,6 +34,7 @@ from valvetrain.cli.options import (
     read_words,
     read_workers,
 )
+from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
     from valvetrain.cli.limits import Limits
@@ -91,8 +92,11 @@ def _shared(
 
     chosen = choose_case(case, settings, elements_per_coil, more)
     check_folder(output or Path("runs"), kept=output is None)
+    speeds = read_engine_speeds(engine_speed)
+    if speeds and chosen.lift_law is None:
+        raise InputError(f"case '{chosen.name}' has no lift law, so nothing moves at an engine speed; add a [lift_law] table")
     return {
-        "case": chosen, "folder": folder_of(case), "engine_speeds": read_engine_speeds(engine_speed), "spring_models": read_models(spring),
+        "case": chosen, "folder": folder_of(case), "engine_speeds": speeds, "spring_models": read_models(spring),
         "spring_sets": read_words(spring_set), "workers": read_workers(workers), "limits": read_limits(limit), "output": output,
         "report": report or open_page, "figures": figures, "published": published, "open_page": open_page,
         "created_at": datetime.now(UTC).replace(microsecond=0),
