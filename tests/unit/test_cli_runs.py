@@ -12,6 +12,7 @@ from unit.cli_parts import PUBLISHED, SMALL, call, sentence
 from valvetrain.cli.new import KINDS
 
 QUICK = ("--workers", "1", "--no-report")
+RANGE = ("--engine-speed", "1000:9000:100 rpm")
 #: Words that only the papers of the library use.
 PAPERS = ("Stage", "Node", "Gu ", "beehive", "published", "valley", "rebound")
 
@@ -168,8 +169,8 @@ def test_errors_are_an_object_under_json_with_the_same_exit_codes(small):
         (("run", "--engine-speed", "1:9000:1 rpm"), "h and "),
         (("sweep", "--engine-speed", "1:9000:1"), "beyond the bound of 10 min"),
         (("run", "--set", "operation.cycles=10000"), "--limit"),
-        (("run", "--spring", "multi-mass", "--set", "spring.options.multi-mass.masses_per_coil=2000"), "beyond the bound"),
-        (("run", "--spring", "finite-element", "--elements-per-coil", "1000", "--limit", "1 h"), "GB"),
+        (("run", "--spring", "multi-mass", "--set", "spring.options.multi-mass.masses_per_coil=2000", *RANGE), "beyond the bound"),
+        (("run", "--spring", "finite-element", "--elements-per-coil", "1000", "--limit", "1 h", *RANGE), "GB"),
     ],
 )
 def test_a_request_beyond_the_bound_is_refused_with_its_numbers_and_the_option(small, arguments, words):
