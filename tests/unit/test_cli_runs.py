@@ -155,7 +155,7 @@ def test_errors_are_an_object_under_json_with_the_same_exit_codes(small):
     for arguments, where, words in (
         (("run", "small.toml", "--set", "spring.pitch=1 N"), "--set spring.pitch", "but a length is needed"),
         (("run", "small.toml", "--steps", "3"), "", "no such option"),
-        (("runs", "--json", "--folder"), "", "requires an argument"),
+        (("rum",), "", "did you mean 'run'?"),
     ):
         result = call(*arguments, "--json")
         found = json.loads(result.stdout)["error"]

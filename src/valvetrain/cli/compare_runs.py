@@ -29,7 +29,7 @@ def register(app: typer.Typer) -> None:
 def compare_runs(
     a: RunArgument, b: RunArgument, folder: RootOption = Path("runs"), as_json: JsonOption = False, quiet: QuietOption = False
 ) -> None:  # fmt: skip
-    """Show what differs between two kept runs: inputs (key path), then results (largest difference first)."""
+    """Show what differs between two kept runs: inputs (key path), then results (what is asked first, then the largest difference)."""
     from valvetrain.cli.outcome import Outcome, deliver, measured
     from valvetrain.studies.run_differences import input_differences, result_differences
     from valvetrain.studies.run_store import find_run
@@ -55,6 +55,7 @@ def _show(
 ) -> None:
     from valvetrain.cli.tables import plain_table
     from valvetrain.parameters.words import number
+    from valvetrain.report.headlines import TOPICS
     from valvetrain.report.words import percent
     from valvetrain.solution.definition import label_of, shown
 
@@ -65,7 +66,10 @@ def _show(
         console.print(plain_table(("inputs", "A", "B"), ((key, _word(first), _word(second)) for key, first, second in inputs[:MOST_ROWS])))
     else:
         console.print("the inputs are the same")
-    both, rows = [row for row in results if row.difference is not None], []
+    first = [name for names in TOPICS.values() for name in names]
+    place = {name: index for index, name in enumerate(first)}
+    both = sorted((row for row in results if row.difference is not None), key=lambda row: place.get(row.quantity, len(first)))
+    rows = []
     for row in both[:MOST_ROWS]:
         a, b = (number(float(shown(row.quantity, value)[0])) for value in (row.a or 0.0, row.b or 0.0))
         rows.append(
