@@ -6,15 +6,15 @@ from functools import cache
 
 import numpy as np
 import pytest
+from valvetrain.studies.spring_runs import run_finite_element
 
 from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.event import find_lift_event
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.main_clash import IMPULSE_TIME, find_clash_window, main_clash_quantities
-from valvetrain.quantities.windows import find_lift_event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.studies.spring_runs import run_finite_element
 from valvetrain.studies.uncertainty_file import load_uncertainty
 
 RPM = 2 * np.pi / 60

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from valvetrain.system.build_train import build_train
 
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities, rigid_table
-from valvetrain.system.build_train import build_train
 
 
 @pytest.fixture(scope="module")

@@ -6,19 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from valvetrain.studies.spring_runs import run_finite_element
 
 from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.event import find_lift_event
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.frame import Frame
-from valvetrain.quantities.windows import find_lift_event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import Quantity
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.studies import uncertainty_file
 from valvetrain.studies.grid_convergence import DECLARED_ORDER, grid_convergence, observed_order
-from valvetrain.studies.spring_runs import run_finite_element
 from valvetrain.studies.uncertainty import UncertaintyStudy, uncertainty_study
 
 RPM = 2 * np.pi / 60
