@@ -58,7 +58,7 @@ source = "made up"
 preload = { value = "130 N", tolerance = "50 %" }
 
 [[published]]
-model = "solid finite elements"
+model = "finite-element"
 role = "prediction"
 engine_speed = "9000 rpm"
 source = "made up"
