@@ -217,7 +217,7 @@ def test_modes_agree_with_the_library():
         (("static", "uniform-spring", "--steps", "1"), "--steps: 1 lies outside"),
         (("static", "uniform-spring", "--csv", "."), "is a folder"),
         (("modes", "uniform-spring", "--count", "0"), "--count: 0 lies outside"),
-        (("modes", "uniform-spring", "--compression", "30 mm"), "the spring is solid at"),
+        (("modes", "uniform-spring", "--compression", "30 mm"), "which is solid at"),
         (("cases", "uniform"), "did you mean uniform-spring?"),
         (("check", "."), "a folder"),
         (("check", "x" * 5000), "there is no case"),

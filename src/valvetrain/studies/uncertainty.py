@@ -7,13 +7,14 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
+from valvetrain.quantities.stages import stages_of
+from valvetrain.studies.spring_runs import modal_result, run_finite_element
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.evaluate import run_quantities
 from valvetrain.quantities.main_clash import ClashWindow, find_clash_window, main_clash_quantities
-from valvetrain.quantities.stages import stages_of
 from valvetrain.quantities.statics import modal_quantities
 from valvetrain.quantities.stress import stress_quantities
 from valvetrain.solution.provenance import Provenance
@@ -21,7 +22,6 @@ from valvetrain.solution.result import Solution
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.stress import with_stress
 from valvetrain.studies.grid_convergence import TRUSTED, grid_convergence
-from valvetrain.studies.spring_runs import modal_result, run_finite_element
 
 #: Elements per coil over those of the case.
 REFINEMENTS = (1.0, 1.5, 2.25)
