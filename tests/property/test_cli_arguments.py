@@ -17,11 +17,12 @@ FEW = settings(max_examples=150, deadline=None, suppress_health_check=[HealthChe
 WORDS = st.one_of(
     st.text(max_size=30),
     st.sampled_from([
-        "run", "compare", "sweep", "static", "modes", "runs", "compare-runs", "new", "cases", "check", "--json", "--quiet", "--limit", "--kind", "--set", "--engine-speed", "--to", "--steps", "--count", "--csv",
-        "--compression", "--elements-per-coil", "--spring", "--workers", "--output", "--no-report", "job-c", "uniform-spring",
-        "4200 rpm", "7 mm", "8", "--", "-", "", "spring.pitch=7 mm", "spring.total_coils=1e400", "spring.options.finite-element.elements_per_coil=true",
-        "lift_law.power={a=1}", "published.0.role=x", "title=\ud800", "spring=[[[", "spring.precompression=nan mm",
-        "operation.cycles=1979-05-27", "1e308:1e309:1 rpm", "/dev/null", "..",
+        "run", "compare", "sweep", "static", "modes", "runs", "compare-runs", "new", "cases", "check", "--json", "--quiet", "--limit",
+        "--kind", "--set", "--engine-speed", "--to", "--steps", "--count", "--csv", "--compression", "--elements-per-coil", "--spring",
+        "--workers", "--output", "--no-report", "job-c", "uniform-spring", "4200 rpm", "7 mm", "8", "--", "-", "", "spring.pitch=7 mm",
+        "spring.total_coils=1e400", "spring.options.finite-element.elements_per_coil=true", "lift_law.power={a=1}", "published.0.role=x",
+        "title=\ud800", "spring=[[[", "spring.precompression=nan mm", "operation.cycles=1979-05-27", "1e308:1e309:1 rpm", "/dev/null",
+        "..",
     ]),
 )  # fmt: skip
 TEXTS = (SMALL, *((LIBRARY / f"{name}.toml").read_text() for name in ("gu2021-beehive", "tdi-pushrod", "job-c")))
