@@ -29,6 +29,20 @@ KINDS: dict[str, tuple[str, str]] = {
 
 #: Kind -> word -> place. The order is the order of tables and menus.
 BUILT_IN: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
+BUILT_IN["quantities"] = {
+    "general": "valvetrain.quantities.table:ROWS",
+    "gu2021": "valvetrain.sources.gu2021_rows:QUANTITIES",
+    "multibody4b17": "valvetrain.sources.multibody4b17_rows:QUANTITIES",
+    "vasilyev2016": "valvetrain.sources.vasilyev2016_rows:QUANTITIES",
+}
+#: In the order of the page: what answers first, what a paper says only after it.
+BUILT_IN["sections"] = {
+    word.replace("_", "-"): f"valvetrain.report.sections.{word}:SPEC"
+    for word in (
+        "answers", "sweep", "published", "gu2021", "uncertainty", "force", "coils", "motion", "train", "at_rest", "orders", "stress", "energy",
+        "events", "kinematics", "case", "runs", "references",
+    )
+}  # fmt: skip
 
 
 @cache

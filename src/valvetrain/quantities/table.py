@@ -1,0 +1,202 @@
+"""The one table of quantities: every number that belongs to no single paper, with what it means and how it is shown.
+
+Names are templates where a place, a number or a spring stands in them (see :class:`valvetrain.solution.definition.QuantityRow`).
+"""
+
+from __future__ import annotations
+
+from valvetrain.solution.definition import QuantityRow, Sense, Systems, row
+
+BOTH: Systems = ("spring", "train")
+SPRING: Systems = ("spring",)
+TRAIN: Systems = ("train",)
+MORE: Sense = "larger is better"
+LESS: Sense = "smaller is better"
+
+
+def with_angle(one: QuantityRow) -> tuple[QuantityRow, QuantityRow]:
+    """A row, and the one of the cam angle at which its value stands."""
+    return one, row(f"{one.name}_cam_angle", f"{one.label}, cam angle", f"Cam angle of the {one.label}.", systems=one.systems)
+
+
+#: Of a spring and its place before anything runs.
+AT_REST: tuple[QuantityRow, ...] = (
+    row("preload", "preload", "Static force at the installed precompression.", systems=BOTH),
+    row("installed_rate", "installed rate", "Slope of the static curve at the installed precompression.", systems=BOTH),
+    row("installed_compression", "installed compression", "Compression from the free length to the installed height.", systems=BOTH),
+    row("installed_height", "installed height", "Free length less the installed compression.", systems=BOTH),
+    row("stiffness_change_compression", "compression at the change of stiffness",
+        "Compression at which the stiffness of the static curve first changes.", systems=BOTH),
+    row("coil_{m}_{n}_installed_gap", "installed gap of coils {m} and {n}",
+        "Smallest gap between coils {m} and {n} at the installed precompression.", systems=BOTH),
+    row("coil_bind_clearance", "clearance to coil bind", "Length left until the coils are solid at the largest lift.", sense=MORE,
+        systems=BOTH),
+    row("coil_bind_lift", "lift at coil bind", "Lift at which the coils of the installed spring are solid.", sense=MORE, systems=BOTH),
+    row("surge_frequency", "surge frequency", "First axial natural frequency of the installed spring, both ends fixed.", sense=MORE,
+        systems=BOTH),
+    row("mode_{n}_frequency", "mode {n} frequency",
+        "Axial natural frequency {n} about the installed state, both ends fixed (found by force transmission).", systems=BOTH),
+    row("natural_{n}_frequency", "natural frequency {n}", "Natural frequency {n} in rising order, whatever its direction.", systems=BOTH),
+    row("total_coil_count", "coils in all", "Turns of wire.", systems=BOTH),
+    row("active_coil_count", "active coils", "Turns between the inactive ends that do not lie closed on a neighbour.", systems=BOTH),
+    row("free_length", "free length", "Length between the seat planes unloaded.", systems=BOTH),
+    row("solid_height", "solid height", "Length between the seat planes with all coils closed.", systems=BOTH),
+    row("solid_compression", "compression to solid", "Free length less the solid height.", systems=BOTH),
+    row("wire_length", "wire length", "Length of the whole wire, tip to tip, the ground-off part included.", systems=BOTH),
+    row("wire_mass", "wire mass", "Mass of the whole wire, tip to tip, the ground-off part included.", systems=BOTH),
+    row("smallest_index_ratio", "smallest spring index", "Smallest mean coil diameter over wire diameter along the wire.", systems=BOTH),
+    row("largest_index_ratio", "largest spring index", "Largest mean coil diameter over wire diameter along the wire.", systems=BOTH),
+    row("largest_outer_diameter", "largest outer diameter", "Largest outer diameter of the coils, unloaded.", systems=BOTH),
+    row("smallest_inner_diameter", "smallest inner diameter", "Smallest inner diameter of the coils, unloaded.", systems=BOTH),
+    row("estimated_rate", "estimated rate",
+        "Rate of the free state by torsion alone, 1/k = integral of 8 D^3 / (G d^4) over the active turns; G d^4 / (8 D^3 n) for a "
+        "cylindrical spring.", systems=BOTH),
+    row("estimated_surge_frequency", "estimated surge frequency",
+        "0.5 sqrt(k / m) of the estimated rate and the mass of the active turns, both ends fixed.", systems=BOTH),
+    row("card_rate", "rate of the card", "Rate as the spring card has it.", systems=BOTH),
+    row("card_preload", "preload of the card", "Preload as the spring card has it.", systems=BOTH),
+    row("card_mass", "mass of the card", "Mass as the spring card has it.", systems=BOTH),
+    row("card_installed_height", "installed height of the card", "Installed height as the spring card has it.", systems=BOTH),
+    row("card_open_force", "open force of the card", "Force at the open lift as the spring card has it.", systems=BOTH),
+    row("card_open_lift", "open lift of the card", "Lift at which the card's open force is told.", systems=BOTH),
+    row("card_solid_height", "solid height of the card", "Solid height as the spring card has it.", systems=BOTH),
+    row("card_surge_frequency", "surge frequency of the card", "0.5 sqrt(k / m) of the card's rate and mass, both ends fixed.",
+        systems=BOTH),
+    row("maximum_lift", "largest lift", "Largest value of the lift law.", systems=BOTH),
+    row("maximum_lift_cam_angle", "largest lift, cam angle", "Cam angle of the largest value of the lift law.", systems=BOTH),
+    row("rigid_maximum_valve_lift", "largest rigid valve lift", "Largest valve lift of rigid parts with all contacts closed.",
+        systems=TRAIN),
+    row("rigid_contact_loss_engine_speed", "loss of contact by rigid theory",
+        "Engine speed at which inertia first exceeds the static spring force by rigid theory.", sense=MORE, systems=TRAIN),
+    row("rigid_contact_loss_cam_angle", "loss of contact by rigid theory, cam angle",
+        "Cam angle at which rigid theory first lets the contact go.", systems=TRAIN),
+)  # fmt: skip
+
+#: Of a run, in both systems.
+RUNS: tuple[QuantityRow, ...] = (
+    *with_angle(row("peak_spring_force", "peak spring force",
+                    "Largest force of all springs on the cylinder head over the reported cycle.", sense=LESS, systems=BOTH)),
+    *with_angle(row("minimum_spring_force", "least spring force",
+                    "Smallest force of all springs on the cylinder head over the reported cycle.", sense=MORE, systems=BOTH)),
+    row("peak_retainer_force", "peak retainer force", "Largest force of all springs on the retainer over the reported cycle.", sense=LESS,
+        systems=BOTH),
+    row("minimum_retainer_force", "least retainer force", "Smallest force of all springs on the retainer over the reported cycle.",
+        sense=MORE, systems=BOTH),
+    row("peak_valve_lift", "peak valve lift", "Largest valve lift over the reported cycle.", systems=BOTH),
+    row("peak_valve_acceleration", "peak valve acceleration", "Acceleration of the valve of largest size over the reported cycle.",
+        systems=BOTH),
+    row("surge_cam_order", "surge order", "Surge frequency over cam frequency.", systems=BOTH),
+    row("nearest_lift_harmonic_order", "nearest lift harmonic", "Cam order of the lift's harmonic nearest to the surge frequency.",
+        systems=BOTH),
+    row("nearest_lift_harmonic_lift", "nearest lift harmonic, amplitude",
+        "Amplitude (0 to peak) of the lift's harmonic nearest to the surge frequency.", sense=LESS, shown_unit="um", systems=BOTH),
+    row("surge_amplitude_force", "surge amplitude",
+        "Largest amplitude (0 to peak), among the cam orders from half to one and a half times the surge order, of the spring force less "
+        "its static value at the same lift.", sense=LESS, systems=BOTH),
+    row("surge_order_{n}_force", "surge at cam order {n}",
+        "Amplitude (0 to peak) of cam order {n} of the retainer force less its static value at the same lift.", sense=LESS, systems=BOTH),
+    row("clash_count", "coil clashes", "Clashes of coils over the reported cycle; pairs that always touch are left out.", sense=LESS,
+        systems=BOTH),
+    row("peak_clash_force", "peak clash force", "Largest force between two coils in a clash.", sense=LESS, systems=BOTH),
+    row("clash_energy", "clash energy", "Sum over the clashes of the largest energy stored in the contacts of the coils.", sense=LESS,
+        systems=BOTH),
+    row("largest_clash_energy", "largest clash energy", "Largest energy stored in the contacts of the coils in one clash.", sense=LESS,
+        systems=BOTH),
+    row("largest_clash_impulse", "largest clash impulse", "Largest integral of the force between two coils over one clash.", sense=LESS,
+        systems=BOTH),
+    *with_angle(row("peak_shear_stress", "peak shear stress",
+                    "Largest shear stress at the inner fibre over wire and cycle, curvature and direct shear included.", sense=LESS,
+                    systems=BOTH)),
+    row("peak_shear_stress_coil_number", "peak shear stress, coil number", "Coil number, from 1 at the seat, of the peak shear stress.",
+        systems=BOTH),
+    row("minimum_shear_stress", "least shear stress",
+        "Smallest shear stress over the cycle at the inner fibre where the peak shear stress stands.", systems=BOTH),
+    row("peak_equivalent_stress", "peak equivalent stress", "Largest von Mises stress at the inner fibre.", sense=LESS, systems=BOTH),
+    row("largest_amplitude_shear_stress", "largest stress amplitude",
+        "Half the difference of largest and least shear stress over the cycle where that is largest along the wire.", sense=LESS,
+        systems=BOTH),
+    row("largest_amplitude_mean_shear_stress", "mean stress at the largest amplitude",
+        "Half the sum of largest and least shear stress at the point of the largest amplitude.", systems=BOTH),
+    row("largest_amplitude_coil_number", "largest stress amplitude, coil number", "Coil number of the largest stress amplitude.",
+        systems=BOTH),
+    row("nominal_peak_shear_stress", "peak shear stress by EN 13906-1",
+        "Shear stress of the peak spring force by EN 13906-1 with the Bergsträsser factor, where wire and index make it largest.",
+        sense=LESS, systems=BOTH),
+    row("nominal_minimum_shear_stress", "least shear stress by EN 13906-1",
+        "Shear stress of the least spring force by EN 13906-1 with the Bergsträsser factor, at the same place.", systems=BOTH),
+    row("quasi_static_peak_shear_stress", "quasi-static peak shear stress",
+        "Peak shear stress when the lift is followed along the static curve.", systems=BOTH),
+    row("quasi_static_amplitude_shear_stress", "quasi-static stress amplitude",
+        "Largest stress amplitude when the lift is followed along the static curve.", systems=BOTH),
+    row("dynamic_to_static_stress_ratio", "dynamic over quasi-static stress", "Peak shear stress over its quasi-static value.", sense=LESS,
+        systems=BOTH),
+    row("energy_imbalance_ratio", "energy imbalance",
+        "Largest difference of work done and energy stored or dissipated, over the span of the work done.", sense=LESS, systems=SPRING),
+    row("dissipated_energy", "energy dissipated", "Energy turned to heat over the run.", shown_unit="J", systems=SPRING),
+    row("time_step_duration", "time step", "Step of the time integration.", shown_unit="us", systems=BOTH),
+    row("steps_per_cycle_count", "steps per cycle", "Steps of the time integration per cam turn.", systems=BOTH),
+)  # fmt: skip
+
+#: Of one steady cycle of a train. "Open" means that the rigid lift is above a tenth of its maximum.
+TRAINS: tuple[QuantityRow, ...] = (
+    row("peak_{place}_contact_force", "peak {place} contact force",
+        "Largest force of the {place} contact over every step, impacts at seating and at taking up the lash included.", sense=LESS,
+        systems=TRAIN),
+    row("peak_open_{place}_contact_force", "peak {place} contact force while open",
+        "Largest sampled force of the {place} contact while the valve is open.", sense=LESS, systems=TRAIN),
+    row("minimum_{place}_contact_force", "least {place} contact force while open",
+        "Smallest sampled force of the {place} contact while the valve is open.", sense=MORE, systems=TRAIN),
+    row("nose_cam_contact_force", "cam contact force at the nose", "Cam contact force at the largest rigid lift.", systems=TRAIN),
+    row("peak_support_force", "peak support force", "Largest force of the elastic support, either sign.", systems=TRAIN),
+    row("peak_stem_force", "peak stem force", "Largest force of the elastic valve stem, either sign.", systems=TRAIN),
+    row("peak_pushrod_bar_force", "peak pushrod force", "Largest force of the elastic pushrod, either sign.", systems=TRAIN),
+    row("peak_lever_bending_force", "peak bending moment of the lever",
+        "Largest torque about the pivot that bends the elastic lever, either sign.", dimension="moment", shown_unit="N m", systems=TRAIN),
+    row("peak_cam_torque", "peak cam torque", "Largest torque that drives the cam.", systems=TRAIN),
+    row("minimum_cam_torque", "least cam torque", "Smallest torque that drives the cam, negative where the springs drive it.",
+        systems=TRAIN),
+    row("mean_cam_power", "mean cam power", "Work of the cam per cycle over the time of the cycle.", sense=LESS, systems=TRAIN),
+    row("peak_rigid_valve_lift", "peak rigid valve lift", "Largest valve lift of rigid parts.", systems=TRAIN),
+    row("lift_loss_displacement", "lift lost", "Largest rigid lift less the largest computed one.", sense=LESS, systems=TRAIN),
+    row("valve_open_duration", "time open", "Time per cycle in which the valve stands off its seat.", systems=TRAIN),
+    row("seating_velocity", "seating velocity", "Velocity of the first touch of the seat.", sense=LESS, systems=TRAIN),
+    row("seating_cam_angle", "seating, cam angle", "Cam angle of the first touch of the seat.", systems=TRAIN),
+    row("bounce_count", "bounces", "Bounces after the first touch of the seat.", sense=LESS, systems=TRAIN),
+    row("bounce_height", "bounce height", "Height of the highest bounce.", sense=LESS, systems=TRAIN),
+    row("loft_gap", "loft", "Largest gap at the cam while the rigid valve is open.", sense=LESS, systems=TRAIN),
+    row("loft_count", "losses of contact", "Times the cam contact opens while the rigid valve is open.", sense=LESS, systems=TRAIN),
+    row("loft_duration", "time of loft", "Time in all in which the cam contact is open while the rigid valve is open.", sense=LESS,
+        systems=TRAIN),
+    row("loss_of_contact_duration", "time without contact",
+        "Time in all in which any contact of the drive carries no force while the rigid valve is open.", sense=LESS, systems=TRAIN),
+    row("float_excess_lift", "lift above the rigid one", "Largest lift above the rigid one over the nose with the train open.", sense=LESS,
+        systems=TRAIN),
+    row("float_duration", "time of float", "Time in which the valve floats over the nose with the train open.", sense=LESS, systems=TRAIN),
+    row("peak_lever_speed", "peak lever rotation speed", "Largest turning speed of lever or rocker.", shown_unit="deg/s", systems=TRAIN),
+    row("peak_lever_speed_valve_lift", "valve lift at the peak lever rotation speed", "Valve lift where lever or rocker turns fastest.",
+        systems=TRAIN),
+    row("minimum_piston_clearance_gap", "least clearance to the piston", "Least distance of piston and valve along the cylinder.",
+        sense=MORE, systems=TRAIN),
+    row("cycle_work_energy", "work of the cam", "Work of the cam per cycle.", shown_unit="J", systems=TRAIN),
+    row("cycle_dissipated_energy", "energy lost in contacts, links and guides",
+        "Energy that contacts, links and guides turn to heat per cycle.", shown_unit="J", systems=TRAIN),
+    row("spring_dissipated_energy", "energy lost in the springs", "Energy that the springs take per cycle.", shown_unit="J",
+        systems=TRAIN),
+    row("contact_friction_dissipated_energy", "energy lost to friction in the contacts",
+        "Share of friction in the contacts in the energy lost in contacts, links and guides.", shown_unit="J", systems=TRAIN),
+    row("steady_cycles_count", "cycles until settled", "Cycles run to the steady state.", systems=TRAIN),
+    row("steady_residual_ratio", "last change per cycle", "Relative change of the state over the last cycle.", sense=LESS, systems=TRAIN),
+    row("steady_tolerance_ratio", "change accepted as settled", "Relative change per cycle that counts as settled.", systems=TRAIN),
+    row("motion_period_count", "cycles per repetition", "Period of the motion in cycles; 0 where none was found.", systems=TRAIN),
+)  # fmt: skip
+
+#: Of a sweep over engine speeds.
+SWEEP: tuple[QuantityRow, ...] = (
+    row("float_engine_speed", "engine speed of float",
+        "Lowest speed from which a gap in the drive, or lift above the rigid one, exceeds 50 µm at that speed and the next.", sense=MORE,
+        systems=TRAIN),
+    row("contact_loss_engine_speed", "engine speed of the first loss of contact",
+        "Lowest speed at which the cam contact opens for a moment while the valve is open.", sense=MORE, systems=TRAIN),
+)  # fmt: skip
+
+ROWS: tuple[QuantityRow, ...] = (*AT_REST, *RUNS, *TRAINS, *SWEEP)

@@ -1,0 +1,150 @@
+"""What the name of a quantity stands for: the one place where its dimension, shown unit, label and definition are asked.
+
+The rows themselves stand in the tables that the registry lists under ``quantities``: the general one and one per published study.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Literal, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.registry import find, words
+from valvetrain.units import DIMENSIONS, unit_factor
+
+Sense = Literal["larger is better", "smaller is better", ""]
+Systems = tuple[Literal["spring", "train"], ...]
+Number = TypeVar("Number", float, NDArray[np.float64])
+
+#: Last word of a name -> dimension and unit shown, unless its row says otherwise; a range is of what the word before it says.
+BY_LAST_WORD: dict[str, tuple[str, str]] = {
+    "force": ("force", "N"), "preload": ("force", "N"), "load": ("force", "N"), "angle": ("angle", "deg"), "frequency": ("frequency", "Hz"),
+    "velocity": ("velocity", "m/s"), "acceleration": ("acceleration", "m/s^2"), "displacement": ("length", "mm"),
+    "compression": ("length", "mm"), "gap": ("length", "mm"), "clearance": ("length", "mm"), "length": ("length", "mm"),
+    "height": ("length", "mm"), "lift": ("length", "mm"), "diameter": ("length", "mm"), "duration": ("time", "ms"),
+    "rate": ("stiffness", "N/mm"), "impulse": ("impulse", "mN s"), "energy": ("energy", "mJ"), "stress": ("pressure", "MPa"),
+    "pressure": ("pressure", "MPa"), "mass": ("mass", "g"), "speed": ("angular speed", "rpm"), "torque": ("moment", "N m"),
+    "power": ("power", "W"), "ratio": ("ratio", ""), "count": ("ratio", ""), "order": ("ratio", ""), "number": ("ratio", ""),
+}  # fmt: skip
+#: SI units written otherwise than `valvetrain.units` does.
+_SI_WORDS = {"": "1", "1/s": "Hz", "m/s^2": "m/s2", "N*m": "N m", "N*s": "N s"}
+#: Springs of a nested pair, whose quantities carry the spring's name in front: ``outer_coil_bind_clearance``.
+NESTED = ("outer", "inner")
+
+
+@dataclass(frozen=True, slots=True)
+class QuantityRow:
+    """One quantity, or a family of them where ``name`` is a template: ``mode_{n}_frequency``, ``peak_{place}_contact_force``.
+
+    ``dimension``: a word of :data:`valvetrain.units.DIMENSIONS`, empty where a name tells none. ``shown_unit``: what tables print.
+    ``label``: plain words; ``definition``: one sentence; both may repeat the places of the template. ``systems``: which have it in a
+    case, a spring under prescribed motion or a train.
+    """
+
+    name: str
+    dimension: str
+    shown_unit: str
+    label: str
+    definition: str = ""
+    sense: Sense = ""
+    systems: Systems = ()
+
+    @property
+    def si_unit(self) -> str:
+        """Unit of the values inside the package and in JSON; ``1`` for plain numbers."""
+        unit = DIMENSIONS[self.dimension or "ratio"].si_unit
+        return _SI_WORDS.get(unit, unit)
+
+
+def row(
+    name: str, label: str, definition: str, *, sense: Sense = "", systems: Systems = (), dimension: str = "", shown_unit: str | None = None
+) -> QuantityRow:  # fmt: skip
+    """A :class:`QuantityRow` whose dimension and shown unit follow from the last word of ``name`` where they are left out."""
+    usual = _by_last_word(name)
+    return QuantityRow(name, dimension or usual[0], usual[1] if shown_unit is None else shown_unit, label, definition, sense, systems)
+
+
+@cache
+def tables() -> dict[str, tuple[QuantityRow, ...]]:
+    """Every registered table of quantities by its word. Raises :class:`InputError` where two rows bear one name."""
+    found: dict[str, tuple[QuantityRow, ...]] = {word: tuple(find("quantities", word)) for word in words("quantities")}
+    owner: dict[str, str] = {}
+    for word, rows in found.items():
+        for one in rows:
+            if one.name in owner:
+                raise InputError(f"quantity '{one.name}' stands in the tables '{owner[one.name]}' and '{word}'; rename or remove one")
+            owner[one.name] = word
+    return found
+
+
+@cache
+def definition_of(name: str) -> QuantityRow:
+    """The row of ``name``, its template filled; for a name that no table has, one made from its last word.
+
+    >>> definition_of("mode_2_frequency").label
+    'mode 2 frequency'
+    """
+    exact, templates = _index()
+    if name in exact:
+        return exact[name]
+    for one, pattern in templates:
+        if found := pattern.fullmatch(name):
+            parts = {key: value.replace("_", " ") for key, value in found.groupdict().items()}
+            return replace(one, name=name, label=one.label.format(**parts), definition=one.definition.format(**parts))
+    first, _, rest = name.partition("_")
+    if first in NESTED and (whole := definition_of(rest)).definition:
+        return replace(whole, name=name, label=f"{whole.label}, {first} spring", definition=f"{whole.definition} Of the {first} spring.")
+    return row(name, _plain(name), "")
+
+
+def is_defined(name: str) -> bool:
+    """Whether a table has ``name``, itself or by a template."""
+    return bool(definition_of(name).definition)
+
+
+def label_of(name: str) -> str:
+    """Plain words for ``name``: ``peak_spring_force`` -> ``peak spring force``."""
+    return definition_of(name).label
+
+
+def shown(name: str, value: Number) -> tuple[Number, str]:
+    """SI ``value`` (a number or an array) of quantity ``name`` in the unit tables print, and that unit (empty for plain numbers)."""
+    unit = definition_of(name).shown_unit
+    return value / unit_factor(unit), unit
+
+
+@cache
+def _index() -> tuple[dict[str, QuantityRow], tuple[tuple[QuantityRow, re.Pattern[str]], ...]]:
+    """Rows by whole name, and templates with their patterns, the one with most fixed letters first."""
+    every = [one for rows in tables().values() for one in rows]
+    templates = sorted((one for one in every if "{" in one.name), key=lambda one: -len(fixed_part(one.name)))
+    return {one.name: one for one in every if "{" not in one.name}, tuple((one, pattern_of(one.name)) for one in templates)
+
+
+def fixed_part(template: str) -> str:
+    """A template without its places: ``mode_{n}_frequency`` -> ``mode__frequency``."""
+    return re.sub(r"\{\w+\}", "", template)
+
+
+def pattern_of(template: str) -> re.Pattern[str]:
+    """Pattern of the names of a template: one letter in braces stands for a number, a word for one or several words."""
+    places = re.split(r"\{(\w+)\}", template)
+    words_of = (rf"(?P<{part}>{r'[0-9]+' if len(part) == 1 else r'[a-z0-9]+(?:_[a-z0-9]+)*'})" for part in places[1::2])
+    fixed = map(re.escape, places[::2])
+    return re.compile("".join(text + next(words_of, "") for text in fixed))
+
+
+def _by_last_word(name: str) -> tuple[str, str]:
+    parts = name.split("_")
+    last = parts[-2] if parts[-1] == "range" and len(parts) > 1 else parts[-1]
+    return BY_LAST_WORD.get(last, ("", ""))
+
+
+def _plain(name: str) -> str:
+    """A name no table has, in words: ``some_valve_cam_angle`` -> ``some valve, cam angle``."""
+    return re.sub(r" cam angle$", ", cam angle", name.replace("_", " "))

@@ -1,0 +1,96 @@
+"""Quantities of the beehive's study: forces by the stages of the cam cycle, motion of two points of the wire, collisions of two coils.
+
+Stage 1 runs from the zero of the cam angle to the begin of the main lift event, stage 2 is the event, stage 3 runs from its end to a
+whole turn. Node n is the wire centre at the end of coil n, counted from the seat.
+"""
+
+from __future__ import annotations
+
+from valvetrain.solution.definition import QuantityRow, Systems, row
+
+_SPRING: Systems = ("spring",)
+
+
+def _row(name: str, label: str, definition: str) -> QuantityRow:
+    return row(name, label, definition, systems=_SPRING)
+
+
+def _both(name: str, label: str, definition: str) -> tuple[QuantityRow, QuantityRow]:
+    """A row and the one of its cam angle."""
+    return _row(name, label, definition), _row(f"{name}_cam_angle", f"{label}, cam angle", f"Cam angle of the {label}.")
+
+
+def _force(place: str, label: str, definition: str) -> tuple[QuantityRow, QuantityRow]:
+    """A force and its cam angle, which share the name of the place: ``stage_2_peak_force``, ``stage_2_peak_cam_angle``."""
+    return _row(f"{place}_force", label, definition), _row(f"{place}_cam_angle", f"{label}, cam angle", f"Cam angle of the {label}.")
+
+
+_STAGES = (
+    _row("stage_1_minimum_force", "least force of Stage I", "Smallest force in Stage I."),
+    _row("stage_1_maximum_force", "largest force of Stage I", "Largest force in Stage I."),
+    _row("stage_1_peak_{n}_cam_angle", "peak {n} of Stage I, cam angle",
+         "Cam angle of local force maximum {n} in Stage I that stands out of the oscillation."),
+    *_force("stage_2_peak", "peak force of Stage II", "Largest force in Stage II."),
+    *_force("stage_2_first_peak", "first peak of Stage II", "First of the two force maxima in Stage II where there are two."),
+    *_force("stage_2_valley", "valley of Stage II", "Smallest force between the two maxima of Stage II."),
+    *_force("stage_2_second_peak", "second peak of Stage II", "Second of the two force maxima in Stage II."),
+    _row("stage_2_end_force", "force at the end of Stage II", "Force at the end of Stage II."),
+    *_force("stage_3_peak", "peak force of Stage III",
+            "Largest sampled force in Stage III after the coils are released (the clash spike); samples stand every output step, between "
+            "which a spike may be higher."),
+    _row("stage_3_every_instant_peak_force", "peak force of Stage III, every instant",
+         "The same spike at the highest instant of the whole record, for runs that keep every substep."),
+    _row("stage_3_below_{k}_khz_peak_force", "peak force of Stage III below {k} kHz",
+         "Largest force in Stage III after a zero-phase low pass (6 dB down at {k} kHz), as an instrument of that bandwidth shows it."),
+    _row("stage_3_second_peak_cam_angle", "second spike of Stage III, cam angle", "Cam angle of the second clash spike in Stage III."),
+)  # fmt: skip
+
+_NODES = (
+    _row("node_2_contact_displacement", "displacement of node 2 at contact",
+         "Compressive displacement of node 2 from the installed state at which coil 2 meets coil 1 in Stage II."),
+    *_both("node_2_maximum_displacement", "largest displacement of node 2",
+           "Largest displacement of node 2, zero where coil 2 touches coil 1."),
+    _row("node_2_stage_1_maximum_displacement", "largest displacement of node 2 in Stage I",
+         "Largest displacement of node 2 in Stage I, zero where coil 2 touches coil 1."),
+    _row("node_2_stage_1_displacement_range", "displacement range of node 2 in Stage I", "Displacement range of node 2 in Stage I."),
+    *_both("node_2_stage_{s}_minimum_velocity", "least velocity of node 2 in stage {s}", "Smallest velocity of node 2 in stage {s}."),
+    *_both("node_2_stage_{s}_maximum_velocity", "largest velocity of node 2 in stage {s}", "Largest velocity of node 2 in stage {s}."),
+    _row("node_2_stage_1_velocity_range", "velocity range of node 2 in Stage I", "Velocity of node 2 in Stage I, peak to peak."),
+    _row("node_2_late_stage_3_minimum_velocity", "least velocity of node 2 late in Stage III",
+         "Smallest velocity of node 2 in Stage III after the first clash."),
+    _row("node_2_late_stage_3_maximum_velocity", "largest velocity of node 2 late in Stage III",
+         "Largest velocity of node 2 in Stage III after the first clash."),
+    *_both("node_2_rebound_velocity", "rebound velocity of node 2",
+           "First maximum of the velocity of node 2 after its minimum in Stage III."),
+    _row("node_2_rebound_duration", "rebound time of node 2",
+         "Time from the minimum of the velocity of node 2 in Stage III to its first maximum after."),
+    *_both("node_{n}_peak_acceleration", "peak acceleration of node {n}", "Acceleration of node {n} of largest size, signed."),
+    *_both("node_{n}_second_peak_acceleration", "second acceleration peak of node {n}",
+           "The next largest acceleration of node {n}, signed, of another collision."),
+    *_both("node_{n}_third_peak_acceleration", "third acceleration peak of node {n}",
+           "The third largest acceleration of node {n}, signed, of a third collision."),
+)  # fmt: skip
+
+_COLLISIONS = (
+    _row("coil_1_2_bounce_start_cam_angle", "bounce of coils 1 and 2, start",
+         "Cam angle at which coils 1 and 2 part after the first clash of Stage III: the longest separation of any point within half a turn "
+         "of node 2."),
+    _row("coil_1_2_bounce_end_cam_angle", "bounce of coils 1 and 2, end", "Cam angle at which they meet again."),
+    _row("coil_1_2_bounce_duration", "bounce of coils 1 and 2, time", "Time between parting and meeting again."),
+    _row("clash_{k}_cam_angle", "collision {k} of coils 1 and 2, cam angle",
+         "Cam angle of collision {k} of coils 1 and 2 in the cycle, counted from 0 degrees: first touch of any point within half a turn "
+         "of node 2, or a spike of the acceleration in models without coil gaps."),
+    _row("clash_interval_cam_angle", "interval of collisions",
+         "Mean distance of successive collisions outside Stage II, one that did not show left out."),
+    _row("clash_interval_to_mode_1_period_ratio", "interval of collisions over the period of mode 1",
+         "That distance as a time, over the period of the first axial mode."),
+    _row("main_clash_peak_force", "main clash",
+         "Height of the main clash of coils 1 and 2: first spike of the force after the event that reaches 60 % of the highest (found "
+         "below 10 kHz), as computed; absent where no coil meets another."),
+    _row("main_clash_below_{k}_khz_peak_force", "main clash below {k} kHz", "Height of the main clash in a bandwidth of {k} kHz."),
+    _row("main_clash_cam_angle", "main clash, cam angle", "Cam angle of the top of the main clash below 10 kHz."),
+    _row("main_clash_impulse", "main clash, impulse",
+         "Integral of the force above the base circle's mean over 0.1 ms either side of the main clash."),
+)  # fmt: skip
+
+QUANTITIES: tuple[QuantityRow, ...] = (*_STAGES, *_NODES, *_COLLISIONS)
