@@ -47,10 +47,11 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     if len(speeds) > _MOST_SPEEDS:
         listed = f"{len(speeds)} from {rpm(speeds[0]):.10g} to {rpm(speeds[-1]):.10g}"
     ended = sum(run.status.completed for run in study.solutions)
+    word = "settled" if study.command == "sweep" else "completed"
     facts = {
         "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
         "springs by": ", ".join(look.words for look in known.values()), "changed": ", ".join(study.record.changed),
-        "runs": f"{ended} of {len(study.solutions)} {'settled' if study.command == 'sweep' else 'completed'}" if study.solutions else "none run",
+        "runs": f"{ended} of {len(study.solutions)} {word}" if study.solutions else "none run",
     }  # fmt: skip
     return tuple((name, value) for name, value in facts.items() if value)
 

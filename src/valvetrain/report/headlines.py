@@ -13,8 +13,10 @@ from valvetrain.solution.study import Study
 
 #: Topic -> quantities in the order in which they are answered.
 TOPICS: dict[str, tuple[str, ...]] = {
-    "Spring force": ("peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force"),
-    "Coil bind": ("coil_bind_clearance", "outer_coil_bind_clearance", "inner_coil_bind_clearance"),
+    "Spring force and coil bind": (
+        "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force",
+        "coil_bind_clearance", "outer_coil_bind_clearance", "inner_coil_bind_clearance",
+    ),
     "Surge": (
         "surge_frequency", "outer_surge_frequency", "inner_surge_frequency", "surge_cam_order", "nearest_lift_harmonic_order",
         "nearest_lift_harmonic_lift", "surge_amplitude_force",
@@ -26,6 +28,8 @@ TOPICS: dict[str, tuple[str, ...]] = {
     "Wire stress": ("peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress"),
     "Loss of control": ("contact_loss_engine_speed", "float_engine_speed", "rigid_contact_loss_engine_speed"),
 }  # fmt: skip
+#: Numbers that belong to one engine speed and have no worst value over several.
+OF_ONE_SPEED = ("surge_cam_order", "nearest_lift_harmonic_order", "nearest_lift_harmonic_lift")
 #: Clashes that are named one by one, per run.
 NAMED_CLASHES = 5
 
@@ -45,7 +49,7 @@ class HeadlineColumn:
 
 @dataclass(frozen=True, slots=True)
 class HeadlineRow:
-    """One quantity over the columns: ``values`` in ``unit`` (None where not given); ``speeds`` (rad/s) where a sweep has its worst value."""
+    """One quantity over the columns: ``values`` in ``unit`` (None where not given); ``speeds`` (rad/s): where a sweep has its worst."""
 
     topic: str
     name: str
@@ -99,7 +103,8 @@ def _value(study: Study, column: HeadlineColumn, name: str) -> tuple[float | Non
     if known:
         least = definition_of(name).sense == "larger is better"
         value, speed = (min if least else max)(known, key=lambda pair: pair[0])
-        return float(shown(name, value)[0]), speed if column.engine_speed is None and len(runs) > 1 else None
+        several = column.engine_speed is None and len({one for one, _ in known}) > 1
+        return (None, None) if several and name in OF_ONE_SPEED else (float(shown(name, value)[0]), speed if several else None)
     models = (run.model for run in runs)
     for label in dict.fromkeys((column.label, *models, "")):
         value = study.still.get(label, {}).get(name, math.nan)

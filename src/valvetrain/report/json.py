@@ -64,7 +64,7 @@ def study_json(study: Study) -> dict[str, Any]:
         "changed": list(study.record.changed), "completed": not study.failures, "failures": list(study.failures),
         "quantities": still.pop("", {}), "quantities_by_label": still, "springs_at_rest": [_rest_object(one) for one in study.rest],
         "runs": [_run_object(run) for run in study.solutions], "comparisons": [comparison_object(row) for row in study.comparisons],
-        "findings": [{"place": one.place, "statement": one.statement, "computed": one.computed, "verdict": one.verdict} for one in study.findings],
+        "findings": [{name: getattr(one, name) for name in ("place", "statement", "computed", "verdict")} for one in study.findings],
         "notes": list(study.notes), "cite": list(dict.fromkeys((*study.record.citations, *study.provenance.citations, *_cited(study)))),
     }  # fmt: skip
 
@@ -78,7 +78,8 @@ def _run_object(run: Solution) -> dict[str, Any]:
         "label": run.label, "model": run.model, "spring_set": run.spring_set, "engine_speed": engine_speed_object(run.engine_speed),
         "status": status_object(run.status), "quantities": quantities_object(run.quantities),
         "clash_count": measured(run.quantities.get("clash_count", sum(event.kind == "clash" for event in run.events)), "1"),
-        "events": [_event_object(event) for event in run.events], "options": {name: _plain(value) for name, value in run.provenance.options.items()},
+        "events": [_event_object(event) for event in run.events],
+        "options": {name: _plain(value) for name, value in run.provenance.options.items()},
         "statistics": {name: _plain(value) for name, value in run.statistics.items()},
     }  # fmt: skip
 

@@ -79,6 +79,12 @@ class Card:
     headers: tuple[str, ...]
     lines: tuple[tuple[str, tuple[str, ...]], ...]
 
+    @property
+    def wide(self) -> bool:
+        """Whether the table needs the whole width of the page."""
+        columns = [max([len(line[1][place]) for line in self.lines] + [6]) for place in range(len(self.headers))]
+        return sum(columns) + max(len(name) for name, _ in self.lines) > 52 or len(self.headers) > 3
+
     kind = "card"
 
 

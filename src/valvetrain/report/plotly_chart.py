@@ -28,7 +28,8 @@ def figure(chart: Chart) -> dict[str, Any]:
     for index, panel in enumerate(chart.panels):
         suffix = "" if index == 0 else str(index + 1)
         for layer in panel.layers:
-            data.append(_trace(layer) | {"xaxis": f"x{suffix}", "yaxis": f"y{suffix}", "showlegend": False})
+            scale = {"coloraxis": f"coloraxis{suffix}"} if isinstance(layer, HeatMap) else {"showlegend": False}
+            data.append(_trace(layer) | {"xaxis": f"x{suffix}", "yaxis": f"y{suffix}"} | scale)
     return {"data": data, "layout": _layout(chart, chart.columns, 0), "narrow": _layout(chart, 1, NARROW_PANEL)}
 
 
@@ -40,14 +41,15 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
     maps = any(isinstance(layer, HeatMap) for panel in chart.panels for layer in panel.layers)
     direct = any(isinstance(layer, Line) and layer.direct for panel in chart.panels for layer in panel.layers)
     left = 20 if narrow and max(worded, default=0) else max(_LEFT, min(300, 14 + int(6.6 * max(worded, default=0))))
-    right = (72 if narrow else _BAR) if maps else 40 if direct else _RIGHT
+    right = (48 if direct else _RIGHT) + (_BAR - _RIGHT if maps and not narrow else 0)
+    bottom = _BOTTOM + (62 if maps and narrow else 0)
     above = _ABOVE + (16 if any(panel.bands for panel in chart.panels) else 0)
-    gap = above + (18 if shared else _BOTTOM)
+    gap = above + (28 if shared else _BOTTOM)
     if narrow and max(worded, default=0):
         panel_height = chart.height - above - _BOTTOM
-    height = rows * panel_height + (rows - 1) * gap + above + _BOTTOM if narrow else chart.height
-    inside = float(height - above - _BOTTOM)
-    layout = _base(chart) | {"height": height, "margin": {"l": left, "r": right, "t": above, "b": _BOTTOM, "pad": 0}}
+    height = rows * panel_height + (rows - 1) * gap + above + bottom if narrow else chart.height
+    inside = float(height - above - bottom)
+    layout = _base(chart) | {"height": height, "margin": {"l": left, "r": right, "t": above, "b": bottom, "pad": 0}}
     wide = (1 - (columns - 1) * _GAP_X / _LEAST_WIDTH) / columns
     high = (inside - (rows - 1) * gap) / rows / inside
     for index, panel in enumerate(chart.panels):
@@ -55,6 +57,8 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
         start, top = column * (wide + _GAP_X / _LEAST_WIDTH), 1 - row * (high + gap / inside)
         x_domain, y_domain = [start, min(start + wide, 1.0)], [max(top - high, 0.0), min(top, 1.0)]
         named = not shared or index == len(chart.panels) - 1
+        for heat in (layer for layer in panel.layers if isinstance(layer, HeatMap)):
+            layout[f"coloraxis{index + 1 if index else ''}"] = _colour_axis(heat, narrow)
         _add_axes(layout, panel, "" if index == 0 else str(index + 1), x_domain, y_domain, narrow, named, shared and index > 0)
     return layout
 
@@ -92,7 +96,7 @@ def _add_axes(
     x_range, y_range = visible_range(panel)
     common = {
         "gridcolor": theme.GRID, "linecolor": theme.RULE, "tickcolor": theme.RULE, "zeroline": False, "ticks": "outside", "ticklen": 4,
-        "tickfont": {"size": 12, "color": theme.MUTED}, "automargin": False, "exponentformat": "none",
+        "tickfont": {"size": 12, "color": theme.MUTED}, "automargin": False, "exponentformat": "none", "tickangle": 0,
     }  # fmt: skip
     title = {"font": {"size": 12.5, "color": theme.MUTED}, "standoff": 6, "text": panel.x_label if named else ""}
     x_axis = {"domain": x_domain, "anchor": f"y{suffix}", "range": list(x_range), "showgrid": False, "showline": True, "title": title}
@@ -167,14 +171,20 @@ def _trace(layer: Layer) -> dict[str, Any]:
         text = words_shown if any(layer.labels) else {"mode": "markers"}
         words = {"textfont": {"size": 11.5, "color": layer.colour}, "cliponaxis": False}
         return place | {"type": "scatter", "marker": marker, **_hover(layer)} | text | words
-    top = float(np.nanmax(layer.z, initial=0.0))
-    stops = [[(index / (len(layer.colours) - 1)) ** (1 / layer.power), colour] for index, colour in enumerate(layer.colours)]
-    bar = {"title": {"text": f"{layer.name} ({layer.unit})", "side": "right"}, "thickness": 10, "outlinewidth": 0, "len": 0.9, "x": 1.0}
-    scale = {"colorscale": stops, "zmin": 0.0, "zmax": top or 1.0, "colorbar": bar | {"tickfont": {"size": 11, "color": theme.MUTED}}}
     words = f"%{{x:.1f}}, {layer.y_words} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
     second = {} if layer.second is None else {"customdata": packed(layer.second)}
     more = f" (%{{customdata:.4g}} {layer.second_unit})" if second else ""
-    return place | {"type": "heatmap", "z": packed(layer.z), "zsmooth": False, "hovertemplate": words + more} | scale | second
+    return place | {"type": "heatmap", "z": packed(layer.z), "zsmooth": False, "hovertemplate": words + more} | second
+
+
+def _colour_axis(heat: HeatMap, narrow: bool) -> dict[str, Any]:
+    """Scale of a map: beside it on a wide page, below it on a narrow one."""
+    stops = [[(index / (len(heat.colours) - 1)) ** (1 / heat.power), colour] for index, colour in enumerate(heat.colours)]
+    title = {"text": f"{heat.name} ({heat.unit})", "side": "top" if narrow else "right", "font": {"size": 12}}
+    place = {"orientation": "h", "y": 0, "yanchor": "top", "ypad": 44, "len": 1.0} if narrow else {"x": 1.0, "len": 0.9}
+    bar = place | {"title": title, "thickness": 10, "outlinewidth": 0, "tickfont": {"size": 11, "color": theme.MUTED}}
+    room = {} if narrow else {"xpad": 54 if heat.second is not None else 10}
+    return {"colorscale": stops, "cmin": 0.0, "cmax": float(np.nanmax(heat.z, initial=0.0)) or 1.0, "colorbar": bar | room}
 
 
 def _hover(marks: Marks) -> dict[str, Any]:

@@ -47,11 +47,11 @@ def svg(chart: Chart) -> str:
     """The chart as one SVG document without any outside reference."""
     height = chart.height + _TITLE
     maps = any(isinstance(layer, HeatMap) for panel in chart.panels for layer in panel.layers)
-    right = _RIGHT + (84 if maps else 0)
+    right = _RIGHT + (84 if maps else 0) + (44 if maps and _labelled(chart) else 0)
     top = _TITLE + (_LEGEND if chart.legend and legend_entries(chart) else 0) + 26
     left = max(_LEFT, min(300, 14 + int(6.6 * max((len(words) for panel in chart.panels for _, words in panel.y_words), default=0))))
     wide = (WIDTH - left - right - (chart.columns - 1) * _GAP_X) / chart.columns
-    gap = 46 if shares_axis(chart) else _GAP_Y
+    gap = 54 if shares_axis(chart) else _GAP_Y
     high = (height - top - _BOTTOM - (chart.rows - 1) * gap) / chart.rows
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}" '
@@ -67,6 +67,10 @@ def svg(chart: Chart) -> str:
         named = not shares_axis(chart) or index == len(chart.panels) - 1
         parts += _panel(frame, f"{chart.key}-{index}", named)
     return "\n".join([*parts, "</svg>\n"])
+
+
+def _labelled(chart: Chart) -> bool:
+    return any(isinstance(layer, Line) and layer.direct for panel in chart.panels for layer in panel.layers)
 
 
 def ticks(low: float, high: float, count: int = 6, step: float | None = None) -> tuple[Array, int]:
@@ -260,7 +264,7 @@ def png(pixels: NDArray[np.uint8]) -> bytes:
 
 
 def _colour_bar(frame: _Frame, heat: HeatMap) -> str:
-    left, count = frame.left + frame.wide + 14, 60
+    left, count = frame.left + frame.wide + (58 if heat.second is not None else 14), 60
     top = float(np.nanmax(heat.z, initial=0.0)) or 1.0
     shares = np.linspace(1, 0, count)
     link = "data:image/png;base64," + base64.b64encode(png(_coloured(shares[:, None], heat))).decode()

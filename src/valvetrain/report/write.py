@@ -158,8 +158,8 @@ def quantity_table(study: Study) -> Table:
 def event_table(study: Study) -> Table:
     """Every event of every run, details included where they are told."""
     rows = [
-        (run.label, rpm(run.engine_speed), event.kind, event.where, float(np.degrees(event.cam_angle) % 360), event.duration * 1e3, event.size,
-         event.unit, event.details.get("lower_coil"), event.details.get("upper_coil"), event.details.get("impulse"),
+        (run.label, rpm(run.engine_speed), event.kind, event.where, float(np.degrees(event.cam_angle) % 360), event.duration * 1e3,
+         event.size, event.unit, event.details.get("lower_coil"), event.details.get("upper_coil"), event.details.get("impulse"),
          event.details.get("energy"), event.details.get("cause", ""))
         for run in study.solutions for event in run.events
     ]  # fmt: skip

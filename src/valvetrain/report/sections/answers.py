@@ -7,7 +7,7 @@ import numpy as np
 from valvetrain.report.figures.common import looks
 from valvetrain.report.headlines import NAMED_CLASHES, TOPICS, HeadlineRow, clashes_of, headline_columns, headline_rows
 from valvetrain.report.page import Block, Card, Cards, Cell, Details, Grid, SectionSpec, text
-from valvetrain.report.words import number, speed_words
+from valvetrain.report.words import number, rpm, speed_words, unit_words
 from valvetrain.solution.event import Event
 from valvetrain.solution.study import Study
 
@@ -35,7 +35,7 @@ def _card(study: Study, topic: str, rows: list[HeadlineRow]) -> Card:
         )
         for one in headline_columns(study)
     ]
-    names = [f"{row.words} ({row.unit})" if row.unit else row.words for row in rows]
+    names = [f"{row.words} ({unit_words(row.unit)})" if row.unit else row.words for row in rows]
     values = [[_shown(value, speed) for value, speed in zip(row.values, row.speeds, strict=True)] for row in rows]
     if len(across) > 3:
         kept = [place for place in range(len(across)) if any(column[place] != "–" for column in values)]
@@ -44,7 +44,7 @@ def _card(study: Study, topic: str, rows: list[HeadlineRow]) -> Card:
 
 
 def _shown(value: float | None, engine_speed: float | None) -> str:
-    return number(value) if engine_speed is None else f"{number(value)} at {speed_words(engine_speed)}"
+    return number(value) if engine_speed is None else f"{number(value)} at {rpm(engine_speed):.6g} rpm"
 
 
 def _clashes(study: Study) -> tuple[Block, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from valvetrain.report.page import Block, Cell, Details, Grid, Listing, SectionSpec, prose, text
+from valvetrain.solution.record import CaseValue
 from valvetrain.solution.study import Study
 
 
@@ -13,16 +14,17 @@ def blocks(study: Study) -> tuple[Block, ...]:
     if record.changed:
         found.append(text(f"Changed for this run: {', '.join(record.changed)}.", "note"))
     if record.values:
-        rows = tuple(
-            ((Cell(one.path.replace(".", " / ").replace("_", " "), "", one.path), Cell(one.words, "long"), Cell(one.status, "tag" if one.status else ""),
-              Cell(one.source, "quiet long")), (one.status,))
-            for one in record.values
-        )  # fmt: skip
+        rows = tuple((_cells(one), (one.status,)) for one in record.values)
         found.append(Grid(("value of the case", "", "status", "source"), rows, ("status",)))
     found += prose(record.remarks, "Remarks on the case")
     if record.text:
         found.append(Details("The case file, resolved", (Listing(record.text),)))
     return tuple(found)
+
+
+def _cells(one: CaseValue) -> tuple[Cell, ...]:
+    name = one.path.replace(".", " / ").replace("_", " ")
+    return Cell(name, "", one.path), Cell(one.words, "long"), Cell(one.status, "tag" if one.status else ""), Cell(one.source, "quiet long")
 
 
 SPEC = SectionSpec("case", "Values of the case", blocks)

@@ -87,9 +87,10 @@ def _dots(known: list[tuple[Comparison, float]], height: np.ndarray) -> list[Mar
             mine = np.array([row.origin == origin for row, _ in known]) & (beyond == outside)
             chosen = [known[place] for place in np.flatnonzero(mine)]
             x, hints = np.array([ratio for _, ratio in chosen]).clip(*AXIS), tuple(_hint(row, ratio) for row, ratio in chosen)
+            alone = outside and not (found and found[-1].colour == colour)
             name, sign = (f"{words}, beyond", "triangle") if outside else (words, "square" if symbol == "triangle" else symbol)
             if chosen:
-                found.append(Marks(x, height[mine], name, colour, sign, in_legend=not outside, filled=True, size=7, hints=hints))
+                found.append(Marks(x, height[mine], name, colour, sign, in_legend=not outside or alone, filled=True, size=7, hints=hints))
     return found
 
 

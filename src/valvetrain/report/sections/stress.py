@@ -17,7 +17,8 @@ from valvetrain.solution.study import Study
 
 SHEAR = "inner_fibre_shear_stress"
 NAMES = (
-    "peak_shear_stress", "minimum_shear_stress", "peak_shear_stress_coil_number", "peak_equivalent_stress", "largest_amplitude_shear_stress",
+    "peak_shear_stress", "minimum_shear_stress", "peak_shear_stress_coil_number", "peak_equivalent_stress",
+    "largest_amplitude_shear_stress",
     "largest_amplitude_mean_shear_stress", "quasi_static_peak_shear_stress", "quasi_static_amplitude_shear_stress",
     "dynamic_to_static_stress_ratio", "nominal_peak_shear_stress", "nominal_minimum_shear_stress",
 )  # fmt: skip

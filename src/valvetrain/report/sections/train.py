@@ -37,7 +37,7 @@ def blocks(study: Study) -> tuple[Block, ...]:
         titles = (f"Contact and link forces at {speed}", f"Cam torque and clearance at {speed}")
         captions = (
             "Force of every contact and elastic link over the steady cycle; dashed: the cam contact force of rigid parts.",
-            "Torque that drives the cam, turning speed of the lever, clearance between piston and valve along the cylinder, as far as given.",
+            "Torque that drives the cam, turning speed of the lever, clearance of piston and valve along the cylinder.",
         )
         found: tuple[Block, ...] = ()
         for place, names in enumerate((force_channels(runs), rest)):
