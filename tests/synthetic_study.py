@@ -28,7 +28,13 @@ CITED = ("A. Author: On made-up springs. Journal of Tests 1 (2020)",)
 
 def clash(number: int) -> Event:
     """The clash of that number, each weaker than the one before."""
-    details = {"upper_coil": 2.0, "lower_coil": 1.0, "peak_cam_angle": np.radians(250.0 + number), "impulse": 0.031 / number, "energy": 0.017 / number}
+    details = {
+        "upper_coil": 2.0,
+        "lower_coil": 1.0,
+        "peak_cam_angle": np.radians(250.0 + number),
+        "impulse": 0.031 / number,
+        "energy": 0.017 / number,
+    }
     return Event("clash", np.radians(249.0 + number), 0.01 + number * 1e-4, 2e-5, 345.0 / number, "N", "", details)
 
 
@@ -46,7 +52,8 @@ def rod_run(engine_speed: float = SPEED, samples: int = 720, status: Status = CO
     values = {
         "valve_lift": lift, "retainer_velocity": 100 * np.gradient(lift), "retainer_acceleration": 1e4 * np.gradient(np.gradient(lift)),
         "seat_force": force[:, 0], "retainer_force": force[:, 0] + 21.0, "static_retainer_force": 300 + 40e3 * lift,
-        "axial_displacement": moved, "axial_velocity": 10 * moved, "axial_acceleration": 1e3 * moved, "axial_position": 6e-3 * COILS + moved,
+        "axial_displacement": moved, "axial_velocity": 10 * moved, "axial_acceleration": 1e3 * moved,
+        "axial_position": 6e-3 * COILS + moved,
         "coil_gap": 1e-3 - 1.1e-3 * bump(degrees, 250, 3)[:, None] * (PAIRS < 2.6),
         "coil_contact_force": 200 * bump(degrees, 250, 3)[:, None] * (PAIRS < 2.6), "kinetic_energy": 0 * lift,
         "elastic_energy": work, "work_done": 1.001 * work, "energy_dissipated": 0 * lift, "seat_force_fine": force,
@@ -78,7 +85,12 @@ def modal_run(engine_speed: float = SPEED, samples: int = 720) -> Solution:
     values = {"valve_lift": 9e-3 * bump(np.degrees(angle), 180, 106), "seat_force": force, "retainer_force": force + 1}
     channels = spring_channels(angle / (engine_speed / 2), angle, values)
     origin = Provenance("own-spring", "modal-varied", engine_speed, system="prescribed-spring")
-    found = {"peak_spring_force": 800.0, "minimum_spring_force": 299.0, "nominal_peak_shear_stress": 533e6, "nominal_minimum_shear_stress": 201e6}
+    found = {
+        "peak_spring_force": 800.0,
+        "minimum_spring_force": 299.0,
+        "nominal_peak_shear_stress": 533e6,
+        "nominal_minimum_shear_stress": 201e6,
+    }
     return Solution(channels, provenance=origin, quantities=found)
 
 
@@ -119,11 +131,12 @@ def published_study() -> Study:
     """The beehive's words: published values, findings and notes beside the runs above."""
     published = (
         PublishedValue("stage_2_peak_force", 790.0, "N", "table 3", engine_speed=SPEED, model="solid finite elements", tolerance=20.0),
-        PublishedValue("stage_2_peak_force_cam_angle", 3.1, "deg", "table 3", engine_speed=SPEED, model="solid finite elements"),
+        PublishedValue("stage_2_peak_cam_angle", 3.1, "deg", "table 3", engine_speed=SPEED, model="solid finite elements"),
         PublishedValue("node_2_peak_velocity", 3.3, "m/s", "figure 9", engine_speed=SPEED, model="engine head test"),
     )
     rows = tuple(
-        Comparison("stage_2_peak_force", speed, "finite-element", origin, "N", 790.0, 790.0 * ratio, 790.0 * (ratio - 1), role, 20.0, "within", "gu2021, table 3")
+        Comparison("stage_2_peak_force", speed, "finite-element", origin, "N", 790.0, 790.0 * ratio, 790.0 * (ratio - 1), role, 20.0, "within",
+                   "gu2021, table 3")
         for speed, origin, ratio, role in (
             (SPEED, "solid finite elements", 1.02, "prediction"), (SPEED, "engine head test", 0.93, "prediction"),
             (None, "analytical modal", 1.91, "calibration"),
@@ -132,7 +145,11 @@ def published_study() -> Study:
     notes = ("The first note <for> readers.", "A second one. It goes on. And on. Up to five sentences.")
     findings = (Finding("section 4", "Stage II has a valley", "valley of 412 N", "holds"),)
     return replace(
-        own_study(), record=record(name="gu2021-beehive", study="gu2021", published=published), comparisons=rows, findings=findings, notes=notes
+        own_study(),
+        record=record(name="gu2021-beehive", study="gu2021", published=published),
+        comparisons=rows,
+        findings=findings,
+        notes=notes,
     )
 
 
@@ -141,13 +158,17 @@ def train_run(engine_speed: float = SPEED, label: str = "stock, multi-mass", spr
     angle = np.arange(360) * 2 * np.pi / 360
     degrees = np.degrees(angle)
     lift = 9e-3 * bump(degrees, 180, 106)
+    speed = 100 * np.gradient(lift)
     one = {
-        "valve_lift": (lift, "m"), "valve_velocity": (100 * np.gradient(lift), "m/s"), "valve_acceleration": (1e4 * np.gradient(np.gradient(lift)), "m/s2"),
-        "seat_force": (301 + 40e3 * lift, "N"), "retainer_force": (302 + 40e3 * lift, "N"), "static_retainer_force": (303 + 40e3 * lift, "N"),
-        "rigid_valve_lift": (1.01 * lift, "m"), "rigid_contact_force": (705 + 1e4 * lift, "N"), "rigid_hertz_pressure": (6.6e8 + 0 * lift, "Pa"),
-        "cam_contact_force": (704 + 1e4 * lift, "N"), "valve_tip_contact_force": (605 + 1e4 * lift, "N"), "seat_contact_force": (506 - 5e4 * lift, "N"),
-        "support_force": (-407 + 0 * lift, "N"), "cam_torque": (8.0 * np.sin(2 * angle), "N m"), "lever_speed": (20.0 * np.cos(angle), "rad/s"),
-        "piston_clearance": (3e-3 - 0.2 * lift, "m"), "outer_retainer_force": (202 + 30e3 * lift, "N"), "inner_retainer_force": (100 + 10e3 * lift, "N"),
+        "valve_lift": (lift, "m"), "valve_velocity": (speed, "m/s"), "valve_acceleration": (100 * np.gradient(speed), "m/s2"),
+        "seat_force": (301 + 40e3 * lift, "N"), "retainer_force": (302 + 40e3 * lift, "N"),
+        "static_retainer_force": (303 + 40e3 * lift, "N"), "rigid_valve_lift": (1.01 * lift, "m"),
+        "rigid_contact_force": (705 + 1e4 * lift, "N"), "rigid_hertz_pressure": (6.6e8 + 0 * lift, "Pa"),
+        "cam_contact_force": (704 + 1e4 * lift, "N"), "valve_tip_contact_force": (605 + 1e4 * lift, "N"),
+        "seat_contact_force": (506 - 5e4 * lift, "N"), "support_force": (-407 + 0 * lift, "N"),
+        "cam_torque": (8.0 * np.sin(2 * angle), "N m"), "lever_speed": (20.0 * np.cos(angle), "rad/s"),
+        "piston_clearance": (3e-3 - 0.2 * lift, "m"), "outer_retainer_force": (202 + 30e3 * lift, "N"),
+        "inner_retainer_force": (100 + 10e3 * lift, "N"),
     }  # fmt: skip
     places = np.arange(4.0)
     moved = lift[:, None] * (places / 3)
@@ -158,21 +179,38 @@ def train_run(engine_speed: float = SPEED, label: str = "stock, multi-mass", spr
     coords = {
         "time": (("sample",), angle / (engine_speed / 2), {"units": "s", "long_name": "time"}),
         "cam_angle": (("sample",), angle, {"units": "rad", "long_name": "cam angle"}),
-    } | {f"{spring}_coil_number": ((f"{spring}_wire_point",), places, {"units": "1", "long_name": "share"}) for spring in ("outer", "inner")}
+    } | {
+        f"{spring}_coil_number": ((f"{spring}_wire_point",), places, {"units": "1", "long_name": "share"}) for spring in ("outer", "inner")
+    }
     found = {
         "peak_retainer_force": 662.0, "minimum_retainer_force": 302.0, "outer_coil_bind_clearance": 2.1e-3, "seating_velocity": 0.37,
         "bounce_height": 1.1e-5, "bounce_count": 2.0, "loft_gap": 4e-5, "loss_of_contact_duration": 3e-4, "clash_count": 0.0,
         **{f"surge_order_{n}_force": 30.0 / n for n in range(1, 25)}, "surge_frequency": 560.0,
     }  # fmt: skip
     seating = Event("seating", np.radians(236.0), 0.01, 1e-4, 0.37, "m/s", "seat", {"cause": "end of the ramp"})
-    origin = Provenance("own-train", "multi-mass", engine_speed, label=label, spring_set=spring_set, system="train", springs=("outer", "inner"), citations=CITED)
+    origin = Provenance(
+        "own-train",
+        "multi-mass",
+        engine_speed,
+        label=label,
+        spring_set=spring_set,
+        system="train",
+        springs=("outer", "inner"),
+        citations=CITED,
+    )
     return Solution(xarray.Dataset(variables, coords), (seating,), COMPLETED, {"steps": 720}, origin, found)
 
 
 def train_study() -> Study:
     """A train with two spring sets at one engine speed."""
     runs = (train_run(), train_run(label="race, multi-mass", spring_set="race"))
-    return Study(record(name="own-train", title="Train of my own"), "run", runs, still={"": {"rigid_contact_loss_engine_speed": 700.0}}, lift_event=EVENT)
+    return Study(
+        record(name="own-train", title="Train of my own"),
+        "run",
+        runs,
+        still={"": {"rigid_contact_loss_engine_speed": 700.0}},
+        lift_event=EVENT,
+    )
 
 
 def sweep_study(speeds: int = 12) -> Study:
@@ -183,11 +221,17 @@ def sweep_study(speeds: int = 12) -> Study:
             order = 560 * stiff * 4 * np.pi / engine_speed
             sizes = {f"surge_order_{n}_force": 5 + 60 / (1 + (n - order) ** 2) for n in range(1, 25)}
             found = sizes | {
-                "peak_spring_force": 600 + 20.0 * number * stiff, "minimum_spring_force": 280 - 9.0 * number, "clash_energy": 1e-3 * number * stiff,
-                "surge_amplitude_force": max(sizes.values()), "seating_velocity": 0.2 + 0.02 * number, "lift_loss_displacement": 1e-5 * number,
-                "surge_frequency": 560 * stiff,
+                "peak_spring_force": 600 + 20.0 * number * stiff, "minimum_spring_force": 280 - 9.0 * number,
+                "clash_energy": 1e-3 * number * stiff, "surge_amplitude_force": max(sizes.values()),
+                "seating_velocity": 0.2 + 0.02 * number, "lift_loss_displacement": 1e-5 * number, "surge_frequency": 560 * stiff,
             }  # fmt: skip
             status = Status("not-converged", "the motion did not repeat") if number == speeds - 1 else COMPLETED
             whole = replace(train_run(engine_speed, label, ""), status=status, quantities=found)
             runs.append(whole.reduced())
-    return Study(record(name="own-train", title="Train of my own"), "sweep", tuple(runs), still={"stock": {"float_engine_speed": 701.0}}, lift_event=EVENT)
+    return Study(
+        record(name="own-train", title="Train of my own"),
+        "sweep",
+        tuple(runs),
+        still={"stock": {"float_engine_speed": 701.0}},
+        lift_event=EVENT,
+    )

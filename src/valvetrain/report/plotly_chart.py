@@ -41,8 +41,8 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
     maps = any(isinstance(layer, HeatMap) for panel in chart.panels for layer in panel.layers)
     direct = any(isinstance(layer, Line) and layer.direct for panel in chart.panels for layer in panel.layers)
     left = 20 if narrow and max(worded, default=0) else max(_LEFT, min(300, 14 + int(6.6 * max(worded, default=0))))
-    right = (48 if direct else _RIGHT) + (_BAR - _RIGHT if maps and not narrow else 0)
-    bottom = _BOTTOM + (62 if maps and narrow else 0)
+    right = (58 if direct else _RIGHT) + (_BAR - _RIGHT if maps and not narrow else 0)
+    bottom = _BOTTOM + (78 if maps and narrow else 0)
     above = _ABOVE + (16 if any(panel.bands for panel in chart.panels) else 0)
     gap = above + (28 if shared else _BOTTOM)
     if narrow and max(worded, default=0):
@@ -181,7 +181,7 @@ def _colour_axis(heat: HeatMap, narrow: bool) -> dict[str, Any]:
     """Scale of a map: beside it on a wide page, below it on a narrow one."""
     stops = [[(index / (len(heat.colours) - 1)) ** (1 / heat.power), colour] for index, colour in enumerate(heat.colours)]
     title = {"text": f"{heat.name} ({heat.unit})", "side": "top" if narrow else "right", "font": {"size": 12}}
-    place = {"orientation": "h", "y": 0, "yanchor": "top", "ypad": 44, "len": 1.0} if narrow else {"x": 1.0, "len": 0.9}
+    place = {"orientation": "h", "y": 0, "yanchor": "top", "ypad": 50, "len": 1.0} if narrow else {"x": 1.0, "len": 0.9}
     bar = place | {"title": title, "thickness": 10, "outlinewidth": 0, "tickfont": {"size": 11, "color": theme.MUTED}}
     room = {} if narrow else {"xpad": 54 if heat.second is not None else 10}
     return {"colorscale": stops, "cmin": 0.0, "cmax": float(np.nanmax(heat.z, initial=0.0)) or 1.0, "colorbar": bar | room}
