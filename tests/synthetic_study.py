@@ -135,8 +135,8 @@ def published_study() -> Study:
         PublishedValue("node_2_peak_velocity", 3.3, "m/s", "figure 9", engine_speed=SPEED, model="engine head test"),
     )
     rows = tuple(
-        Comparison("stage_2_peak_force", speed, "finite-element", origin, "N", 790.0, 790.0 * ratio, 790.0 * (ratio - 1), role, 20.0, "within",
-                   "gu2021, table 3")
+        Comparison("stage_2_peak_force", speed, "finite-element", origin, "N", 790.0, 790.0 * ratio, 790.0 * (ratio - 1), role, 20.0,
+                   "within", "gu2021, table 3")
         for speed, origin, ratio, role in (
             (SPEED, "solid finite elements", 1.02, "prediction"), (SPEED, "engine head test", 0.93, "prediction"),
             (None, "analytical modal", 1.91, "calibration"),

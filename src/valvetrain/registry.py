@@ -39,8 +39,8 @@ BUILT_IN["quantities"] = {
 BUILT_IN["sections"] = {
     word.replace("_", "-"): f"valvetrain.report.sections.{word}:SPEC"
     for word in (
-        "answers", "sweep", "published", "gu2021", "uncertainty", "force", "coils", "motion", "train", "at_rest", "orders", "stress", "energy",
-        "events", "kinematics", "case", "runs", "references",
+        "answers", "sweep", "published", "gu2021", "uncertainty", "force", "coils", "motion", "train", "at_rest", "orders", "stress",
+        "energy", "events", "kinematics", "case", "runs", "references",
     )
 }  # fmt: skip
 

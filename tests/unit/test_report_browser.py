@@ -52,7 +52,8 @@ window.addEventListener("load", () => setTimeout(() => {
     });
     seen.charts = Object.fromEntries(Array.from(document.querySelectorAll(".plot[data-chart]"), (box) => [box.dataset.chart, {
       traces: box.querySelectorAll(".main-svg .scatterlayer .trace, .main-svg .heatmaplayer .hm, .main-svg .cartesianlayer .trace").length,
-      ink: Array.from(box.querySelectorAll(".main-svg path")).filter((path) => (path.getAttribute("d") || "").length > 20).length,
+      ink: Array.from(box.querySelectorAll(".main-svg path")).filter((path) => (path.getAttribute("d") || "").length > 20).length
+        + box.querySelectorAll(".heatmaplayer image").length,
     }]));
     const first = document.querySelector(".cards");
     seen.cards = first ? Array.from(first.querySelectorAll(".card h3"), (title) => title.textContent) : [];

@@ -65,6 +65,12 @@ class Grid:
     kind = "grid"
 
     @property
+    def right(self) -> tuple[bool, ...]:
+        """Columns of numbers, whose heads stand at the right as their numbers do."""
+        cells = next((row for row, _ in self.rows if len(row) == len(self.headers)), ())
+        return tuple("number" in cell.tone for cell in cells) or (False,) * len(self.headers)
+
+    @property
     def choices(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
         """Filters that part the rows, each with its words in order of appearance."""
         words = [tuple(dict.fromkeys(row[place] for _, row in self.rows if row)) for place in range(len(self.filters))]

@@ -18,6 +18,8 @@ _SIDES = {"top": "top center", "right": "middle right", "left": "middle left", "
 _LEFT, _RIGHT, _BOTTOM, _ABOVE, _BAR = 54, 18, 46, 26, 92
 #: Room in px between panels, and the width in px of a plot area of two columns at its narrowest (page.js changes over below it).
 _GAP_X, _LEAST_WIDTH = 60, 620
+#: Letters of a panel's words that one line of a narrow page holds; a title beyond them stands on a line of its own.
+_MOST_LETTERS = 40
 #: Height in px of a panel on a narrow page, where all stand in one column.
 NARROW_PANEL = 220
 
@@ -42,8 +44,9 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
     direct = any(isinstance(layer, Line) and layer.direct for panel in chart.panels for layer in panel.layers)
     left = 20 if narrow and max(worded, default=0) else max(_LEFT, min(300, 14 + int(6.6 * max(worded, default=0))))
     right = (58 if direct else _RIGHT) + (_BAR - _RIGHT if maps and not narrow else 0)
-    bottom = _BOTTOM + (78 if maps and narrow else 0)
-    above = _ABOVE + (16 if any(panel.bands for panel in chart.panels) else 0)
+    bottom = _BOTTOM + (60 if maps and narrow else 0)
+    parted = narrow and any(panel.title and len(panel.title + panel.y_label) > _MOST_LETTERS for panel in chart.panels)
+    above = _ABOVE + (16 if any(panel.bands for panel in chart.panels) else 0) + (16 if parted else 0)
     gap = above + (28 if shared else _BOTTOM)
     if narrow and max(worded, default=0):
         panel_height = chart.height - above - _BOTTOM
@@ -59,7 +62,7 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
         named = not shared or index == len(chart.panels) - 1
         for heat in (layer for layer in panel.layers if isinstance(layer, HeatMap)):
             layout[f"coloraxis{index + 1 if index else ''}"] = _colour_axis(heat, narrow)
-        _add_axes(layout, panel, "" if index == 0 else str(index + 1), x_domain, y_domain, narrow, named, shared and index > 0)
+        _add_axes(layout, panel, "" if index == 0 else str(index + 1), x_domain, y_domain, narrow, named, shared and index > 0, parted)
     return layout
 
 
@@ -91,7 +94,15 @@ def _base(chart: Chart) -> dict[str, Any]:
 
 
 def _add_axes(
-    layout: dict[str, Any], panel: Panel, suffix: str, x_domain: list[float], y_domain: list[float], narrow: bool, named: bool, tied: bool
+    layout: dict[str, Any],
+    panel: Panel,
+    suffix: str,
+    x_domain: list[float],
+    y_domain: list[float],
+    narrow: bool,
+    named: bool,
+    tied: bool,
+    parted: bool,
 ) -> None:
     x_range, y_range = visible_range(panel)
     common = {
@@ -112,10 +123,10 @@ def _add_axes(
         places, words = zip(*panel.y_words, strict=True)
         y_axis |= {"tickmode": "array", "tickvals": list(places), "ticktext": list(words), "showticklabels": not narrow}
     layout[f"yaxis{suffix}"] = common | y_axis
-    _add_furniture(layout, panel, suffix, x_domain, y_domain)
+    _add_furniture(layout, panel, suffix, x_domain, y_domain, parted)
 
 
-def _add_furniture(layout: dict[str, Any], panel: Panel, suffix: str, x_domain: list[float], y_domain: list[float]) -> None:
+def _add_furniture(layout: dict[str, Any], panel: Panel, suffix: str, x_domain: list[float], y_domain: list[float], parted: bool) -> None:
     notes, shapes, across = layout["annotations"], layout["shapes"], {"xref": f"x{suffix}", "yref": f"y{suffix} domain"}
     small = {"showarrow": False, "font": {"size": 11.5, "color": theme.MUTED}}
     for band in panel.bands:
@@ -142,8 +153,9 @@ def _add_furniture(layout: dict[str, Any], panel: Panel, suffix: str, x_domain: 
             notes.append(place | words | {"showarrow": False, "xanchor": "left", "xshift": 4})
     # What stands along y is said above the panel, level: a long word up the side of a low panel would be cut off.
     place = {"xref": "paper", "yref": "paper", "x": x_domain[0], "y": y_domain[1], "xanchor": "left", "yanchor": "bottom"}
-    level = {"showarrow": False, "yshift": 20 if panel.bands else 5, "font": {"size": 12.5, "color": theme.MUTED}}
-    words = f'<b><span style="color:{theme.INK}">{_plain(panel.title)}</span></b>   ' if panel.title else ""
+    level = {"showarrow": False, "yshift": 20 if panel.bands else 5, "font": {"size": 12.5, "color": theme.MUTED}, "align": "left"}
+    parting = "<br>" if parted else "   "
+    words = f'<b><span style="color:{theme.INK}">{_plain(panel.title)}</span></b>{parting}' if panel.title else ""
     notes.append(place | level | {"text": words + _plain(panel.y_label), "xshift": -20})
 
 
