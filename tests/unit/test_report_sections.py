@@ -227,8 +227,8 @@ def test_a_sweep_answers_with_the_worst_value_and_its_speed():
     rows = {row.name: row for row in headline_rows(sweep_study())}
     assert rows["peak_spring_force"].values[0] == pytest.approx(820.0)
     assert rows["minimum_spring_force"].values[0] == pytest.approx(181.0)
-    assert rows["minimum_spring_force"].speeds[0] * 30 / np.pi == pytest.approx(8000)
-    assert rows["surge_frequency"].speeds == (None, None) and rows["float_engine_speed"].values[0] == pytest.approx(701 * 30 / np.pi)
+    assert rows["minimum_spring_force"].engine_speeds[0] * 30 / np.pi == pytest.approx(8000)
+    assert rows["surge_frequency"].engine_speeds == (None, None) and rows["float_engine_speed"].values[0] == pytest.approx(701 * 30 / np.pi)
 
 
 def test_the_five_largest_clashes_are_named_and_all_are_counted():

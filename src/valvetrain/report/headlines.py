@@ -49,14 +49,17 @@ class HeadlineColumn:
 
 @dataclass(frozen=True, slots=True)
 class HeadlineRow:
-    """One quantity over the columns: ``values`` in ``unit`` (None where not given); ``speeds`` (rad/s): where a sweep has its worst."""
+    """One quantity over the columns: ``values`` in ``unit`` (None where not given).
+
+    ``engine_speeds`` (rad/s): where a sweep has the worst value of each column, None where that does not apply.
+    """
 
     topic: str
     name: str
     words: str
     unit: str
     values: tuple[float | None, ...]
-    speeds: tuple[float | None, ...]
+    engine_speeds: tuple[float | None, ...]
 
 
 def headline_columns(study: Study) -> tuple[HeadlineColumn, ...]:

@@ -152,11 +152,11 @@ def _add_furniture(layout: dict[str, Any], panel: Panel, suffix: str, x_domain: 
             words = {"text": _plain(layer.direct), "font": {"size": 12, "color": layer.colour}}
             notes.append(place | words | {"showarrow": False, "xanchor": "left", "xshift": 4})
     # What stands along y is said above the panel, level: a long word up the side of a low panel would be cut off.
-    place = {"xref": "paper", "yref": "paper", "x": x_domain[0], "y": y_domain[1], "xanchor": "left", "yanchor": "bottom"}
-    level = {"showarrow": False, "yshift": 20 if panel.bands else 5, "font": {"size": 12.5, "color": theme.MUTED}, "align": "left"}
+    corner = {"xref": "paper", "yref": "paper", "x": x_domain[0], "y": y_domain[1], "xanchor": "left", "yanchor": "bottom", "xshift": -20}
+    head = {"showarrow": False, "yshift": 20 if panel.bands else 5, "font": {"size": 12.5, "color": theme.MUTED}, "align": "left"}
     parting = "<br>" if parted else "   "
-    words = f'<b><span style="color:{theme.INK}">{_plain(panel.title)}</span></b>{parting}' if panel.title else ""
-    notes.append(place | level | {"text": words + _plain(panel.y_label), "xshift": -20})
+    title = f'<b><span style="color:{theme.INK}">{_plain(panel.title)}</span></b>{parting}' if panel.title else ""
+    notes.append(corner | head | {"text": title + _plain(panel.y_label)})
 
 
 def _plain(words: str) -> str:
@@ -183,10 +183,10 @@ def _trace(layer: Layer) -> dict[str, Any]:
         text = words_shown if any(layer.labels) else {"mode": "markers"}
         words = {"textfont": {"size": 11.5, "color": layer.colour}, "cliponaxis": False}
         return place | {"type": "scatter", "marker": marker, **_hover(layer)} | text | words
-    words = f"%{{x:.1f}}, {layer.y_words} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
+    hover = f"%{{x:.1f}}, {layer.y_words} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
     second = {} if layer.second is None else {"customdata": packed(layer.second)}
     more = f" (%{{customdata:.4g}} {layer.second_unit})" if second else ""
-    return place | {"type": "heatmap", "z": packed(layer.z), "zsmooth": False, "hovertemplate": words + more} | second
+    return place | {"type": "heatmap", "z": packed(layer.z), "zsmooth": False, "hovertemplate": hover + more} | second
 
 
 def _colour_axis(heat: HeatMap, narrow: bool) -> dict[str, Any]:

@@ -32,7 +32,7 @@ def lead(meshes: Sequence[int]) -> str:
 
 def uncertainty_grid(rows: Sequence[Uncertainty]) -> Grid:
     """One line per quantity, grouped by engine speed."""
-    lines: list[tuple[tuple[Cell, ...], str]] = []
+    lines: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
     for speed in dict.fromkeys(row.engine_speed for row in rows):
         lines.append(((Cell("Statics and modes" if speed is None else f"Engine speed {speed_words(speed)}"),), ()))
         lines += [(_cells(row), ()) for row in rows if row.engine_speed == speed]

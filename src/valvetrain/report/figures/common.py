@@ -99,19 +99,19 @@ def angle_panels(
 ) -> list[Panel]:
     """A channel over the cam angle, one line per run, at most :data:`MOST_LINES` a panel; ``still``: a channel beside it, dashed, once."""
     known, panels, label = looks(study), [], name
-    shown = [(run, values) for run in runs if (values := over_angle(run, channel)) is not None]
+    shown = [(run, *found) for run in runs if (found := over_angle(run, channel)) is not None]
     for start in range(0, len(shown), MOST_LINES):
         layers: list[Layer] = []
         part = shown[start : start + MOST_LINES]
-        for run, (angle, values) in part:
+        for run, angle, values in part:
             unit, factor = unit_of_channel(run, channel)
             label, look = f"{name} ({unit})" if unit else name, known[run.label]
             layers.append(Line(*thin(angle, values * factor), look.words, look.colour, 1.5, look.dash))
-        slow = next(((one, run) for run, _ in part if still and (one := over_angle(run, still)) is not None), None)
-        if slow is not None:
-            layers.insert(
-                0, Line(*thin(slow[0][0], slow[0][1] * unit_of_channel(slow[1], still)[1]), still_words, theme.MUTED, 1.2, "dash")
-            )
+        beside = next((run for run, _, _ in part if still and over_angle(run, still) is not None), None)
+        slow = None if beside is None else over_angle(beside, still)
+        if beside is not None and slow is not None:
+            x, y = thin(slow[0], slow[1] * unit_of_channel(beside, still)[1])
+            layers.insert(0, Line(x, y, still_words, theme.MUTED, 1.2, "dash"))
         panels.append(Panel(ANGLE_LABEL, label, tuple(layers), title, event_bands(study), x_range=(0, 360), x_step=30))
     return panels
 

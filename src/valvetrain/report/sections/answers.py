@@ -30,13 +30,12 @@ def _card(study: Study, topic: str, rows: list[HeadlineRow]) -> Card:
     """Quantities down and runs across; turned where there are more than three runs."""
     known = looks(study)
     across = [
-        ", ".join(
-            filter(None, (known[one.label].words if one.label in known else one.label, one.engine_speed and speed_words(one.engine_speed)))
-        )
+        (known[one.label].words if one.label in known else one.label)
+        + (f", {speed_words(one.engine_speed)}" if one.engine_speed is not None else "")
         for one in headline_columns(study)
     ]
     names = [f"{row.words} ({unit_words(row.unit)})" if row.unit else row.words for row in rows]
-    values = [[_shown(value, speed) for value, speed in zip(row.values, row.speeds, strict=True)] for row in rows]
+    values = [[_shown(value, speed) for value, speed in zip(row.values, row.engine_speeds, strict=True)] for row in rows]
     if len(across) > 3:
         kept = [place for place in range(len(across)) if any(column[place] != "–" for column in values)]
         return Card(topic, tuple(names), tuple((across[place], tuple(column[place] for column in values)) for place in kept))
@@ -48,7 +47,8 @@ def _shown(value: float | None, engine_speed: float | None) -> str:
 
 
 def _clashes(study: Study) -> tuple[Block, ...]:
-    known, rows, runs = looks(study), [], 0
+    known, runs = looks(study), 0
+    rows: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
     for run in (run for label in study.labels for run in study.runs(label)) if study.command != "sweep" else ():
         found = clashes_of(run)
         if found:

@@ -144,7 +144,8 @@ def spike_chart(study: Study, runs: list[Solution], engine_speed: float, key: st
 
 def node_chart(study: Study, run: Solution, key: str) -> Chart | None:
     """Motion of the wire at the ends of coils 1 and 2, published extremes marked; None for a run without wire points."""
-    cycle, panels = reported_cycle(run), []
+    cycle = reported_cycle(run)
+    panels: list[Panel] = []
     angle = np.degrees(cycle.cam_angle)
     for channel, (word, unit, factor) in MOTIONS.items():
         layers: list[Layer] = []

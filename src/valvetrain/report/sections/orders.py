@@ -55,17 +55,17 @@ def order_chart(study: Study) -> Chart | None:
     """Bars of the dynamic force per cam order; None where no run gives them."""
     known, panels = looks(study), []
     for engine_speed in study.engine_speeds:
-        found = [(run, orders) for run in runs_at(study, engine_speed) if (orders := dynamic_orders(run)) is not None]
+        found = [(run, *given) for run in runs_at(study, engine_speed) if (given := dynamic_orders(run)) is not None]
         for start in range(0, len(found), MOST_LINES):
             part = found[start : start + MOST_LINES]
             layers: list[Layer] = []
-            for place, (run, (orders, sizes)) in enumerate(part):
+            for place, (run, orders, sizes) in enumerate(part):
                 x, y = bars(orders, sizes, place, len(part))
                 layers.append(Line(x, y, known[run.label].words, known[run.label].colour, max(2.0, 8.0 / len(part))))
-            last = max(float(orders.max()) for _, (orders, _) in part)
-            marks = {round(order, 3): words for run, _ in part for words, order in surge_orders(study, run).items() if order <= last}
+            last = max(float(orders.max()) for _, orders, _ in part)
+            marks = {round(order, 3): words for run, _, _ in part for words, order in surge_orders(study, run).items() if order <= last}
             rules = tuple(Rule("x", order, words) for order, words in list(marks.items())[:3])
-            tall = max(float(np.nanmax(sizes)) for _, (_, sizes) in part)
+            tall = max(float(np.nanmax(sizes)) for _, _, sizes in part)
             y_label, span = "dynamic spring force (N, 0 to peak)", (0.0, 1.12 * tall or 1.0)
             panels.append(
                 Panel(

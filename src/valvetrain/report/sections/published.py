@@ -79,7 +79,7 @@ def _spans(words: str, colour: str, width: float, spans: list[tuple[float, float
 
 
 def _dots(known: list[tuple[Comparison, float]], height: np.ndarray) -> list[Marks]:
-    found = []
+    found: list[Marks] = []
     beyond = np.array([not AXIS[0] <= ratio <= AXIS[1] for _, ratio in known])
     for origin in dict.fromkeys(row.origin for row, _ in known):
         _, words, colour, symbol = theme.origin_style(origin)

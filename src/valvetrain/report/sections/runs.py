@@ -19,8 +19,8 @@ def blocks(study: Study) -> tuple[Block, ...]:
     known, rows = looks(study), []
     for run in study.solutions:
         state = Cell(run.status.sentence(), "good" if run.status.completed else "bad")
-        facts = Cell(_facts({**run.provenance.options, **run.statistics}), "quiet long")
-        rows.append(((Cell(known[run.label].words), Cell(speed_words(run.engine_speed), "number"), state, facts), ()))
+        options = Cell(_facts({**run.provenance.options, **run.statistics}), "quiet long")
+        rows.append(((Cell(known[run.label].words), Cell(speed_words(run.engine_speed), "number"), state, options), ()))
     for one in study.rest:
         parts = [part.status for part in (one.curve, one.modes) if part is not None]
         ended = next((status for status in parts if not status.completed), parts[0] if parts else None)
