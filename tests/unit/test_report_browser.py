@@ -34,6 +34,8 @@ ASK = """
 <script>
 window.addEventListener("load", () => setTimeout(() => {
   document.querySelectorAll("details").forEach((part) => { part.open = true; });
+  // A loaded machine may show no frame in virtual time, so figures are asked for as for print.
+  window.dispatchEvent(new Event("beforeprint"));
   document.querySelectorAll("[role=tab]").forEach((tab) => tab.click());
   setTimeout(() => {
     seen.loaded = performance.getEntriesByType("resource").map((entry) => entry.name).filter((name) => !/^(data|blob):/.test(name));

@@ -5,8 +5,12 @@
   // Below this width (px) panels stand in one column; plotly_chart.py lays the two-column form out for no less.
   const NARROW = 700;
   const figures = new Map();
+  function isNarrow(box) {
+    // A figure behind a tab has no width yet; its section has.
+    return (box.clientWidth || box.closest("section, body").clientWidth) < NARROW;
+  }
   function layoutOf(box, content) {
-    const layout = box.clientWidth < NARROW ? content.narrow : content.layout;
+    const layout = isNarrow(box) ? content.narrow : content.layout;
     box.style.height = layout.height + "px";
     return layout;
   }
@@ -15,14 +19,14 @@
     box.dataset.drawn = "1";
     const content = JSON.parse(document.getElementById("data-" + box.dataset.chart).textContent);
     if (content.gap) { box.textContent = content.gap; box.className = "gap"; box.style.height = "auto"; return; }
-    figures.set(box, { content: content, narrow: box.clientWidth < NARROW });
+    figures.set(box, { content: content, narrow: isNarrow(box) });
     Plotly.newPlot(box, content.data, layoutOf(box, content), config);
   }
   // A page that grows or shrinks past the limit changes between one column and several.
   window.addEventListener("resize", function () {
     figures.forEach(function (known, box) {
-      if (box.clientWidth && known.narrow !== box.clientWidth < NARROW) {
-        known.narrow = box.clientWidth < NARROW;
+      if (known.narrow !== isNarrow(box)) {
+        known.narrow = isNarrow(box);
         Plotly.react(box, known.content.data, layoutOf(box, known.content), config);
       }
     });
