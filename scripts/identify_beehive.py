@@ -280,7 +280,7 @@ def predict(elements_per_coil: int, vector: np.ndarray) -> dict[str, float]:
         own = case.springs[0].with_options("finite-element", elements_per_coil=elements_per_coil)
         spring = replace(own, wire=spring_of(p), damping=replace(own.damping, stiffness_share=p["stiffness_share"]))
         case = case.replace(springs=(spring,), lift_law=LiftLawParameters("shaped", values), published=())
-        study = run_study(case, spring_models=("finite-element",), workers=1, whole=False)
+        study = run_study(case, spring_models=("finite-element",), workers=1)
     except (InputError, ValueError, np.linalg.LinAlgError, RuntimeError):
         return {}
     told = {q: value for q, value in study.quantities.items() if q.engine_speed and q.name in SPREADS}

@@ -155,8 +155,8 @@ def test_shipped_preload_and_mode_are_those_of_this_version():
 
 def test_file_says_what_the_study_says(coarse):
     content = tomllib.loads(uncertainty_file.uncertainty_text(coarse))
-    assert content.pop("case") == {"digest": coarse.record.digest, "elements_per_coil": [16, 24, 36]}
-    rows = [uncertainty_file._row(name, label, numbers) for label, table in content.items() for name, numbers in table.items()]
+    assert content["case"] == {"digest": coarse.record.digest, "elements_per_coil": [16, 24, 36]}
+    rows = uncertainty_file.rows_of(content)
     assert [row.quantity for row in rows] == [row.quantity for row in coarse.rows]
     for read, made in zip(rows, coarse.rows, strict=True):
         assert read.value == pytest.approx(made.value, rel=1e-6) and read.numerical == pytest.approx(made.numerical, rel=1e-6)

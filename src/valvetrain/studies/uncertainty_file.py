@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import resources
 from typing import Any
 
@@ -17,8 +17,12 @@ _STILL = "statics"
 
 def load_uncertainty(record: CaseRecord) -> tuple[Uncertainty, ...]:
     """Rows that ship with a library case; empty when there is none or the case is not word for word the one that was refined."""
-    tables = _content(record)
-    return tuple(_row(name, label, numbers) for label, table in tables.items() if label != "case" for name, numbers in table.items())
+    return rows_of(_content(record))
+
+
+def rows_of(content: Mapping[str, Mapping[str, Any]]) -> tuple[Uncertainty, ...]:
+    """Rows of a file's tables, whatever case they belong to."""
+    return tuple(_row(name, label, numbers) for label, table in content.items() if label != "case" for name, numbers in table.items())
 
 
 def meshes_of(record: CaseRecord) -> tuple[int, ...]:
