@@ -34,6 +34,7 @@ from valvetrain.parameters.train import (
     TrainParameters,
     TrainVariant,
     ValveParameters,
+    check_kind,
 )
 from valvetrain.parameters.train_units import Damping, Forces, Friction, Gravity, Inertia, NotNegativeMass, Pair, Torque
 
@@ -182,7 +183,7 @@ class VariantModel(StrictModel):
 class TrainModel(StrictModel):
     """The whole [train] table."""
 
-    kind: Literal["direct", "finger", "rocker", "pushrod"]
+    kind: str
     model: Literal["planar", "lumped", "single-mass"] = Field(default="planar", description="planar bodies, ratios or one mass")
     cam: CamModel
     follower: FollowerModel = FollowerModel()
@@ -204,6 +205,7 @@ class TrainModel(StrictModel):
 
     def build(self) -> TrainParameters:
         """The frozen parameters; raises a located problem."""
+        guarded(lambda: check_kind(self.kind), path=("kind",))
         parts = {
             name: guarded(part.build, path=(name,))
             for name in ("cam", "follower", "valve", "lever", "pushrod", "support", "crank", "gas")
