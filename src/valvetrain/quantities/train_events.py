@@ -104,8 +104,9 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
     for turn in range(len(runs)):
         start, length = runs[(main + turn) % len(runs)]
         window = _window(start, length, count)
-        angle, velocity = _landing(solution, start + length)
+        angle, velocity, logged = _landing(solution, start + length)
         touch: dict[str, Detail] = {"touch": turn + 1, "cause": "end of the closing flank" if turn == 0 else "end of a bounce"}
+        touch |= {"every_step": True} if logged else {}
         found.append(Event("seating", angle, _time_at(solution, angle), 0.0, velocity, "m/s", "seat", touch))
         if turn > 0:
             force, static = (float(np.mean(solution.channel(name)[window])) for name in ("retainer_force", "static_retainer_force"))
@@ -116,26 +117,31 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
     return found
 
 
-def _landing(solution: Solution, touch: int) -> tuple[float, float]:
-    """Cam angle (rad) and closing velocity (m/s) where the valve meets its seat, ``touch`` being the first sample on it.
+def _logged_touches(solution: Solution) -> list[tuple[float, float]]:
+    """Cam angle (rad) and closing velocity (m/s) of the seat's touches that the integrator saw, or an evaluation before this one kept."""
+    logged = [event for event in solution.events if event.kind == "touch" and event.details.get("interaction") == "seat"]
+    kept = [event for event in solution.events if event.kind == "seating" and event.details.get("every_step")]
+    return [(event.cam_angle, -float(event.details["gap_rate"])) for event in logged] + [(event.cam_angle, event.size) for event in kept]
+
+
+def _landing(solution: Solution, touch: int) -> tuple[float, float, bool]:
+    """Cam angle (rad) and closing velocity (m/s) where the valve meets its seat, ``touch`` being the first sample on it; whether logged.
 
     The truth is the integrator's log of contacts. Without one the valve goes on from the two samples before the touch, straight in
     velocity, to the seat: second order, and free of what the blow did to the velocity after it.
     """
     count, gap = len(solution.time), solution.channel("seat_gap" if solution.has("seat_gap") else "valve_lift")
     angle, rate = solution.cam_angle, solution.channel("valve_velocity")
-    step = float(angle[1] - angle[0])
+    step, seconds = float(angle[1] - angle[0]), float(solution.time[1] - solution.time[0])
     at = float(angle[0]) + touch * step
-    logged = [event for event in solution.events if event.kind == "touch" and event.details.get("interaction") == "seat"]
-    near = [(abs((event.cam_angle - at + np.pi) % TURN - np.pi), event) for event in logged]
-    close = min(near, key=lambda one: one[0], default=None)
-    if close is not None and close[0] < 6 * step:
-        return close[1].cam_angle, -float(close[1].details["gap_rate"])
+    near = [(abs((place - at + np.pi) % TURN - np.pi), place, velocity) for place, velocity in _logged_touches(solution)]
+    distance, place, velocity = min(near, default=(np.inf, 0.0, 0.0))
+    if distance < 6 * step:
+        return place, velocity, True
     last, before = (touch - 1) % count, (touch - 2) % count
-    speed, seconds = float(-rate[last]), float(solution.time[1] - solution.time[0])
+    speed = float(-rate[last])
     ahead = float(np.clip(gap[last] / speed, 0.0, 2 * seconds)) if speed > 0 else seconds
-    velocity = speed + float(rate[before] - rate[last]) * ahead / seconds
-    return float(angle[last]) + ahead * step / seconds, velocity
+    return float(angle[last]) + ahead * step / seconds, speed + float(rate[before] - rate[last]) * ahead / seconds, False
 
 
 def _time_at(solution: Solution, angle: float) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.frame import Frame
+from valvetrain.quantities.windows import WINDOWS
 from valvetrain.solution.comparison import Finding
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.record import PublishedValue
@@ -142,5 +143,6 @@ def _violence_note(study: Study) -> str:
 
 
 SPEC = SourceStudy(
-    "gu2021", quantities, findings=findings, notes=notes, counterparts=COUNTERPARTS, origins=ORIGINS, counted=("clash", "stage_1_peak")
-)
+    "gu2021", quantities, findings=findings, notes=notes, counterparts=COUNTERPARTS, origins=ORIGINS, counted=("clash", "stage_1_peak"),
+    window_names=dict(zip(WINDOWS, ("Stage I", "Stage II", "Stage III"), strict=True)), point_names={1.0: "node 1", 2.0: "node 2"},
+)  # fmt: skip
