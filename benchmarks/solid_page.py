@@ -35,7 +35,7 @@ so that the rod is checked against them in every test run without the solver.
     from valvetrain.springs.solid.layout import MeshOptions
     from valvetrain.springs.solid.export import write_mesh
 
-    model = SolidSpring.from_case(load_case("gu2021-beehive"), options=MeshOptions(24, 2, 1, ends="held"))
+    model = SolidSpring.from_case(load_case("gu2021-beehive"), options=MeshOptions(24, 2, 1, ends="bonded"))
     curve = model.static_curve(7e-3)            # StaticCurve, coils closing
     modes = model.modes(7e-3)                   # ModalResult about the compressed state
     write_mesh(model.mesh, "spring.vtu")        # needs meshio: pip install "valvetrain[mesh]"

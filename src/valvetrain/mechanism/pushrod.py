@@ -61,7 +61,7 @@ def build_pushrod(train: TrainParameters, law: LiftLaw, laws: dict[str, ContactL
 
 
 def _tappet_parts(train: TrainParameters, lower: str, laws: dict[str, ContactLaw]) -> tuple[list[Coordinate], list[Interaction]]:
-    """A tappet of its own between cam and pushrod; without a mass the pushrod's end rides on the cam itself."""
+    """A tappet of its own between cam and pushrod; without a mass the pushrod's end touches the cam itself."""
     follower = train.follower
     weight = follower.mass * train.gravity[1]
     tappet = Coordinate("tappet", follower.mass, force=weight, damping=follower.damping, friction=follower.friction)

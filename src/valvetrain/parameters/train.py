@@ -95,9 +95,9 @@ class LeverParameters:
     ``drive_arm`` (m): pivot to the centre of the cam pad's arc, or to the pushrod ball. ``drive_angle`` (rad): its polar direction when
     the valve is closed; None lets the base circle decide (cam-driven levers), ``drive_side`` +1 or -1 then picks one of the two
     solutions. ``valve_arm``, ``valve_angle``: pivot to the centre of the tip's arc. ``inertia`` (kg m2) about the pivot; ``mass`` (kg)
-    that rides on the support. ``stiffness`` (N/m) at the valve tip, None for rigid; ``damping`` (N s/m) likewise. ``holding_torque``
+    that moves with the support. ``stiffness`` (N/m) at the valve tip, None for rigid; ``damping`` (N s/m) likewise. ``holding_torque``
     (N m) of a hairpin spring presses the lever towards the cam or pushrod, so that it does not float in the lash. ``tip_radius`` (m) of
-    the arc that rides on the stem; only friction there asks for it.
+    the arc that touches the stem; only friction there asks for it.
     """
 
     pivot: tuple[float, float]

@@ -85,7 +85,7 @@ class LeverModel(StrictModel):
     valve_angle: Angle = Field(default=0.0, description="polar direction from the pivot to the tip, valve closed")
     drive_angle: Angle | None = Field(default=None, description="polar direction of the drive end; without it the base circle decides")
     drive_side: Literal[1, -1] = Field(default=1, description="which of the two positions on the base circle")
-    mass: NotNegativeMass = Field(default=0.0, description="that rides on the support")
+    mass: NotNegativeMass = Field(default=0.0, description="that moves with the support")
     stiffness: Stiffness | None = Field(default=None, description="at the valve tip; without it rigid")
     damping: Damping = Field(default=0.0, description="at the valve tip")
     holding_torque: Torque = Field(default=0.0, description="that presses the lever towards its drive")
