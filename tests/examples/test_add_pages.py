@@ -1,4 +1,4 @@
-"""The pages "add a ..." show code that runs: each page's file, brought by a package of its own through an entry point, does what it says."""
+"""The pages "add a ..." show code that runs: a package of its own brings each page's file by an entry point, and it does what it says."""
 
 from __future__ import annotations
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
+import numba
 from llvmlite import ir  # type: ignore[import-untyped]
-from numba import carray, cfunc, njit, types
+from numba import cfunc, njit, types
 from numba.extending import intrinsic
 
 from valvetrain.contact.kernels import WIDTH
@@ -19,7 +20,8 @@ _SIGNATURE = types.void(_POINTER, _POINTER, types.int64, types.float64, types.fl
 @cache
 def law_address(kernel: LawKernel) -> int:
     """Address in this process of the compiled ``kernel`` of a law (``contact.law.OwnLaw``), which stays compiled."""
-    compiled = kernel if hasattr(kernel, "py_func") else njit(kernel)
+    compiled: Any = kernel if hasattr(kernel, "py_func") else njit(kernel)
+    carray: Any = numba.carray  # type: ignore[attr-defined]
 
     def entry(parameters: Any, memory: Any, states: Any, pen: Any, before: Any, rate: Any, step: Any, found: Any) -> None:
         force, damping = compiled(carray(parameters, WIDTH), carray(memory, states), pen, before, rate, step)

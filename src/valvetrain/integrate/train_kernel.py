@@ -20,6 +20,7 @@ from numba import njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from valvetrain.contact.kernels import (
+    ELASTIC_LINK,
     FLORES,
     IMPACT_RATE,
     LANKARANI_NIKRAVESH,
@@ -106,23 +107,22 @@ def _gap(k, train, q, v, cam_angle, cam_speed, gradients):
 @njit(forceinline=True, **OPTIONS)
 def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extremes):
     """Fill ``scratch.gaps``: penetration, gap rate of the cam alone, rate-free force, damping coefficient."""
-    laws, law_parameters, gaps, law_state = train.laws, train.law_parameters, scratch.gaps, motion.law_state
-    for k in range(laws.shape[0]):
+    law_parameters, gaps, law_state = train.law_parameters, scratch.gaps, motion.law_state
+    for k in range(train.laws.shape[0]):
+        law = train.laws[k]
         pen, driven, rate = _gap(k, train, motion.q, motion.v, cam_angle, cam_speed, scratch.gradients)
-        gaps[k, 0], gaps[k, 1] = pen, driven
-        if laws[k] == MAXWELL_LINK or laws[k] >= OWN_LAW:
-            _remember(k, train, motion, pen, rate, elapsed, scratch)
-        elif laws[k] < 0:
-            gaps[k, 2], gaps[k, 3] = law_parameters[k, 0] * pen, law_parameters[k, 1]
-        else:
+        gaps[k, 0], gaps[k, 1], gaps[k, 2], gaps[k, 3] = pen, driven, 0.0, 0.0
+        if 0 <= law < OWN_LAW:
             impact_rate = 0.0
-            if laws[k] == LANKARANI_NIKRAVESH or laws[k] == FLORES:
+            if law == LANKARANI_NIKRAVESH or law == FLORES:
                 update_impact(law_state, train.memory_of[k], law_parameters[k, SLOWEST], pen, rate)
                 impact_rate = law_state[train.memory_of[k] + IMPACT_RATE]
             if pen > 0.0:
-                gaps[k, 2], gaps[k, 3] = law_force_and_damping(laws[k], law_parameters[k], impact_rate, pen, rate)
-            else:
-                gaps[k, 2], gaps[k, 3] = 0.0, 0.0
+                gaps[k, 2], gaps[k, 3] = law_force_and_damping(law, law_parameters[k], impact_rate, pen, rate)
+        elif law == ELASTIC_LINK:
+            gaps[k, 2], gaps[k, 3] = law_parameters[k, 0] * pen, law_parameters[k, 1]
+        else:
+            _remember(k, train, motion, pen, rate, elapsed, scratch)
         extremes[k, PEAK_PENETRATION] = max(extremes[k, PEAK_PENETRATION], pen)
 
 

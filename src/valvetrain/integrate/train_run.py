@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,6 +132,11 @@ class TrainRunner:
         """Step (s): one cycle at the nominal cam speed over a whole number of steps, or the ``fixed_step`` of a run-up."""
         return self.fixed_step or TURN / self.cam_speed / self.steps
 
+    @cached_property
+    def spring_arrays(self) -> tuple[tuple[Array, NDArray[np.int64]], ...]:
+        """Parameters and integers of every spring's kernel, which only reads them: gathered once, not at every cycle."""
+        return tuple((spring.parameters(), spring.integers()) for spring in self.springs)
+
     def initial_state(self) -> TrainState:
         """Static equilibrium at cam angle zero."""
         q = self.rest.equilibrium.copy()
@@ -146,10 +153,11 @@ class TrainRunner:
 
         arrays, new, rows = self.system.arrays, state.copy(), self.options.samples
         count, interactions = len(new.q), len(arrays.kinds)
-        kernels, states = [no_spring] * 2, [np.zeros((rows, 0))] * 2
+        kernels: list[Any] = [no_spring] * 2
+        states = [np.zeros((rows, 0))] * 2
         slots = [Slot(np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1))] * 2
-        for place, spring in enumerate(self.springs):
-            kernels[place], slots[place] = spring.kernel, Slot(spring.parameters(), spring.integers(), new.springs[place])
+        for place, (spring, (parameters, integers)) in enumerate(zip(self.springs, self.spring_arrays, strict=True)):
+            kernels[place], slots[place] = spring.kernel, Slot(parameters, integers, new.springs[place])
             states[place] = np.zeros((rows, recorded_entries(spring) if self.options.record_springs else 0))
         begin, end = self.options.window
         clock = np.array([state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step, *new.held, begin, end - begin])

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.integrate.train_tuples import ANGLE, CLOSES, LARGEST_FORCE, LARGEST_GAP, LARGEST_GAP_ANGLE, PLACE, RATE
+from valvetrain.solution.event import Event
 
 Array = NDArray[np.float64]
 
@@ -67,6 +68,18 @@ class Transitions:
                 gap[place], angle[place] = own.largest_gap[place - 1], own.largest_gap_cam_angle[place - 1]
         whole = Transitions(own.interaction, own.closes, own.cam_angle, own.gap_rate, gap, angle, own.largest_force, own.overflow)
         return whole.where(own.closes)
+
+    def touches(self, names: tuple[str, ...], cam_speed: float) -> tuple[Event, ...]:
+        """Closings of the contacts ``names`` of a PERIODIC cycle as events ``touch``: size is the closing velocity (m/s)."""
+        found = []
+        for place, name in enumerate(names):
+            own, whole = self.of(place), self.open_stretches(place)
+            opened = own.cam_angle[np.flatnonzero(own.closes) - 1]
+            for k in range(len(whole)):
+                angle, velocity = float(whole.cam_angle[k]), float(whole.gap_rate[k])
+                details = {"largest_gap": float(whole.largest_gap[k]), "release_cam_angle": float(opened[k])}
+                found.append(Event("touch", angle, angle / cam_speed, 0.0, velocity, "m/s", name, details))
+        return tuple(found)
 
     def main_closing(self, interaction: int) -> int | None:
         """Place in :meth:`open_stretches` of the closing that ends the stretch of the largest gap; None where the contact never closes."""

@@ -195,9 +195,9 @@ def _on_contour(table: Array, chi: Array, flat: bool, follower_radius: float) ->
 def _body_velocity(row: Array, rate: Array, point: Array, tangent: Array) -> Array:
     """Tangential velocity (m/s) of the follower's material at the contact point."""
     if row[0] == 0.0:
-        return rate * (row[3] * tangent[0] + row[4] * tangent[1])
+        return np.asarray(rate * (row[3] * tangent[0] + row[4] * tangent[1]))
     spin = row[5] * rate
-    return spin * (-(point[1] - row[2]) * tangent[0] + (point[0] - row[1]) * tangent[1])
+    return np.asarray(spin * (-(point[1] - row[2]) * tangent[0] + (point[0] - row[1]) * tangent[1]))
 
 
 def _pressure_root(train: TrainParameters, radius: Array) -> Array:

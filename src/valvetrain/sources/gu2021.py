@@ -124,7 +124,10 @@ def _stage_1_note(study: Study) -> str:
         told.append(f"{_rpm(run)} {abs(mean - preload):.0f} N {'below' if mean < preload else 'above'} it ({mean:.0f} N, here {own:.0f} N)")
     if not told:
         return ""
-    return f"The source prints a preload of {preload:.0f} N; the middle of its Stage I range stands at {'; '.join(told)}."
+    return (
+        f"The source prints a preload of {preload:.0f} N; the middle of its Stage I range "
+        f"stands at {'; '.join(told)}. Released from its preload a spring swings about it."
+    )
 
 
 def _violence_note(study: Study) -> str:

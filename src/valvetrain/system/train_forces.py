@@ -52,7 +52,7 @@ def law_force(system: TrainSystem, place: int, pen: float) -> float:
         return float(parameters[0] * pen)
     if law >= OWN_LAW:
         memory = np.zeros(system.mechanism.interactions[place].law.states)
-        return system.law_kernels[law - OWN_LAW](parameters, memory, pen, pen, 0.0, 0.0)[0]
+        return float(system.law_kernels[law - OWN_LAW](parameters, memory, pen, pen, 0.0, 0.0)[0])
     return float(contact_force(law, parameters, 0.0, pen, 0.0)) if pen > 0 else 0.0
 
 
