@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from synthetic_study import EVENT, SPEED, at_rest, modal_run, own_study, published_study, rod_run, sweep_study, train_run, train_study
+from valvetrain.parameters.loading import load_case
 from valvetrain.registry import find
 from valvetrain.report.build import study_page
 from valvetrain.report.chart import Chart, HeatMap, Line, Marks
