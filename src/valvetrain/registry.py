@@ -89,6 +89,14 @@ BUILT_IN["contacts"] = {
     "impact-as-printed": "valvetrain.contact.impact:AS_PRINTED",
 }
 BUILT_IN["sources"] = {key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021", "vasilyev2016", "multibody4b17")}
+#: In the order of the page: what answers first, what a paper says only after it.
+BUILT_IN["sections"] = {
+    word.replace("_", "-"): f"valvetrain.report.sections.{word}:SPEC"
+    for word in (
+        "answers", "sweep", "published", "gu2021", "uncertainty", "force", "coils", "motion", "train", "at_rest", "orders", "stress",
+        "energy", "events", "kinematics", "case", "runs", "references",
+    )
+}  # fmt: skip
 
 
 @cache

@@ -21,18 +21,29 @@ def load_uncertainty(case: Case) -> tuple[Uncertainty, ...]:
     file = resources.files("valvetrain") / "parameters" / "library" / f"{case.name}.uncertainty"
     if case.spring is None or case.lift_law is None or not file.is_file():
         return ()
-    content = tomllib.loads(file.read_text(encoding="utf-8"))
-    held = content.pop("refined", {})
+    held = tomllib.loads(file.read_text(encoding="utf-8")).get("refined", {})
     here = fingerprint(case)
     if held.keys() != here.keys() or not all(math.isclose(held[name], value, rel_tol=SAME, abs_tol=1e-12) for name, value in here.items()):
         return ()
-    content.pop("meshes", None)
-    return tuple(_row(name, label, numbers) for label, table in content.items() for name, numbers in table.items())
+    return shipped_rows(case.name)
+
+
+def shipped_rows(name: str) -> tuple[Uncertainty, ...]:
+    """Rows that ship with the library case of that name, whether or not it was changed since; empty without a file."""
+    file = resources.files("valvetrain") / "parameters" / "library" / f"{name}.uncertainty"
+    content = tomllib.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    tables = {label: table for label, table in content.items() if label not in ("refined", "meshes")}
+    return tuple(_row(quantity, label, numbers) for label, table in tables.items() for quantity, numbers in table.items())
 
 
 def meshes_of(case: Case) -> tuple[int, ...]:
     """Elements per coil of the meshes behind :func:`load_uncertainty`; empty without a file."""
-    file = resources.files("valvetrain") / "parameters" / "library" / f"{case.name}.uncertainty"
+    return shipped_meshes(case.name)
+
+
+def shipped_meshes(name: str) -> tuple[int, ...]:
+    """The same by the name of the library case."""
+    file = resources.files("valvetrain") / "parameters" / "library" / f"{name}.uncertainty"
     return tuple(tomllib.loads(file.read_text(encoding="utf-8"))["meshes"]["elements_per_coil"]) if file.is_file() else ()
 
 
