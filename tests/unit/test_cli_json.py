@@ -49,8 +49,8 @@ def outputs(tmp_path_factory):
     path = folder / "small.toml"
     path.write_text(SMALL + PUBLISHED)
     commands = {
-        "run": ("--output", str(folder / "out"), "--no-report"), "sweep": ("--engine-speed", "8000:9000:500", "--spring", "massless", "--output", str(folder / "swept")),
-       
+        "run": ("--output", str(folder / "out"), "--no-report"),
+        "sweep": ("--engine-speed", "8000:9000:500", "--spring", "massless", "--output", str(folder / "swept")),
         "static": ("--steps", "8", "--csv", str(folder / "s.csv")),
         "modes": ("--count", "6"), "check": (),
     }  # fmt: skip

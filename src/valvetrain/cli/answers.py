@@ -96,7 +96,7 @@ def _over_speeds(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence
     for name in SWEPT:
         row = known.get(name)
         if row is not None:
-            pairs = zip(row.values[first : first + len(columns)], row.speeds[first : first + len(columns)], strict=True)
+            pairs = zip(row.values[first : first + len(columns)], row.engine_speeds[first : first + len(columns)], strict=True)
             missing = "never" if name in CONTROL and trains else "–"
             still = name in NO_SPEED
             cells = [missing if value is None else _at_speed(value, None if still else speed) for value, speed in pairs]
@@ -120,7 +120,7 @@ def _by_run(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], noun
         table.columns[place].no_wrap = True
     for place, column in enumerate(columns[:BELOW]):
         speed = [] if not timed else [f"{rpm(column.engine_speed):g}" if column.engine_speed is not None else ""]
-        table.add_row(column.label, *speed, *(_at_speed(row.values[place], row.speeds[place]) for row in rows))
+        table.add_row(column.label, *speed, *(_at_speed(row.values[place], row.engine_speeds[place]) for row in rows))
     if len(columns) > BELOW:
         table.add_row(f"and {len(columns) - BELOW} more")
     return table
@@ -179,7 +179,7 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
     from valvetrain.cli.published import show_comparisons
 
     if study.comparisons:
-        console.print(f"\n{published_words(study.comparisons)}", soft_wrap=True)
+        console.print(f"\n{published_words(study.comparisons)}")
     more = [
         f"{len(found)} {noun}{'s' if len(found) > 1 else ''}"
         for found, noun in ((study.findings, "finding"), (study.notes, "note"))
