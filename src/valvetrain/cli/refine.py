@@ -114,7 +114,7 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
     from valvetrain.report.words import speed_words
     from valvetrain.solution.definition import label_of
 
-    console.print(study.case.title or study.case.name)
+    console.print(study.record.title or study.record.name)
     console.print(f"{', '.join(map(str, study.elements_per_coil))} elements per coil, step halved, contact constants varied")
     headers = ("quantity", "value", "± num.", "unit", "order", "contact stiffness", "contact damping")
     for speed in dict.fromkeys(row.engine_speed for row in study.rows):
