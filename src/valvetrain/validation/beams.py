@@ -6,8 +6,8 @@ import numpy as np
 
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.static import Equilibrium, NewtonOptions, RodStatics, TipLoads, bend_tip
-from valvetrain.studies.book.row import Row, book_case
-from valvetrain.studies.book.wires import Helix, mesh_wire, section, state_on, tube
+from valvetrain.validation.row import Row, book_case
+from valvetrain.validation.wires import Helix, mesh_wire, section, state_on, tube
 
 #: The wires of this file have lengths of 1 to 100 and loads of 1 to 1000 in units of their own.
 TIGHT = NewtonOptions(tolerance=1e-7, iterations=60)

@@ -13,7 +13,7 @@ from valvetrain.cam.modified_sine import ModifiedSine
 from valvetrain.cam.polynomial import Polynomial
 from valvetrain.contact.hunt_crossley import HuntCrossley
 from valvetrain.contact.restitution import rebound
-from valvetrain.studies.book.row import Row, book_case
+from valvetrain.validation.row import Row, book_case
 
 EVENTS = {"maximum_lift": 0.008, "opening_start": 1.0, "opening_end": 2.2, "closing_start": 2.4, "closing_end": 4.0}
 

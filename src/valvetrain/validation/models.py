@@ -12,8 +12,8 @@ from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.wave_rod import WaveRod
-from valvetrain.studies.book.row import Kind, Row, book_case
-from valvetrain.studies.book.springs import STEEL, mesh
+from valvetrain.validation.row import Kind, Row, book_case
+from valvetrain.validation.springs import STEEL, mesh
 
 RATE, PRELOAD, MASS = 30e3, 250.0, 0.05
 ABOUT = "30 N/mm, 50 g"
