@@ -247,7 +247,9 @@ _FIRST_CLASS = types.FunctionType(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ["massless", "massless-table", "chain", "wave-rod", "modal-uniform", "modal-varied-curved", "nested-rubbing"])
+@pytest.mark.parametrize(
+    "name", ["massless", "massless-table", "chain", "wave-rod", "modal-uniform", "modal-varied-curved", "nested-rubbing"]
+)
 def test_kernel_fits_a_loop_compiled_once_for_all_models(name):
     model = MODELS[name]
 

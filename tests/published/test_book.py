@@ -1,4 +1,4 @@
-"""The validation book: every row within its tolerance, and a fault in any room of the package turns a row red."""
+"""The validation book: every row within its tolerance, and a fault anywhere in the package turns a row red."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import pytest
 
 from valvetrain.citations import references
 from valvetrain.validation import beams, laws, models, springs, stresses, waves
-from valvetrain.validation.row import Row
 from valvetrain.validation.__main__ import book, main, page, run_book
+from valvetrain.validation.row import Row
 
 QUICK = [case for case in book() if not case.slow]
 

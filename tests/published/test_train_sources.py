@@ -132,7 +132,10 @@ def test_contact_is_lost_at_the_speed_of_rigid_theory_and_later_with_the_stiffer
 
 def test_a_case_changes_spring_and_contact_by_one_word():
     case = load_case("tdi-pushrod")
-    assert [member.model.word for member in build(case, spring_models=("wave-rod", "modal-uniform")).members] == ["wave-rod", "modal-uniform"]
+    assert [member.model.word for member in build(case, spring_models=("wave-rod", "modal-uniform")).members] == [
+        "wave-rod",
+        "modal-uniform",
+    ]
     flores = case.train.contact("cam").replace(law="hertz-point", values={"contact_stiffness": 3.16e9})
     changed = case.replace(train=case.train.replace(contacts={**case.train.contacts, "cam": flores}))
     (member,) = build(changed, spring_models=("massless",)).members

@@ -74,15 +74,15 @@ def drive_point_stiffness() -> list[Row]:
 def end_impact() -> list[Row]:
     """One end set in motion at v: force v sqrt(k m) there, twice that where the wave meets the fixed end."""
     rod, stiffness, mass = _long_spring()
-    speed, travel = 1.0, np.sqrt(mass / stiffness)
+    velocity, travel = 1.0, np.sqrt(mass / stiffness)
     rise = 0.15 * travel
 
-    def motion(time: np.ndarray) -> np.ndarray:
+    def motion(time: Array) -> Array:
         phase = np.clip(time / rise, 0, 1)
-        return speed * np.where(time < rise, rise * (phase**3 - phase**4 / 2), time - rise / 2)
+        return np.asarray(velocity * np.where(time < rise, rise * (phase**3 - phase**4 / 2), time - rise / 2))
 
     run = simulate(rod, free_state(rod), motion, travel / 200, 400, RodDynamics(mass_damping=1e-9))
-    force = speed * np.sqrt(stiffness * mass)
+    force = velocity * np.sqrt(stiffness * mass)
     time = run.time / travel
     driven = float(run.retainer_force[(time > 0.4) & (time < 1.6)].mean())
     fixed = float(run.seat_force[(time > 1.4) & (time < 1.95)].mean())
