@@ -11,12 +11,16 @@ import pytest
 from valvetrain.cosserat.static import compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Constant
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.quantities.stress import SHEAR, StaticStress, stress_quantities
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.frame import Frame
+from valvetrain.quantities.stress import SHEAR, stress_quantities
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
+from valvetrain.solution.static import SpringAtRest, StaticStress
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import static_section_loads, wire_points
 from valvetrain.springs.stress import CURVATURE_FACTORS, LOADS, bending_stress_factor, shear_stress_factor, wire_stress, with_stress
@@ -125,8 +129,10 @@ def test_peak_amplitude_and_mean_are_found_where_they_are() -> None:
     base = wire_stress(unit, spring, coil[:1])[SHEAR][0, 0]
     swing = np.stack([np.full(360, 1.0), 2 + np.cos(angle - 1.0), 4 + 0.5 * np.cos(angle)], axis=1)
     run = with_stress(run_with(-swing, coil), spring)
-    static = StaticStress(np.array([0.0, 1.0]), coil, base * np.array([[0.0, 0, 0], [2.0, 2, 2]]), np.zeros((2, 3)))
-    found = stress_quantities(run, static, precompression=1.0)
+    static = StaticStress(np.array([0.0, 1e-3]), coil, base * np.array([[0.0, 0, 0], [2.0, 2, 2]]), np.zeros((2, 3)))
+    installed = InstalledSpring(wire=spring, precompression=1e-3)
+    rest = SpringAtRest(spring.name, "finite-element", installed.precompression, stress=static)
+    found = stress_quantities(reported_cycle(run), Frame((installed,), (rest,)))
     assert found["peak_shear_stress"] == pytest.approx(4.5 * base) and found["peak_shear_stress_coil_number"] == 4.0
     assert found["largest_amplitude_shear_stress"] == pytest.approx(base, rel=1e-4) and found["largest_amplitude_coil_number"] == 3.5
     assert found["largest_amplitude_mean_shear_stress"] == pytest.approx(2 * base, rel=1e-4)
