@@ -14,8 +14,9 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.own import timed
 from benchmarks.rows import Row
-from valvetrain.integrate.train_kernel import _gaps_and_laws
+from valvetrain.integrate.train_kernel import gaps_and_laws, scratch_of
 from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_tuples import Motion
 from valvetrain.parameters.loading import load_case
 from valvetrain.system.build_train import build_train
 
@@ -23,19 +24,18 @@ CASE, CYCLES = "tdi-pushrod", 20
 
 
 @njit(error_model="numpy", _nrt=False)
-def _slope(
-    time_now, y, cam_speed, kinds, index, table_of, laws, geometry, law_parameters, tables, body, chain, retainer, room, gradients, totals,
-    out,
-):  # fmt: skip
+def _slope(time_now, y, cam_speed, train, memory, chain, scratch, extremes, out):
     """Accelerations of train and spring chain; ``y`` = positions, then velocities, the chain's inner masses last."""
+    index, body, retainer, room, gradients = train.coordinate_of, train.body, train.retainer, scratch.gaps, scratch.gradients
     count, inner = body.shape[0], (chain.shape[0] - 1)
     total = count + inner
     q, v = y[:total], y[total:]
     angle = cam_speed * time_now
-    _gaps_and_laws(kinds, index, table_of, laws, geometry, law_parameters, tables, q, v, angle, cam_speed, room, gradients, totals)
+    motion = Motion(q, v, memory[0], memory[1], memory[2], memory[1], memory[2])
+    gaps_and_laws(train, motion, angle, cam_speed, 0.0, scratch, extremes)
     for i in range(count):
         out[total + i] = body[i, 1]
-    for k in range(kinds.shape[0]):
+    for k in range(index.shape[0]):
         rate = room[k, 1]
         for slot in range(4):
             if index[k, slot] >= 0:
@@ -71,14 +71,12 @@ def right_hand_side(system, cam_speed: float, slope=_slope):
     chain[:, 0], chain[:-1, 1] = layout.stiffness, layout.masses
     chain[0, 2:] = spring.precompression, spring.mass_damping, spring.stiffness_damping
     interactions, inner = len(arrays.kinds), len(layout.masses)
-    room, gradients, totals = np.zeros((interactions, 4)), np.zeros((interactions, 4)), np.zeros(4 + 2 * interactions)
+    scratch, extremes = scratch_of(interactions, count), np.zeros((interactions, 5))
+    memory = np.zeros(arrays.memory_of[-1]), np.zeros(0, dtype=np.int64), np.zeros(5)
 
     def function(time_now, y):
         out = np.empty(2 * (count + inner))
-        slope(
-            time_now, y, cam_speed, arrays.kinds, arrays.index, arrays.table_of, arrays.laws, arrays.geometry, arrays.law_parameters,
-            arrays.tables, arrays.body, chain, arrays.retainer, room, gradients, totals, out,
-        )  # fmt: skip
+        slope(time_now, y, cam_speed, arrays, memory, chain, scratch, extremes, out)
         return out
 
     run = runner(system, cam_speed, TrainOptions())

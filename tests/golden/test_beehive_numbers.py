@@ -1,8 +1,8 @@
 """Golden: the headline numbers of the main job as this version gives them; a change here is a breaking change (CHANGELOG).
 
-The numbers and their tolerances are those of the earlier pipeline; what changed is names alone. A run is found by its label, which is the word
-of its spring model. The modal model's stages are those of the channel ``seat_force_as_printed`` (equation 5 of gu2021 letter by letter),
-which was its ``seat_force`` before; ``seat_force`` now has the signs of the wave equation, as every other model.
+The numbers and their tolerances are those of the earlier pipeline; what changed is names alone. A run is found by its label, which is
+the word of its spring model. The modal model's stages are those of the channel ``seat_force_as_printed`` (equation 5 of gu2021 letter by
+letter), which was its ``seat_force`` before; ``seat_force`` now has the signs of the wave equation, as every other model.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ def mass_on(law, mass=0.1, force=0.0) -> TrainSystem:
 def integrate_in_time(built, position, velocity, duration, steps):
     """State after ``duration`` from rest-frame values, the half-step velocity taken as given."""
     ready = runner(built, 2 * np.pi / duration, TrainOptions(samples=steps, time_step=duration / steps))
-    start = TrainState(np.array([position]), np.array([velocity]), (), built.arrays.law_parameters.copy(), np.zeros(5))
+    start = TrainState(np.array([position]), np.array([velocity]), (), np.zeros(built.arrays.memory_of[-1]), np.zeros(5))
     return ready, *ready.cycle(start)
 
 

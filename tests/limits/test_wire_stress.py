@@ -129,10 +129,11 @@ def test_peak_amplitude_and_mean_are_found_where_they_are() -> None:
     base = wire_stress(unit, spring, coil[:1])[SHEAR][0, 0]
     swing = np.stack([np.full(360, 1.0), 2 + np.cos(angle - 1.0), 4 + 0.5 * np.cos(angle)], axis=1)
     run = with_stress(run_with(-swing, coil), spring)
-    static = StaticStress(np.array([0.0, 1e-3]), coil, base * np.array([[0.0, 0, 0], [2.0, 2, 2]]), np.zeros((2, 3)))
-    installed = InstalledSpring(wire=spring, precompression=1e-3)
-    rest = SpringAtRest(spring.name, "finite-element", installed.precompression, stress=static)
-    found = stress_quantities(reported_cycle(run), Frame((installed,), (rest,)))
+    static = StaticStress(np.array([0.0, 2e-3]), coil, base * np.array([[0.0, 0, 0], [2.0, 2, 2]]), np.zeros((2, 3)))
+    installed = InstalledSpring(wire=spring, precompression=2e-3)
+    frame = Frame((installed,), (SpringAtRest(installed.name, "finite-element", 2e-3, stress=static),))
+    found = stress_quantities(reported_cycle(run), frame)
+    assert found == stress_quantities(reported_cycle(run_with(-swing, coil)), frame)  # channels and section loads alike
     assert found["peak_shear_stress"] == pytest.approx(4.5 * base) and found["peak_shear_stress_coil_number"] == 4.0
     assert found["largest_amplitude_shear_stress"] == pytest.approx(base, rel=1e-4) and found["largest_amplitude_coil_number"] == 3.5
     assert found["largest_amplitude_mean_shear_stress"] == pytest.approx(2 * base, rel=1e-4)

@@ -6,13 +6,15 @@ from functools import cache
 
 import numpy as np
 import pytest
+from valvetrain.studies.spring_runs import run_finite_element
 
+from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.event import find_lift_event
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.main_clash import IMPULSE_TIME, find_clash_window, main_clash_quantities
 from valvetrain.solution.provenance import Provenance
 from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.studies.spring_runs import run_finite_element
 from valvetrain.studies.uncertainty_file import load_uncertainty
 
 RPM = 2 * np.pi / 60
@@ -31,7 +33,9 @@ def clash(name: str, rpm: float, per_coil: int) -> dict[str, float]:
         return reported_cycle(run_finite_element(case, model, rpm * RPM, Provenance(name, model.name, engine_speed=rpm * RPM)))
 
     reference = cycle(24)
-    window = find_clash_window(reference, SURGE[name])
+    event = find_lift_event(build_lift_law(case.lift_law), case.lift_law)
+    assert event is not None
+    window = find_clash_window(reference, SURGE[name], event)
     assert window is not None
     return main_clash_quantities(reference if per_coil == 24 else cycle(per_coil), window)
 

@@ -15,7 +15,7 @@ from valvetrain.contact.hertz_line import HertzLine
 from valvetrain.contact.hertz_point import HertzPoint
 from valvetrain.contact.hunt_crossley import HuntCrossley
 from valvetrain.contact.impact import ImpactAsPrinted, ImpactContact
-from valvetrain.contact.kernels import contact_force, update_impact
+from valvetrain.contact.kernels import IMPACT_RATE, SLOWEST, contact_force, update_impact
 from valvetrain.contact.lankarani_nikravesh import LankaraniNikravesh
 from valvetrain.contact.linear import LinearContact
 from valvetrain.contact.restitution import damping_number, rebound
@@ -25,13 +25,15 @@ from valvetrain.contact.restitution import damping_number, rebound
 def _drop(code, parameters, mass, speed, step):
     """Free impact by classical Runge-Kutta; returns rebound speed, greatest depth, duration, greatest force."""
     depth, rate, time, deepest, peak = 0.0, speed, 0.0, 0.0, 0.0
-    update_impact(parameters, 1e-15, speed)
+    memory = np.zeros(2)
+    update_impact(memory, 0, parameters[SLOWEST], 1e-15, speed)
+    impact = memory[IMPACT_RATE]
     for _ in range(10_000_000):
-        force = contact_force(code, parameters, depth, rate)
+        force = contact_force(code, parameters, impact, depth, rate)
         k1 = -force / mass
-        k2 = -contact_force(code, parameters, depth + step / 2 * rate, rate + step / 2 * k1) / mass
-        k3 = -contact_force(code, parameters, depth + step / 2 * (rate + step / 2 * k1), rate + step / 2 * k2) / mass
-        k4 = -contact_force(code, parameters, depth + step * (rate + step / 2 * k2), rate + step * k3) / mass
+        k2 = -contact_force(code, parameters, impact, depth + step / 2 * rate, rate + step / 2 * k1) / mass
+        k3 = -contact_force(code, parameters, impact, depth + step / 2 * (rate + step / 2 * k1), rate + step / 2 * k2) / mass
+        k4 = -contact_force(code, parameters, impact, depth + step * (rate + step / 2 * k2), rate + step * k3) / mass
         depth += step * (rate + step / 6 * (k1 + k2 + k3))
         rate += step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
         time += step

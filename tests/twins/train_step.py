@@ -25,9 +25,9 @@ def integrate_in_time(runner, state, steps):
             if arrays.laws[k] < 0:
                 forces[k], damping[k] = row[0] * pen, row[1]
             elif pen > 0:
-                forces[k] = contact_force(arrays.laws[k], row, pen, 0.0)
+                forces[k] = contact_force(arrays.laws[k], row, 0.0, pen, 0.0)
                 closing = max(abs(rate), 1e-9)
-                damping[k] = (contact_force(arrays.laws[k], row, pen, closing) - forces[k]) / closing
+                damping[k] = (contact_force(arrays.laws[k], row, 0.0, pen, closing) - forces[k]) / closing
         total = arrays.body[:, 1] - forces @ gradients
         total[arrays.retainer] -= system.spring_force(float(q[arrays.retainer]))
         v = v + h * total / mass

@@ -7,12 +7,13 @@ import pytest
 
 from synthetic_spring import EVENT, bump, clashing_run, run
 from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.event import find_lift_event
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.frame import Frame
-from valvetrain.quantities.windows import WINDOWS, find_lift_event, is_covered, window_bounds
+from valvetrain.quantities.windows import WINDOWS, is_covered, window_bounds
 from valvetrain.solution.study import LiftEvent
 from valvetrain.sources.gu2021_stages import stage_quantities
 

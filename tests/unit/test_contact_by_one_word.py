@@ -72,8 +72,9 @@ def test_units_of_no_law_are_refused(change, words):
 
 @pytest.mark.parametrize(("name", "springs"), [("vaz-ohc", "nested-cards"), ("tdi-pushrod", "stock")])
 def test_every_law_runs_in_both_trains_by_one_word(name, springs):
-    from valvetrain.integrate.train_run import TrainOptions
     from valvetrain.studies.train_study import run_train
+
+    from valvetrain.integrate.train_run import TrainOptions
 
     places = load_case(name).train.contacts
     peaks = {}

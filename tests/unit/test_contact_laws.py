@@ -48,8 +48,7 @@ def test_kernel_equals_the_law(name, depth, rate, impact_rate):
     assert isinstance(law, ContactLaw)
     row = law.parameters()
     assert row.shape == (kernels.WIDTH,)
-    row[kernels.IMPACT_RATE] = impact_rate
-    force = kernels.contact_force(law.code, row, depth, rate)
+    force = kernels.contact_force(law.code, row, impact_rate, depth, rate)
     assert force == pytest.approx(float(law.force(depth, rate, impact_rate)), rel=1e-12, abs=1e-12)
     assert force >= 0 and (depth > 0 or force == 0)
     assert float(law.dissipated_power(depth, rate, impact_rate)) >= -1e-12
@@ -66,12 +65,14 @@ def test_tangent_equals_finite_difference(name):
 
 
 def test_impact_memory_holds_the_greatest_rate_since_touch():
-    row = EXAMPLES["flores"].parameters()
+    law, memory = EXAMPLES["flores"], np.zeros(3)
+    assert law.states == 2 and EXAMPLES["linear"].states == 0
     story = [(-1e-6, 0.9, 0.0), (1e-7, 0.5, 0.5), (1e-6, 0.3, 0.5), (1e-6, -0.7, 0.7), (-1e-9, -0.4, 0.0), (1e-9, 0.0, 1e-3)]
     for depth, rate, expected in story:
-        kernels.update_impact(row, depth, rate)
-        assert row[kernels.IMPACT_RATE] == expected
-        assert row[kernels.TOUCHING] == (depth > 0)
+        kernels.update_impact(memory, 1, law.parameters()[kernels.SLOWEST], depth, rate)
+        assert memory[1 + kernels.IMPACT_RATE] == expected
+        assert memory[1 + kernels.TOUCHING] == (depth > 0)
+    assert memory[0] == 0.0  # the place of another interaction
 
 
 def test_impact_law_reproduces_the_figures_of_its_source():

@@ -6,16 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from valvetrain.quantities.study import SpringStudy
+from valvetrain.studies.spring_study import run_spring_study
 
 from synthetic_study import study as synthetic
 from valvetrain.parameters.loading import load_case
-from valvetrain.quantities.study import SpringStudy
 from valvetrain.report.figures import stress
 from valvetrain.report.page import Figure, Grid
 from valvetrain.report.stress_section import stress_blocks
 from valvetrain.report.uncertainty_section import uncertainty_blocks, uncertainty_table
 from valvetrain.solution.quantity import Quantity
-from valvetrain.studies.spring_study import run_spring_study
 from valvetrain.studies.uncertainty_file import load_uncertainty
 
 SPEED = 8000 * 2 * np.pi / 60

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from unit.cli_parts import CODE, SMALL, call, process_environment, sentence
-from valvetrain.quantities.spring_comparison import ModelStatics, differences, match_modes
+from valvetrain.quantities.spring_comparison import differences, match_modes
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
-from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.static import SpringAtRest, StaticCurve
 
 ALL = ("--springs", "finite-element,modal-varied,solid")
 COARSE = ("--solid-elements-per-coil", "6")
@@ -58,15 +58,15 @@ def test_modes_of_unlike_shape_are_no_pair():
 
 
 def test_differences_are_those_of_the_inputs():
-    solid = ModelStatics("solid", straight(50e3, 2.2e-3, 12), modes([500.0], [(1, 2)]))
-    rod = ModelStatics("finite-element", straight(51e3, 2.2e-3, 34), modes([495.0], [(1, 2)]))
+    solid = SpringAtRest("spring", "solid", curve=straight(50e3, 2.2e-3, 12), modes=modes([500.0], [(1, 2)]))
+    rod = SpringAtRest("spring", "finite-element", curve=straight(51e3, 2.2e-3, 34), modes=modes([495.0], [(1, 2)]))
     rows = differences((solid, rod), 2e-3)
     assert [row.quantity for row in rows] == ["force"] * 5 + ["mean stiffness", "natural frequency"]
     assert rows[3].place == pytest.approx(2e-3) and rows[3].values["solid"] == pytest.approx(100.0)
     assert [row.relative("finite-element", "solid") for row in rows] == pytest.approx([0.02] * 6 + [-0.01])
     assert rows[-1].axial == 1 and rows[-1].relative("modal-varied", "solid") is None
     # Beyond the end of a curve nothing is compared.
-    short = ModelStatics("finite-element", straight(51e3, 1e-3, 34), modes([495.0], [(1, 2)]))
+    short = SpringAtRest("spring", "finite-element", curve=straight(51e3, 1e-3, 34), modes=modes([495.0], [(1, 2)]))
     assert "finite-element" not in differences((solid, short), 2e-3)[4].values
 
 

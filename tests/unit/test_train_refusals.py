@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from valvetrain.system.build_train import build_train
 
 from train_parts import LAW, STIFF, contacts, direct, finger, pushrod, rocker, system
 from valvetrain.errors import InputError
@@ -23,7 +24,6 @@ from valvetrain.parameters.train import (
     ValveParameters,
 )
 from valvetrain.springs.massless import MasslessSpring
-from valvetrain.system.build_train import build_train
 
 ROUGH = ContactParameters("linear", STIFF.values, 0.1)
 

@@ -1,4 +1,4 @@
-"""Uncertainty: the convergence formulas on made-up series, a coarse job, the main clash of a made-up force, the file that ships."""
+"""Uncertainty: the convergence formulas on made-up series, a coarse job, the file that ships."""
 
 from __future__ import annotations
 
@@ -6,20 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from valvetrain.studies.spring_runs import run_finite_element
 
-from synthetic_study import rod_run
+from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.event import find_lift_event
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
-from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.evaluate import run_quantities
-from valvetrain.quantities.main_clash import IMPULSE_TIME, find_clash_window, main_clash_quantities
-from valvetrain.quantities.stages import stages_of
+from valvetrain.quantities.evaluate import evaluate
+from valvetrain.quantities.frame import Frame
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import Quantity
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.studies import uncertainty_file
 from valvetrain.studies.grid_convergence import DECLARED_ORDER, grid_convergence, observed_order
-from valvetrain.studies.spring_runs import run_finite_element
 from valvetrain.studies.uncertainty import UncertaintyStudy, uncertainty_study
 
 RPM = 2 * np.pi / 60
@@ -91,8 +90,8 @@ def test_stated_uncertainty_covers_what_a_finer_mesh_changes(coarse):
     case = coarse.case
     model = FiniteElementRod.from_case(case, elements_per_coil=64)
     run = run_finite_element(case, model, 3000 * RPM, Provenance("job-t", model.name, engine_speed=3000 * RPM))
-    stages = stages_of(case.lift_law)
-    fine = {key.name: value for key, value in run_quantities(run, stages=stages).items()} | {"preload": model.installed.retainer_force}
+    frame = Frame(lift_event=find_lift_event(build_lift_law(case.lift_law), case.lift_law), source="gu2021")
+    fine = {**evaluate(run, frame).quantities, "preload": model.installed.retainer_force}
     rows = {row.quantity: row for row in coarse.rows}
     for name in ("preload", "stage_2_peak_force", "stage_3_peak_force", "stage_3_below_10_khz_peak_force"):
         assert 0.5 * rows[name].numerical < abs(fine[name] - rows[name].value) <= rows[name].numerical, name
@@ -115,21 +114,6 @@ def test_stiffer_contact_clashes_harder():
     assert soft < own < stiff
     row = next(row for row in study.rows if row.quantity == "main_clash_peak_force")
     assert row.contact_stiffness == (soft, stiff)
-
-
-def test_main_clash_of_a_made_up_force():
-    """A bump of 400 N over 3 degrees at 250: angle, height and the impulse within 0.1 ms are those of the formula."""
-    run = rod_run(samples=2880)
-    cycle = reported_cycle(run)
-    window = find_clash_window(cycle, 600.0)
-    assert window is not None and window.first < np.radians(250.0) < window.last
-    found = main_clash_quantities(cycle, window)
-    assert np.degrees(found["main_clash_cam_angle"]) == pytest.approx(250.0, abs=0.02)
-    assert found["main_clash_peak_force"] == pytest.approx(700.0, abs=0.5)
-    fine, angle = run.channel("seat_force_fine"), run.cam_angle[:, None] + np.arange(4) * np.pi / 2 / 2880
-    time = angle.ravel() / (run.engine_speed / 2)
-    here = np.abs(time - (2 * np.pi + np.radians(250.0)) / (run.engine_speed / 2)) <= IMPULSE_TIME
-    assert found["main_clash_impulse"] == pytest.approx(np.trapezoid(fine.ravel()[here] - 300.0, time[here]), rel=0.02)
 
 
 def test_shipped_file_belongs_to_its_case_and_to_no_other():

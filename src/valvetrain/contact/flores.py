@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from pydantic import Field
 
@@ -25,6 +26,7 @@ class Flores(DampedPower):
     restitution: float
     exponent: float = 1.5
     name: str = "flores"
+    states: ClassVar[int] = 2
 
     def __post_init__(self) -> None:
         require_positive(self.name, contact_stiffness=self.contact_stiffness)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,6 +43,7 @@ class ImpactContact:
     full_damping_depth: float
     exponent: float = 1.5
     name: str = "impact"
+    states: ClassVar[int] = 0
 
     def __post_init__(self) -> None:
         require_positive(self.name, contact_stiffness=self.contact_stiffness, full_damping_depth=self.full_damping_depth)
@@ -95,6 +97,7 @@ class ImpactAsPrinted:
     full_damping_depth: float
     exponent: float = 1.5
     name: str = "impact-as-printed"
+    states: ClassVar[int] = 0
 
     def __post_init__(self) -> None:
         self.physical()

@@ -1,16 +1,16 @@
-"""Compiled contact laws: one function evaluates any law from its code and parameter row.
+"""Compiled laws: one function evaluates any contact law from its code, its parameter row and what it remembers.
 
-Row of ``WIDTH`` float64 per contact (SI)::
+Row of ``WIDTH`` float64 per law (SI)::
 
-    0 STIFFNESS   N/m**exponent        4 DEPTH         m, penetration of full damping (IMPACT)
-    1 EXPONENT    -                    5 SLOWEST       m/s, floor of the impact rate (restitution laws)
-    2 DAMPING     law's own unit       6 IMPACT_RATE   m/s, MEMORY: greatest rate since first touch
-    3 RESTITUTION -                    7 TOUCHING      MEMORY: 1 while touching, else 0
+    0 STIFFNESS   N/m**exponent        3 RESTITUTION -
+    1 EXPONENT    -                    4 DEPTH       m, penetration of full damping (IMPACT)
+    2 DAMPING     law's own unit       5 SLOWEST     m/s, floor of the impact rate (restitution laws)
 
-Slots 6 and 7 are the only memory of a contact; laws that need them (Lankarani-Nikravesh, Flores) want
-:func:`update_impact` called once per step before :func:`contact_force`. A train copies the rows into its state.
-In a free impact the greatest rate since first touch IS the approach velocity of the papers; in a lasting contact under
-outer forces it keeps the damping factor bounded, where a fixed tiny approach velocity would cut the force off.
+Memory stands apart from the parameters: a law declares its number of ``states`` and a train gives it as many places of one flat array.
+Lankarani-Nikravesh and Flores remember IMPACT_RATE (m/s, greatest rate since first touch) and TOUCHING (1 while touching); they want
+:func:`update_impact` once per step before :func:`contact_force`. In a free impact the greatest rate since first touch IS the approach
+velocity of the papers; in a lasting contact under outer forces it keeps the damping factor bounded, where a fixed tiny approach
+velocity would cut the force off. A Maxwell link remembers the force of its branch (N), see :func:`maxwell_force`.
 """
 
 from __future__ import annotations
@@ -20,9 +20,16 @@ import math
 from numba import njit
 
 WIDTH = 8
-STIFFNESS, EXPONENT, DAMPING, RESTITUTION, DEPTH, SLOWEST, IMPACT_RATE, TOUCHING = range(WIDTH)
+STIFFNESS, EXPONENT, DAMPING, RESTITUTION, DEPTH, SLOWEST = range(6)
+IMPACT_RATE, TOUCHING = range(2)
 
 LINEAR, POWER, HUNT_CROSSLEY, LANKARANI_NIKRAVESH, FLORES, IMPACT, IMPACT_AS_PRINTED = range(7)
+
+ELASTIC_LINK, MAXWELL_LINK = -1, -2
+"""Codes below zero: links, which pull as well as they push."""
+
+OWN_LAW = 100
+"""Code of a law that brings its own compiled ``kernel`` (``contact.law.OwnLaw``)."""
 
 
 @njit(cache=True, inline="always")
@@ -35,22 +42,37 @@ def _power(depth, exponent):
 
 
 @njit(cache=True)
-def update_impact(parameters, penetration, penetration_rate):
-    """Keep the memory slots of one contact row: first touch, then the greatest rate since."""
+def update_impact(memory, place, slowest, penetration, penetration_rate):
+    """Keep the two numbers from ``place`` on in ``memory``: first touch, then the greatest rate since (at least ``slowest``, m/s)."""
     if penetration <= 0.0:
-        parameters[TOUCHING] = 0.0
-        parameters[IMPACT_RATE] = 0.0
+        memory[place + TOUCHING] = 0.0
+        memory[place + IMPACT_RATE] = 0.0
         return
-    if parameters[TOUCHING] == 0.0:
-        parameters[TOUCHING] = 1.0
-        parameters[IMPACT_RATE] = parameters[SLOWEST]
-    if abs(penetration_rate) > parameters[IMPACT_RATE]:
-        parameters[IMPACT_RATE] = abs(penetration_rate)
+    if memory[place + TOUCHING] == 0.0:
+        memory[place + TOUCHING] = 1.0
+        memory[place + IMPACT_RATE] = slowest
+    if abs(penetration_rate) > memory[place + IMPACT_RATE]:
+        memory[place + IMPACT_RATE] = abs(penetration_rate)
 
 
 @njit(cache=True)
-def contact_force(code, parameters, penetration, penetration_rate):
-    """Normal force (N, compressive positive, never adhesive) of law ``code`` at a penetration (m) and its rate (m/s)."""
+def maxwell_force(branch_stiffness, branch_damping, force, stretched, elapsed):
+    """Force (N) of a spring and a damper in series after ``elapsed`` (s) in which the pair was stretched evenly by ``stretched`` (m).
+
+    Exact for that stretching: f' = k x' - f k / c. ``force`` (N): before it.
+    """
+    if elapsed <= 0.0:
+        return force
+    share = elapsed * branch_stiffness / branch_damping
+    return force * math.exp(-share) - branch_stiffness * stretched * math.expm1(-share) / share
+
+
+@njit(cache=True)
+def contact_force(code, parameters, impact_rate, penetration, penetration_rate):
+    """Normal force (N, compressive positive, never adhesive) of law ``code`` at a penetration (m) and its rate (m/s).
+
+    ``impact_rate`` (m/s): what the restitution laws remember; ignored by all others.
+    """
     if penetration <= 0.0:
         return 0.0
     stiffness = parameters[STIFFNESS]
@@ -68,7 +90,7 @@ def contact_force(code, parameters, penetration, penetration_rate):
     if code == HUNT_CROSSLEY:
         factor = parameters[DAMPING]
     else:
-        rate = max(parameters[IMPACT_RATE], parameters[SLOWEST])
+        rate = max(impact_rate, parameters[SLOWEST])
         restitution = parameters[RESTITUTION]
         if code == LANKARANI_NIKRAVESH:
             factor = 0.75 * (1.0 - restitution * restitution) / rate

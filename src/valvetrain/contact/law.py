@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -18,7 +19,8 @@ class ContactLaw(Protocol):
     """Penetration (m, positive when overlapping) and its rate (m/s, positive when closing) -> force. Vectorised.
 
     ``code`` and ``parameters()`` (shape (8,), see ``contact.kernels``) let the compiled ``contact_force`` evaluate the law.
-    ``impact_rate`` (m/s) is the approach velocity, wanted by the restitution laws and ignored by all others.
+    ``states``: how many numbers it remembers from step to step, zero at rest. ``impact_rate`` (m/s) is the approach velocity, wanted by
+    the restitution laws and ignored by all others.
     """
 
     @property
@@ -26,6 +28,9 @@ class ContactLaw(Protocol):
 
     @property
     def code(self) -> int: ...
+
+    @property
+    def states(self) -> int: ...
 
     def parameters(self) -> Array: ...
 
@@ -46,8 +51,26 @@ class ContactLaw(Protocol):
         ...
 
 
+LawKernel = Callable[[Array, Array, float, float, float, float], tuple[float, float]]
+"""``kernel(parameters, memory, penetration, previous_penetration, penetration_rate, time_step) -> (force, damping)``."""
+
+
+@runtime_checkable
+class OwnLaw(ContactLaw, Protocol):
+    """A contact law with a compiled ``kernel`` of its own; its ``code`` is ``kernels.OWN_LAW``.
+
+    The kernel (``numba.njit``) gets the row of ``parameters()``, its ``states`` numbers of memory, the penetration (m) now and one step
+    before, the rate (m/s) and the step (s); it brings its memory to now in place and returns the force (N, never negative) that needs no
+    rate and the damping coefficient (N s/m, not negative) of what does. It is called at every step, open gaps included; with
+    ``time_step`` zero the memory must stay as it is.
+    """
+
+    @property
+    def kernel(self) -> LawKernel: ...
+
+
 def row(stiffness: float, exponent: float = 1.0, damping: float = 0.0, restitution: float = 1.0, depth: float = 1.0) -> Array:
-    """Parameter row of ``contact.kernels`` with empty memory."""
+    """Parameter row (8,) of ``contact.kernels``; the last two columns are free."""
     return np.array([stiffness, exponent, damping, restitution, depth, SLOWEST_IMPACT, 0.0, 0.0])
 
 

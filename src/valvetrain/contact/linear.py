@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +22,7 @@ class LinearContact:
     contact_stiffness: float
     damping: float = 0.0
     name: str = "linear"
+    states: ClassVar[int] = 0
 
     def __post_init__(self) -> None:
         require_positive(self.name, contact_stiffness=self.contact_stiffness)

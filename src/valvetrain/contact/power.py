@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -15,6 +17,9 @@ class DampedPower:
     """
 
     __slots__ = ()
+
+    #: Numbers that the law remembers from step to step.
+    states: ClassVar[int] = 0
 
     contact_stiffness: float
     exponent: float

@@ -44,7 +44,7 @@ class Harmonic:
         around = np.append(solved.cam_angle, 2 * np.pi)
 
         def at(values: NDArray[np.float64]) -> NDArray[np.float64]:
-            return np.interp(angle, around, np.append(values, values[0]))
+            return np.asarray(np.interp(angle, around, np.append(values, values[0])))
 
         values = {
             "valve_lift": system.valve_lift.lift(angle), "retainer_velocity": cam_speed * system.valve_lift.lift(angle, 1),
@@ -53,7 +53,9 @@ class Harmonic:
             "retainer_force": at(solved.retainer_force), "modal_coordinate": np.stack([at(g) for g in solved.modal_coordinates], axis=1),
         }  # fmt: skip
         channels = spring_channels(angle / cam_speed, angle, values, extra=EXTRA)
-        statistics = {"modes_count": len(model.natural_frequencies), "damping_ratio": model.damping_ratio, "integrator": self.word}
+        statistics: dict[str, float | int | str | bool] = {
+            "modes_count": len(model.natural_frequencies), "damping_ratio": model.damping_ratio, "integrator": self.word,
+        }  # fmt: skip
         return Solution(channels, (), COMPLETED, statistics, provenance)
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numba import njit, types
 from numpy.typing import NDArray
 
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
-from valvetrain.integrate.spring_slot import SPRING_FUNCTION
+from valvetrain.integrate.leapfrog_kernel import advance
 from valvetrain.solution.channels import FINE, spring_channels
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
@@ -17,6 +17,9 @@ from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.contract import SpringModel
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
+
+if TYPE_CHECKING:
+    import xarray
 
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
@@ -27,31 +30,6 @@ SAMPLES, STEP_FRACTION, MOST_CYCLES, TOLERANCE = 720, 0.8, 40, 1e-3
 LARGEST_RECORD = 400e6
 #: Forces (N) beyond any spring's: the run has diverged.
 LARGEST_FORCE = 1e7
-
-_f8, _vector, _matrix = types.float64, types.Array(types.float64, 1, "C"), types.Array(types.float64, 2, "C")
-
-
-@njit(
-    types.int64(
-        SPRING_FUNCTION, _vector, types.Array(types.int64, 1, "C"), _vector, _vector, _vector, _f8, types.int64, _matrix, _matrix
-    ),
-    cache=True, nogil=True, error_model="numpy",
-)  # fmt: skip
-def advance(kernel, parameters, integers, state, displacement, velocity, time_step, every, forces, states):
-    """One stretch of prescribed motion: end forces (N) at every step, the state at every ``every``-th; returns the steps done.
-
-    The last call takes no step, so that the next stretch begins where this one ends.
-    """
-    last = displacement.shape[0] - 1
-    for n in range(last + 1):
-        if n % every == 0 and n // every < states.shape[0]:
-            for i in range(states.shape[1]):
-                states[n // every, i] = state[i]
-        step = time_step if n < last else 0.0
-        forces[n, 0], forces[n, 1] = kernel(parameters, integers, state, displacement[n], velocity[n], step)
-        if not abs(forces[n, 0]) + abs(forces[n, 1]) < 1e7:
-            return n
-    return last + 1
 
 
 @dataclass(frozen=True)
@@ -138,7 +116,7 @@ def _channels(
     kept: list[tuple[Array, Array, Array]],
     sub: int,
     whole: bool,
-):  # type: ignore[no-untyped-def]
+) -> xarray.Dataset:
     """Channels over the turns kept: end forces at every sample and step, inner motion where states were recorded, energies."""
     cuts = [slice(None) if n == len(kept) - 1 else slice(None, -1) for n in range(len(kept))]
     time, forces = (np.concatenate([part[k][cut] for part, cut in zip(kept, cuts, strict=True)]) for k in (0, 1))

@@ -32,8 +32,10 @@ def joined(parts: tuple[Solution, ...], names: tuple[str, ...], provenance: Prov
             data[name] = total
     coords = {name: first[name][:count] for name in ("time", "cam_angle")}
     for part, spring in zip(parts, names, strict=True):
-        renamed = {dim: f"{spring}_{dim}" for dim in ("wire_point", "coil_pair", "mode", "subsample") if dim in part.channels.dims}
-        renamed |= {name: f"{spring}_{name}" for name in part.channels.coords if name not in ("time", "cam_angle")}
+        renamed: dict[str, str] = {
+            dim: f"{spring}_{dim}" for dim in ("wire_point", "coil_pair", "mode", "subsample") if dim in part.channels.dims
+        }
+        renamed |= {str(name): f"{spring}_{name}" for name in part.channels.coords if name not in ("time", "cam_angle")}
         own = part.channels.isel(sample=slice(0, count)).rename(renamed)
         data |= {f"{spring}_{name}": own[name].drop_vars(["time", "cam_angle"]) for name in own.data_vars if name not in SHARED}
     statistics = {f"{spring}_{key}": value for part, spring in zip(parts, names, strict=True) for key, value in part.statistics.items()}

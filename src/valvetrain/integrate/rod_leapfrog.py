@@ -35,8 +35,9 @@ class RodLeapfrog:
     def run(self, system: System, cam_speed: float, until: Until, options: RunOptions, provenance: Provenance) -> Solution:
         """See :class:`valvetrain.integrate.contract.Integrator`."""
         assert isinstance(system, PrescribedSpring)
-        model = system.springs[0]
-        assert isinstance(model, FiniteElementRod)
+        rod = system.springs[0]
+        assert isinstance(rod, FiniteElementRod)
+        model: FiniteElementRod = rod
         samples, cycles = options.samples or SAMPLES, PERIODIC_CYCLES
         if isinstance(until, Cycles):
             cycles = until.count
@@ -45,8 +46,8 @@ class RodLeapfrog:
 
         def turn(step: float | None) -> RodTransient:
             return simulate(
-                model.mesh, model.installed.state, lambda time: model.precompression + system.displacement(time, cam_speed),
-                TURN / samples / cam_speed, cycles * samples, model.dynamics, step, discard=(cycles - 1) * samples,
+                rod.mesh, rod.installed.state, lambda time: rod.precompression + system.displacement(time, cam_speed),
+                TURN / samples / cam_speed, cycles * samples, rod.dynamics, step, discard=(cycles - 1) * samples,
             )  # fmt: skip
 
         made = turn(options.time_step or model.time_step or model.stable_time_step())

@@ -11,5 +11,5 @@ from numba.core.errors import NumbaExperimentalFeatureWarning
 warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 _vector, _f8 = types.Array(types.float64, 1, "C"), types.float64
-SPRING_SIGNATURE = types.UniTuple(_f8, 2)(_vector, types.Array(types.int64, 1, "C"), _vector, _f8, _f8, _f8)
+SPRING_SIGNATURE = types.Tuple((_f8, _f8))(_vector, types.Array(types.int64, 1, "C"), _vector, _f8, _f8, _f8)
 SPRING_FUNCTION = types.FunctionType(SPRING_SIGNATURE)

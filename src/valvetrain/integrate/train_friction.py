@@ -29,13 +29,21 @@ def slowed(free, most, width):
 
 
 @njit(forceinline=True, **OPTIONS)
-def rub(kinds, index, table_of, friction, geometry, tables, q, cam_angle, cam_speed, body, gaps, step, v, slides, rubbing):
+def rub(train, q, cam_angle, cam_speed, step, v, scratch):
     """Friction impulses of all contacts that slide; changes ``v`` and fills ``rubbing`` (n, 2): impulse (N s), sliding of the cam (m/s)."""
-    for k in range(kinds.shape[0]):
+    index, friction, body, gaps, slides, rubbing = (
+        train.coordinate_of,
+        train.friction,
+        train.body,
+        scratch.gaps,
+        scratch.slides,
+        scratch.rubbing,
+    )
+    for k in range(index.shape[0]):
         rubbing[k, 0], rubbing[k, 1] = 0.0, 0.0
         if friction[k, 0] <= 0.0 or gaps[k, 2] <= 0.0:
             continue
-        driven = cam_speed * sliding_gradient(k, kinds, index, geometry, tables, table_of, q, cam_angle, slides)
+        driven = cam_speed * sliding_gradient(k, train.kinds, index, train.geometry, train.tables, train.table_of, q, cam_angle, slides)
         free, mobility = driven, 0.0
         for slot in range(4):
             i = index[k, slot]
@@ -53,9 +61,9 @@ def rub(kinds, index, table_of, friction, geometry, tables, q, cam_angle, cam_sp
 
 
 @njit(forceinline=True, **OPTIONS)
-def friction_loss(index, old, v, slides, rubbing):
+def friction_loss(index, v, scratch):
     """Energy (J) that friction takes in the step: impulses times the mean sliding velocity."""
-    lost = 0.0
+    lost, old, slides, rubbing = 0.0, scratch.old, scratch.slides, scratch.rubbing
     for k in range(index.shape[0]):
         if rubbing[k, 0] != 0.0:
             rate = rubbing[k, 1]

@@ -58,7 +58,8 @@ class TrainLeapfrog:
                 state, _ = replace(ready, options=replace(chosen, record_springs=False)).cycle(state, judged=False)
             _, record = ready.cycle(state)
             statistics = train_statistics(ready.system, record) | {"steady_cycles_count": float(until.count), "integrator": self.word}
-            return Solution(train_channels(ready.system, rest, (record,), state), (), record.status, statistics, provenance)
+            touches = record.transitions.touches(ready.system.interaction_names, cam_speed)
+            return Solution(train_channels(ready.system, rest, (record,), state), touches, record.status, statistics, provenance)
         found = self._settled(system, cam_speed, until, chosen, large, options)
         statistics = train_statistics(found.runner.system, found.record) | {
             "steady_cycles_count": float(found.search.cycles), "steady_residual_ratio": float(found.search.residuals[-1]),
@@ -67,7 +68,8 @@ class TrainLeapfrog:
             "wall_time_per_cycle_duration": found.wall_time_per_cycle, "integrator": self.word,
         }  # fmt: skip
         channels = train_channels(found.runner.system, rest, (found.record,), found.start)
-        return Solution(channels, (), found.status, statistics, provenance)
+        touches = found.record.transitions.touches(found.runner.system.interaction_names, cam_speed)
+        return Solution(channels, touches, found.status, statistics, provenance)
 
     def _settled(
         self, system: TrainSystem, cam_speed: float, until: Periodic, chosen: TrainOptions, large: bool, options: RunOptions

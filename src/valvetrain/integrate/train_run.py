@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.integrate.train_tuples import (
+    LEAST_FORCE,
+    LEAST_FORCE_ANGLE,
+    PEAK_FORCE,
+    PEAK_FORCE_ANGLE,
+    PEAK_PENETRATION,
+    TRANSITIONS,
+    Motion,
+    Records,
+    Slot,
+)
+from valvetrain.integrate.transitions import Transitions
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.contract import SpringModel
 from valvetrain.system.train_forces import highest_frequency, springs_time_step
@@ -30,7 +44,8 @@ class TrainOptions:
 
     ``samples``: records per cam cycle. ``step_fraction``: step over the stable limit. ``time_step`` (s) overrides it (rounded so that a
     cycle holds a whole number of steps). ``exchange``: steps per exchange of a partitioned coupling (0: all advance together).
-    ``record_springs``: keep the springs' inner states per sample.
+    ``record_springs``: keep the springs' inner states per sample. ``window``: begin and end (cam rad) of the part of the cycle in which
+    least forces are sought; it may pass the end of the turn.
     """
 
     samples: int = 1440
@@ -38,16 +53,20 @@ class TrainOptions:
     time_step: float | None = None
     exchange: int = 0
     record_springs: bool = False
+    window: tuple[float, float] = (0.0, TURN)
 
 
 @dataclass(frozen=True)
 class TrainState:
-    """Values of one instant: positions at t_n, velocities at t_(n-1/2), spring states, contact memories, held spring forces."""
+    """Values of one instant: positions at t_n, velocities at t_(n-1/2), spring states, held spring forces.
+
+    ``law_state``: memory of all laws in one flat array; ``TrainArrays.memory_of`` tells where an interaction's begins.
+    """
 
     q: Array
     v: Array
     springs: tuple[Array, ...]
-    law_parameters: Array
+    law_state: Array
     held: Array
     cam_angle: float = 0.0
 
@@ -57,7 +76,7 @@ class TrainState:
             self.q.copy(),
             self.v.copy(),
             tuple(s.copy() for s in self.springs),
-            self.law_parameters.copy(),
+            self.law_state.copy(),
             self.held.copy(),
             self.cam_angle,
         )
@@ -68,8 +87,9 @@ class CycleRecord:
     """One cam cycle, S samples: positions, velocities, accelerations (S, N); forces (N) and gaps (m) per interaction (S, n).
 
     ``spring_forces`` (S, springs, 2): retainer and seat force; ``spring_states``: per spring the head of its state (S, entries) or empty.
-    ``cam_power`` (W). ``peak_forces``, ``peak_penetrations`` (n,): over every step. ``work``: of cam, of constant and gas forces,
-    dissipated, on springs (J). ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
+    ``cam_power`` (W). ``peak_forces``, ``peak_penetrations`` (n,): over every step; ``least_forces`` (n,): over every step inside the
+    options' window; both with their cam angles (rad). ``transitions``: openings and closings of every contact. ``work``: of cam, of
+    constant and gas forces, dissipated, on springs (J). ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
     """
 
     cam_angle: Array
@@ -88,6 +108,10 @@ class CycleRecord:
     cam_speed: float
     status: Status = COMPLETED
     friction_loss: float = 0.0
+    peak_force_cam_angles: Array = field(default_factory=lambda: np.zeros(0))
+    least_forces: Array = field(default_factory=lambda: np.zeros(0))
+    least_force_cam_angles: Array = field(default_factory=lambda: np.zeros(0))
+    transitions: Transitions = field(default_factory=lambda: Transitions.from_log(np.zeros((0, 7)), 0))
 
 
 @dataclass(frozen=True)
@@ -108,49 +132,56 @@ class TrainRunner:
         """Step (s): one cycle at the nominal cam speed over a whole number of steps, or the ``fixed_step`` of a run-up."""
         return self.fixed_step or TURN / self.cam_speed / self.steps
 
+    @cached_property
+    def spring_arrays(self) -> tuple[tuple[Array, NDArray[np.int64]], ...]:
+        """Parameters and integers of every spring's kernel, which only reads them: gathered once, not at every cycle."""
+        return tuple((spring.parameters(), spring.integers()) for spring in self.springs)
+
     def initial_state(self) -> TrainState:
         """Static equilibrium at cam angle zero."""
         q = self.rest.equilibrium.copy()
         lift = float(q[self.system.arrays.retainer])
         states = tuple(np.asarray(s.initial_state(lift), dtype=float) for s in self.springs)
-        return TrainState(q, np.zeros_like(q), states, self.system.arrays.law_parameters.copy(), np.array([0.0, 0.0, 0.0, 0.0, lift]))
+        memory = np.zeros(self.system.arrays.memory_of[-1])
+        return TrainState(q, np.zeros_like(q), states, memory, np.array([0.0, 0.0, 0.0, 0.0, lift]))
 
     def cycle(self, state: TrainState, judged: bool = True) -> tuple[TrainState, CycleRecord]:
         """Advance one cam cycle; the given state stays as it was. ``judged``: look whether the step resolved the contacts' stiffness."""
+        from valvetrain.contact.own_law import law_address
         from valvetrain.integrate.null_spring import no_spring
         from valvetrain.integrate.train_kernel import ready_train_kernel
 
-        arrays, new = self.system.arrays, state.copy()
+        arrays, new, rows = self.system.arrays, state.copy(), self.options.samples
         count, interactions = len(new.q), len(arrays.kinds)
-        rows = self.options.samples
-        motion, force, gap = np.zeros((rows, 3 * count + 2)), np.zeros((rows, interactions)), np.zeros((rows, interactions))
-        ends = np.zeros((rows, 4))
-        slots, states = [], []
-        for place in range(2):
-            if place < len(self.springs):
-                spring = self.springs[place]
-                slots.append((spring.kernel, spring.parameters(), spring.integers(), new.springs[place]))
-                states.append(np.zeros((rows, recorded_entries(spring) if self.options.record_springs else 0)))
-            else:
-                slots.append((no_spring, np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1)))
-                states.append(np.zeros((rows, 0)))
-        clock = np.array([state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step, *new.held])
+        kernels: list[Any] = [no_spring] * 2
+        states = [np.zeros((rows, 0))] * 2
+        slots = [Slot(np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1))] * 2
+        for place, (spring, (parameters, integers)) in enumerate(zip(self.springs, self.spring_arrays, strict=True)):
+            kernels[place], slots[place] = spring.kernel, Slot(parameters, integers, new.springs[place])
+            states[place] = np.zeros((rows, recorded_entries(spring) if self.options.record_springs else 0))
+        begin, end = self.options.window
+        clock = np.array([state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step, *new.held, begin, end - begin])
         counters = np.array([self.steps, self.steps // rows, 0, self.options.exchange], dtype=np.int64)
-        totals = np.zeros(5 + 2 * interactions)
-        done = ready_train_kernel()(
-            slots[0][0], slots[1][0], arrays.kinds, arrays.index, arrays.table_of, arrays.laws, arrays.geometry, new.law_parameters,
-            arrays.friction, arrays.tables, arrays.body, arrays.gas, arrays.gas_coordinate, arrays.retainer, *slots[0][1:], *slots[1][1:],
-            new.q, new.v, clock, counters, totals, motion, force, gap, ends, states[0], states[1],
+        addresses = np.array([law_address(kernel) for kernel in self.system.law_kernels], dtype=np.int64)
+        motion = Motion(new.q, new.v, new.law_state, addresses, clock, counters, np.zeros(5))
+        extremes = np.zeros((interactions, 5))
+        extremes[:, LEAST_FORCE] = np.inf
+        records = Records(
+            np.zeros((rows, 3 * count + 2)), np.zeros((rows, interactions)), np.zeros((rows, interactions)), np.zeros((rows, 4)), states[0],
+            states[1], extremes, np.zeros((TRANSITIONS, 7)),
         )  # fmt: skip
-        status = self._status(done, state.cam_angle, totals[4 : 4 + interactions] if judged else np.zeros(0))
-        end = replace(new, held=clock[4:9].copy(), cam_angle=state.cam_angle + TURN if self.cam_acceleration == 0 else float(clock[0]))
+        done = ready_train_kernel()(*kernels, arrays, *slots, motion, records)
+        status = self._status(done, state.cam_angle, extremes[:, PEAK_FORCE] if judged else np.zeros(0))
+        angle = state.cam_angle + TURN if self.cam_acceleration == 0 else float(clock[0])
+        written, springs = records.motion, len(self.springs)
         record = CycleRecord(
-            motion[:, 3 * count], motion[:, :count], motion[:, count : 2 * count], motion[:, 2 * count : 3 * count], force, gap,
-            ends.reshape(rows, 2, 2)[:, : len(self.springs)], tuple(states[: len(self.springs)]), motion[:, -1],
-            totals[4 : 4 + interactions], totals[4 + interactions : -1], totals[:4], self.time_step, self.cam_speed, status,
-            float(totals[-1]),
+            written[:, 3 * count], written[:, :count], written[:, count : 2 * count], written[:, 2 * count : 3 * count], records.force,
+            records.gap, records.spring.reshape(rows, 2, 2)[:, :springs], tuple(states[:springs]), written[:, -1],
+            extremes[:, PEAK_FORCE], extremes[:, PEAK_PENETRATION], motion.totals[:4], self.time_step, self.cam_speed, status,
+            float(motion.totals[4]), extremes[:, PEAK_FORCE_ANGLE], extremes[:, LEAST_FORCE], extremes[:, LEAST_FORCE_ANGLE],
+            Transitions.from_log(records.transitions, int(counters[2])),
         )  # fmt: skip
-        return end, record
+        return replace(new, held=clock[4:9].copy(), cam_angle=angle), record
 
     def _status(self, done: int, cam_angle: float, peaks: Array) -> Status:
         if done < self.steps:

@@ -81,14 +81,17 @@ def _split(state: TrainState, runner: TrainRunner) -> list[tuple[Array, int]]:
 
 
 def _pack(state: TrainState, runner: TrainRunner) -> Array:
-    return np.concatenate([state.q, state.v, *[values[:count] for values, count in _split(state, runner)]])
+    memory, _ = runner.system.differential_memory(1.0)
+    return np.concatenate([state.q, state.v, state.law_state[memory], *[values[:count] for values, count in _split(state, runner)]])
 
 
 def _unpack(vector: Array, template: TrainState, runner: TrainRunner) -> TrainState:
     state = template.copy()
     place = len(state.q)
     state.q[:], state.v[:] = vector[:place], vector[place : 2 * place]
-    place *= 2
+    memory, _ = runner.system.differential_memory(1.0)
+    state.law_state[memory] = vector[2 * place : 2 * place + len(memory)]
+    place = 2 * place + len(memory)
     for values, count in _split(state, runner):
         values[:count] = vector[place : place + count]
         place += count
@@ -100,12 +103,12 @@ def _weights(state: TrainState, runner: TrainRunner) -> Array:
     kinematics = runner.system.mechanism.kinematics
     lift = max(kinematics.maximum_lift if kinematics is not None else 0.0, 1e-4)
     units = [0.25 if part.unit == "rad" else lift for part in runner.system.mechanism.coordinates]
-    scales = [np.array(units), np.array(units) * runner.cam_speed]
+    scales = [np.array(units), np.array(units) * runner.cam_speed, runner.system.differential_memory(lift)[1]]
     for _, count in _split(state, runner):
         half = count // 2
         scales.append(np.concatenate((np.full(half, lift), np.full(count - half, lift * runner.cam_speed))))
     weights = 1 / np.concatenate(scales)
-    weights[2 * len(units) :] *= comparable(runner)
+    weights[2 * len(units) + len(scales[2]) :] *= comparable(runner)
     return weights
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.contact import kernels
 from valvetrain.contact.friction import CoulombFriction
 from valvetrain.errors import InputError
 from valvetrain.mechanism.gap_kinds import GEOMETRY_COLUMNS
@@ -43,20 +44,51 @@ class Coordinate:
             raise InputError(f"the friction velocity of '{self.name}' must be positive")
 
 
+class Law(Protocol):
+    """What stands in an interaction: a contact law (``contact.law.ContactLaw``) or a link of this module."""
+
+    @property
+    def code(self) -> int:
+        """Code of ``contact.kernels``: negative for a link, which pulls as well as it pushes."""
+        ...
+
+    @property
+    def states(self) -> int:
+        """How many numbers it remembers from step to step, zero at rest."""
+        ...
+
+    def parameters(self) -> Array:
+        """At most ``contact.kernels.WIDTH`` values (SI) for the compiled loop."""
+        ...
+
+
+@runtime_checkable
+class WithDifferentialMemory(Protocol):
+    """A law whose memory follows a differential equation: it belongs to the motion and must repeat in a periodic state."""
+
+    def memory_derivative(self, memory: Array, penetration_rate: float) -> Array:
+        """Rates of the ``states`` numbers at a rate (m/s) of the penetration."""
+        ...
+
+    def memory_scale(self, displacement: float) -> Array:
+        """Size of the numbers in a motion of ``displacement`` (m)."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class Interaction:
     """A gap between bodies and the law that acts in it.
 
     ``kind``: one of :mod:`valvetrain.mechanism.gap_kinds`. ``coordinates``: up to four coordinate names, '' where a slot is empty.
-    ``geometry``: the row of the kind. ``table``: name of the lift or contour table, '' when none. ``law``: contact parameters
-    of a unilateral contact, or an :class:`ElasticLink`. ``friction``: along the contact, None for none.
+    ``geometry``: the row of the kind. ``table``: name of the lift or contour table, '' when none. ``law``: a contact law, an
+    :class:`ElasticLink` or a :class:`MaxwellLink`. ``friction``: along the contact, None for none.
     """
 
     name: str
     kind: int
     coordinates: tuple[str, ...]
     geometry: tuple[float, ...]
-    law: Any
+    law: Law
     table: str = ""
     friction: CoulombFriction | None = None
 
@@ -73,12 +105,52 @@ class ElasticLink:
 
     stiffness: float
     damping: float = 0.0
+    code: ClassVar[int] = kernels.ELASTIC_LINK
+    states: ClassVar[int] = 0
 
     def __post_init__(self) -> None:
         if not self.stiffness > 0:
             raise InputError(f"the stiffness of an elastic link must be positive; it is {self.stiffness:g}")
         if self.damping < 0:
             raise InputError(f"the damping of an elastic link must not be negative; it is {self.damping:g}")
+
+    def parameters(self) -> Array:
+        """Stiffness and damping."""
+        return np.array([self.stiffness, self.damping])
+
+
+@dataclass(frozen=True, slots=True)
+class MaxwellLink:
+    """A massless link of a spring beside a spring and a damper in series (the standard linear solid, or Zener element).
+
+    ``stiffness`` N/m of the lone spring (zero for a bare Maxwell element), ``branch_stiffness`` N/m and ``branch_damping`` N s/m of the
+    two in series. It remembers the force f (N) of the branch: f' = branch_stiffness (rate - f / branch_damping). At rest f is zero.
+    """
+
+    stiffness: float
+    branch_stiffness: float
+    branch_damping: float
+    code: ClassVar[int] = kernels.MAXWELL_LINK
+    states: ClassVar[int] = 1
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.stiffness) and self.stiffness >= 0):
+            raise InputError(f"the stiffness of a Maxwell link must be zero or positive; it is {self.stiffness:g}")
+        for name, value in (("stiffness", self.branch_stiffness), ("damping", self.branch_damping)):
+            if not (np.isfinite(value) and value > 0):
+                raise InputError(f"the branch {name} of a Maxwell link must be positive; it is {value:g}")
+
+    def parameters(self) -> Array:
+        """Stiffness, branch stiffness and branch damping."""
+        return np.array([self.stiffness, self.branch_stiffness, self.branch_damping])
+
+    def memory_derivative(self, memory: Array, penetration_rate: float) -> Array:
+        """Rate (N/s), shape (1,), of the branch force ``memory`` (1,) at a rate (m/s) of the penetration."""
+        return self.branch_stiffness * (penetration_rate - memory / self.branch_damping)
+
+    def memory_scale(self, displacement: float) -> Array:
+        """Branch force (N), shape (1,), that the bare branch spring takes at ``displacement`` (m)."""
+        return np.array([self.branch_stiffness * displacement])
 
 
 class Mechanism(Protocol):

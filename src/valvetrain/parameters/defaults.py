@@ -15,7 +15,7 @@ from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_spring import EndModel
 from valvetrain.parameters.schema_types import Quantity
 from valvetrain.parameters.spring import EndCoil
-from valvetrain.parameters.spring_options import OPTIONS, options_table
+from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.words import number
 from valvetrain.units import DIMENSIONS, unit_factor
 
@@ -40,7 +40,7 @@ def _sections() -> Iterator[tuple[str, list[str]]]:
     yield "A spring: `[spring]`, `[[train.springs.SET]]`", [*_rows(wire), *(_end_row(kind, end) for kind, end in kinds)]
     yield "`damping` of a spring", _rows(schema_installed.DampingModel)
     yield "`contact` of a spring's coils", _rows(schema_installed.CoilContactModel)
-    for word in dict.fromkeys((*OPTIONS, *registry.BUILT_IN["springs"])):
+    for word in registry.BUILT_IN["springs"]:
         yield f"`options.{word}` of a spring", _rows(options_table(word))
     yield "`[rubbing]`, `[train.rubbing]`", _rows(schema_installed.RubbingModel)
     yield "`[operation]`", _rows(OperationModel)

@@ -82,7 +82,8 @@ def read_lift_model(raw: Any) -> LiftModel:
     kind = raw["kind"]
     if kind not in registry.words("lifts"):
         raise problem(f"kind '{kind[:40]}' of a lift law is unknown; {nearest(kind, registry.words('lifts'))}", ("kind",))
-    return validate_as(guarded(registry.find, "lifts", kind).table, raw)
+    table: LiftModel = validate_as(guarded(registry.find, "lifts", kind).table, raw)
+    return table
 
 
 LiftField = Annotated[LiftModel, PlainValidator(read_lift_model)]

@@ -60,7 +60,7 @@ class Cycle:
         if len(self.cam_angle) < 2:
             return False
         step = 1.5 * float(np.median(np.diff(self.cam_angle)))
-        return self.cam_angle[0] <= first + step and self.cam_angle[-1] >= last - step
+        return bool(self.cam_angle[0] <= first + step and self.cam_angle[-1] >= last - step)
 
     def _places(self, name: str) -> Array:
         dimension = self.solution.channels[name].dims[1]

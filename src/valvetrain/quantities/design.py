@@ -13,11 +13,12 @@ _SAMPLES = 4001
 
 def design_quantities(spring: InstalledSpring) -> dict[str, float]:
     """Quantities (SI, docs/quantities.md) of an installed spring's wire or card."""
+    room = {} if spring.room is None else {"coil_bind_lift": spring.room}
     if spring.card is not None:
-        return card_quantities(spring.card)
+        return card_quantities(spring.card) | room
     assert spring.wire is not None
     installed = {"installed_compression": spring.precompression, "installed_height": spring.wire.free_length - spring.precompression}
-    return definition_quantities(spring.wire) | installed
+    return definition_quantities(spring.wire) | installed | room
 
 
 def definition_quantities(spring: SpringDefinition) -> dict[str, float]:

@@ -10,13 +10,13 @@ from valvetrain import registry
 from valvetrain.quantities.clash import clash_events, clash_numbers
 from valvetrain.quantities.cycle import Cycle, is_closed, reported_cycle
 from valvetrain.quantities.energy import energy_quantities
-from valvetrain.quantities.forces import clearance_quantities, force_quantities
+from valvetrain.quantities.forces import force_quantities, lift_quantities
 from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.main_clash import find_clash_window, main_clash_quantities
 from valvetrain.quantities.spectrum import surge_quantities
 from valvetrain.quantities.stress import stress_quantities
 from valvetrain.quantities.train_events import LOGGED, RigidCycle, rigid_cycle, train_events
-from valvetrain.quantities.train_numbers import train_quantities
+from valvetrain.quantities.train_numbers import counted_quantities, train_quantities
 from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
 
@@ -40,7 +40,7 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
     rigid = rigid_cycle(solution, frame.rigid) if frame.rigid is not None and is_closed(solution) else None
     events = _events(solution, frame, rigid)
     found = _whole_cycle(cycle, frame, events) if cycle.whole else {}
-    found |= energy_quantities(solution)
+    found |= energy_quantities(solution) | counted_quantities(solution)
     if rigid is not None:
         found |= train_quantities(solution, rigid, events)
     done = _with_rigid(solution, rigid).with_found(events, found)
@@ -67,7 +67,7 @@ def _events(solution: Solution, frame: Frame, rigid: RigidCycle | None) -> tuple
 
 def _whole_cycle(cycle: Cycle, frame: Frame, events: tuple[Event, ...]) -> dict[str, float]:
     solution = cycle.solution
-    found = force_quantities(cycle) | clearance_quantities(solution, cycle, frame.springs)
+    found = force_quantities(cycle) | lift_quantities(cycle, frame.springs)
     found |= surge_quantities(cycle, frame) | stress_quantities(cycle, frame)
     if _meets(frame):
         first = float(cycle.solution.cam_angle[cycle.samples.start])

@@ -7,7 +7,6 @@ import numpy as np
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.quantities.filters import BANDWIDTHS, fine_filtered, fine_series
-from valvetrain.solution.result import Solution
 
 #: Channel of an end force -> the word of it in a quantity's name.
 END_FORCES = {"seat_force": "spring_force", "retainer_force": "retainer_force"}
@@ -20,14 +19,14 @@ def fine_of_cycle(cycle: Cycle, channel: str) -> tuple[Array, Array]:
     return angle[mine] - begin, values[mine]
 
 
-def within_cycle(cycle: Cycle, angle: Array) -> tuple[slice, float]:
-    """Samples of a finer record that belong to the cycle, and the unwrapped cam angle (rad) from which the cycle counts."""
+def within_cycle(cycle: Cycle, cam_angle: Array) -> tuple[slice, float]:
+    """Samples of a finer record at ``cam_angle`` (rad, unwrapped) that belong to the cycle, and the angle from which the cycle counts."""
     begin = float(cycle.solution.cam_angle[cycle.samples.start] - cycle.cam_angle[0])
-    return slice(int(np.searchsorted(angle, begin - 1e-9)), int(np.searchsorted(angle, begin + 2 * np.pi - 1e-9))), begin
+    return slice(int(np.searchsorted(cam_angle, begin - 1e-9)), int(np.searchsorted(cam_angle, begin + 2 * np.pi - 1e-9))), begin
 
 
 def force_quantities(cycle: Cycle) -> dict[str, float]:
-    """Largest and least force at seat and retainer with their angles, and the largest seat force below 10 and 20 kHz."""
+    """Largest and least force at seat (with its angle) and retainer, and the largest seat force below 10 and 20 kHz."""
     found: dict[str, float] = {}
     solution = cycle.solution
     for channel, word in END_FORCES.items():
@@ -35,7 +34,9 @@ def force_quantities(cycle: Cycle) -> dict[str, float]:
             continue
         angle, force = fine_of_cycle(cycle, channel)
         for kind, place in (("peak", int(np.argmax(force))), ("minimum", int(np.argmin(force)))):
-            found |= {f"{kind}_{word}": float(force[place]), f"{kind}_{word}_cam_angle": float(angle[place])}
+            found[f"{kind}_{word}"] = float(force[place])
+            if channel == "seat_force":
+                found[f"{kind}_{word}_cam_angle"] = float(angle[place])
     if solution.has("seat_force"):
         mine, _ = within_cycle(cycle, fine_series(solution)[1])
         for bandwidth in BANDWIDTHS:
@@ -54,9 +55,10 @@ def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:
     return float(np.min(force)), float(np.max(force))
 
 
-def clearance_quantities(solution: Solution, cycle: Cycle, springs: tuple[InstalledSpring, ...]) -> dict[str, float]:
-    """Lift left to coil bind (m) at the largest lift of the cycle, least over the springs that tell their solid height."""
-    rooms = [spring.room for spring in springs if spring.room is not None]
-    if not rooms or not solution.has("valve_lift"):
+def lift_quantities(cycle: Cycle, springs: tuple[InstalledSpring, ...]) -> dict[str, float]:
+    """Largest lift (m) of the cycle, and the lift left to coil bind, least over the springs that tell their solid height."""
+    if not cycle.solution.has("valve_lift"):
         return {}
-    return {"coil_bind_clearance": min(rooms) - float(np.max(cycle.channel("valve_lift")))}
+    largest = float(np.max(cycle.channel("valve_lift")))
+    rooms = [spring.room for spring in springs if spring.room is not None]
+    return {"peak_valve_lift": largest} | ({"coil_bind_clearance": min(rooms) - largest} if rooms else {})

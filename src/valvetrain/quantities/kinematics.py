@@ -41,12 +41,14 @@ class RigidTable:
 class RigidMotion:
     """Rigid motion of one train over ``cam_angle`` (S,), everything in it that does not depend on the cam speed; SI units.
 
-    ``derivatives`` (4, S): valve lift and its derivatives by the cam angle. ``static_force``: springs at rest less weight (N).
-    ``inertia``: inertia force at the valve per cam speed squared. ``per_lift``, ``per_angle``: travel of the cam normal per valve travel
-    and per cam angle. ``geometry``: columns of the cam contact; ``sliding_velocity`` per cam speed, ``pressure_root`` (Pa per sqrt N).
+    ``maximum_lift`` (m) with all contacts closed. ``derivatives`` (4, S): valve lift and its derivatives by the cam angle.
+    ``spring_force``, ``weight`` (N): of the springs at rest and of gravity, at the valve. ``inertia``: inertia force at the valve per cam
+    speed squared. ``per_lift``, ``per_angle``: travel of the cam normal per valve travel and per cam angle. ``geometry``: columns of the
+    cam contact, with ``sliding_velocity`` per cam speed and ``pressure_root`` (Pa per sqrt N).
     """
 
     cam_angle: Array
+    maximum_lift: float
     derivatives: Array
     reduced_mass: Array
     spring_force: Array
@@ -101,12 +103,29 @@ def rigid_motion(
     per_lift, per_angle = _cam_gradients(system, poses, angle, lift + np.where(lift > 0, motion.lash, 0.0))
     geometry = {} if train is None else _contact_geometry(system, train, poses, angle, lift, derivatives[1])
     inertia = _inertia(poses, lift, derivatives[1], derivatives[2])
-    return RigidMotion(angle, derivatives, poses.mass(lift), spring, poses.weight(lift), inertia, per_lift, per_angle, geometry)
+    return RigidMotion(
+        angle, float(motion.maximum_lift), derivatives, poses.mass(lift), spring, poses.weight(lift), inertia, per_lift, per_angle, geometry
+    )
+
+
+def rigid_quantities(motion: RigidMotion) -> dict[str, float]:
+    """Numbers of rigid theory that belong to no run: largest lift, and where and at which engine speed (rad/s) contact is first lost."""
+    cam_speed, angle = motion.contact_loss()
+    values = {
+        "rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle,
+        "rigid_maximum_valve_lift": motion.maximum_lift,
+    }  # fmt: skip
+    return {name: value for name, value in values.items() if np.isfinite(value)}
 
 
 def rigid_table(system: TrainSystem, train: TrainParameters, cam_speed: float, samples: int = 720) -> RigidTable:
     """Kinematics and quasi-statics at one cam speed (rad/s); for several speeds of one train see :func:`rigid_motion`."""
     return rigid_motion(system, train, samples).table(cam_speed)
+
+
+def contact_loss_cam_speed(system: TrainSystem, samples: int = 1440) -> tuple[float, float]:
+    """:meth:`RigidMotion.contact_loss` of a train on ``samples`` cam angles."""
+    return rigid_motion(system, None, samples).contact_loss()
 
 
 def _inertia(poses: RigidPoses, lift: Array, velocity: Array, acceleration: Array) -> Array:
@@ -176,9 +195,9 @@ def _on_contour(table: Array, chi: Array, flat: bool, follower_radius: float) ->
 def _body_velocity(row: Array, rate: Array, point: Array, tangent: Array) -> Array:
     """Tangential velocity (m/s) of the follower's material at the contact point."""
     if row[0] == 0.0:
-        return rate * (row[3] * tangent[0] + row[4] * tangent[1])
+        return np.asarray(rate * (row[3] * tangent[0] + row[4] * tangent[1]))
     spin = row[5] * rate
-    return spin * (-(point[1] - row[2]) * tangent[0] + (point[0] - row[1]) * tangent[1])
+    return np.asarray(spin * (-(point[1] - row[2]) * tangent[0] + (point[0] - row[1]) * tangent[1]))
 
 
 def _pressure_root(train: TrainParameters, radius: Array) -> Array:

@@ -20,7 +20,8 @@ def prominent_peaks(values: ArrayLike, prominence: float) -> Index:
     level = curve[starts]
     inner = np.flatnonzero((level[1:-1] > level[:-2]) & (level[1:-1] > level[2:])) + 1
     peaks = (starts[inner] + ends[inner]) // 2
-    return peaks[prominences(curve, peaks) >= prominence]
+    standing: Index = peaks[prominences(curve, peaks) >= prominence]
+    return standing
 
 
 def prominences(values: Array, peaks: Index) -> Array:

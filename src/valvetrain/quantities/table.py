@@ -78,6 +78,8 @@ RUNS: tuple[QuantityRow, ...] = (
                     "Largest force of all springs on the cylinder head over the reported cycle.", sense=LESS, systems=BOTH)),
     *with_angle(row("minimum_spring_force", "least spring force",
                     "Smallest force of all springs on the cylinder head over the reported cycle.", sense=MORE, systems=BOTH)),
+    row("below_{k}_khz_peak_spring_force", "peak spring force below {k} kHz",
+        "Largest spring force in a bandwidth of {k} kHz, as an amplifier of a force transducer passes it.", sense=LESS, systems=BOTH),
     row("peak_retainer_force", "peak retainer force", "Largest force of all springs on the retainer over the reported cycle.", sense=LESS,
         systems=BOTH),
     row("minimum_retainer_force", "least retainer force", "Smallest force of all springs on the retainer over the reported cycle.",
@@ -94,7 +96,7 @@ RUNS: tuple[QuantityRow, ...] = (
         "Largest amplitude (0 to peak), among the cam orders from half to one and a half times the surge order, of the spring force less "
         "its static value at the same lift.", sense=LESS, systems=BOTH),
     row("surge_order_{n}_force", "surge at cam order {n}",
-        "Amplitude (0 to peak) of cam order {n} of the retainer force less its static value at the same lift.", sense=LESS, systems=BOTH),
+        "Amplitude (0 to peak) of cam order {n} of the spring force less its static value at the same lift.", sense=LESS, systems=BOTH),
     row("clash_count", "coil clashes", "Clashes of coils over the reported cycle; pairs that always touch are left out.", sense=LESS,
         systems=BOTH),
     row("peak_clash_force", "peak clash force", "Largest force between two coils in a clash.", sense=LESS, systems=BOTH),

@@ -22,9 +22,9 @@ PLACES = {"cam": "loft", "tappet": "loss-of-contact", "rocker": "loss-of-contact
 CAUSE_INERTIA = "inertia exceeds the spring force (rigid theory loses contact here too)"
 CAUSE_SURGE = "surge lowers the spring force below its static value"
 CAUSE_VIBRATION = "vibration of the train unloads the contact"
-#: Kinds that this module finds; contact transitions that the integrator logged are read and not kept.
+#: Kinds that this module finds; closings of contacts that the integrator logged are read and not kept.
 FOUND = (*dict.fromkeys(PLACES.values()), "float", "seating", "bounce")
-LOGGED = ("touch", "release")
+LOGGED = ("touch",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,48 +94,78 @@ def _floats(solution: Solution, rigid: RigidCycle) -> list[Event]:
     return found
 
 
+@dataclass(frozen=True)
+class _Opening:
+    """The valve off its seat once: release and touch (cam rad), closing velocity (m/s), height (m)."""
+
+    release: float
+    touch: float
+    velocity: float
+    height: float
+
+
 def _seatings_and_bounces(solution: Solution) -> list[Event]:
     """Every touch of the seat with its velocity (m/s) and which one it is, and every bounce with its height (m)."""
-    lift = solution.channel("valve_lift")
-    count, runs = len(lift), intervals(lift > SMALLEST_GAP)
-    if not runs or (len(runs) == 1 and runs[0][1] == count):
-        return []
-    main, found = max(range(len(runs)), key=lambda place: runs[place][1]), []
-    for turn in range(len(runs)):
-        start, length = runs[(main + turn) % len(runs)]
-        window = _window(start, length, count)
-        angle, velocity = _landing(solution, start + length)
+    kept = [event for event in solution.events if event.kind in ("seating", "bounce")]
+    if kept:  # found by an evaluation before this one, from what the integrator saw
+        return kept
+    openings = _logged_openings(solution) or _sampled_openings(solution)
+    main, found = max(range(len(openings)), key=lambda k: openings[k].height, default=0), []
+    for turn in range(len(openings)):
+        one = openings[(main + turn) % len(openings)]
         touch: dict[str, Detail] = {"touch": turn + 1, "cause": "end of the closing flank" if turn == 0 else "end of a bounce"}
-        found.append(Event("seating", angle, _time_at(solution, angle), 0.0, velocity, "m/s", "seat", touch))
+        found.append(Event("seating", one.touch, _time_at(solution, one.touch), 0.0, one.velocity, "m/s", "seat", touch))
         if turn > 0:
+            length = (one.touch - one.release) % TURN
+            window = _between(solution, one.release, length)
             force, static = (float(np.mean(solution.channel(name)[window])) for name in ("retainer_force", "static_retainer_force"))
             slack = force / max(static, 1e-9)
             reason = "rebound from the seat" if slack > 0.8 else f"rebound with the spring force down to {slack:.0%} by surge"
             details: dict[str, Detail] = {"bounce": turn, "cause": reason}
-            found.append(_event(solution, "bounce", start, length, float(np.max(lift[window])), "m", "seat", details))
+            start, lasts = _time_at(solution, one.release), length / TURN * _period(solution)
+            found.append(Event("bounce", one.release, start, lasts, one.height, "m", "seat", details))
     return found
 
 
-def _landing(solution: Solution, touch: int) -> tuple[float, float]:
-    """Cam angle (rad) and closing velocity (m/s) where the valve meets its seat, ``touch`` being the first sample on it.
+def _logged_openings(solution: Solution) -> list[_Opening]:
+    """As the integrator saw them on every step: the same for any number of samples."""
+    return [
+        _Opening(float(event.details["release_cam_angle"]), event.cam_angle, event.size, height)
+        for event in solution.events
+        if event.kind == "touch" and event.where == "seat" and (height := float(event.details["largest_gap"])) > SMALLEST_GAP
+    ]
 
-    The truth is the integrator's log of contacts. Without one the valve goes on from the two samples before the touch, straight in
-    velocity, to the seat: second order, and free of what the blow did to the velocity after it.
+
+def _sampled_openings(solution: Solution) -> list[_Opening]:
+    """From the samples, of a run without such a log: from the last two before the touch the valve goes on, straight in velocity.
+
+    Second order, and free of what the blow did to the velocity after it.
     """
-    count, gap = len(solution.time), solution.channel("seat_gap" if solution.has("seat_gap") else "valve_lift")
-    angle, rate = solution.cam_angle, solution.channel("valve_velocity")
-    step = float(angle[1] - angle[0])
-    at = float(angle[0]) + touch * step
-    logged = [event for event in solution.events if event.kind == "touch" and event.details.get("interaction") == "seat"]
-    near = [(abs((event.cam_angle - at + np.pi) % TURN - np.pi), event) for event in logged]
-    close = min(near, key=lambda one: one[0], default=None)
-    if close is not None and close[0] < 6 * step:
-        return close[1].cam_angle, -float(close[1].details["gap_rate"])
-    last, before = (touch - 1) % count, (touch - 2) % count
-    speed, seconds = float(-rate[last]), float(solution.time[1] - solution.time[0])
-    ahead = float(np.clip(gap[last] / speed, 0.0, 2 * seconds)) if speed > 0 else seconds
-    velocity = speed + float(rate[before] - rate[last]) * ahead / seconds
-    return float(angle[last]) + ahead * step / seconds, velocity
+    lift = solution.channel("valve_lift")
+    gap = solution.channel("seat_gap" if solution.has("seat_gap") else "valve_lift")
+    angle, rate, count = solution.cam_angle, solution.channel("valve_velocity"), len(lift)
+    step, seconds, found = float(angle[1] - angle[0]), float(solution.time[1] - solution.time[0]), []
+    for start, length in intervals(lift > SMALLEST_GAP):
+        if length == count:
+            return []
+        last, before = (start + length - 1) % count, (start + length - 2) % count
+        speed = float(-rate[last])
+        ahead = float(np.clip(gap[last] / speed, 0.0, 2 * seconds)) if speed > 0 else seconds
+        velocity = speed + float(rate[before] - rate[last]) * ahead / seconds
+        height = float(np.max(lift[_window(start, length, count)]))
+        found.append(_Opening(float(angle[start]), float(angle[last]) + ahead * step / seconds, velocity, height))
+    return found
+
+
+def _between(solution: Solution, release: float, length: float) -> NDArray[np.int64]:
+    """Samples of the open stretch; the nearest one where it is shorter than their interval."""
+    angle = solution.cam_angle
+    inside = np.flatnonzero((angle - release) % TURN <= length)
+    return inside if len(inside) else np.array([np.argmin(np.abs((angle - release + np.pi) % TURN - np.pi))])
+
+
+def _period(solution: Solution) -> float:
+    return len(solution.time) * float(solution.time[1] - solution.time[0])
 
 
 def _time_at(solution: Solution, angle: float) -> float:

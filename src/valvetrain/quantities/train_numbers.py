@@ -1,4 +1,4 @@
-"""Named numbers of one closed cycle of a train, from its channels, its events and what the integrator counted."""
+"""Named numbers of one closed cycle of a train from its channels and events, and what the integrator of any system counted."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from valvetrain.quantities.train_events import RigidCycle
+from valvetrain.quantities.train_events import PLACES, SMALLEST_GAP, RigidCycle
 from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
 
@@ -20,18 +20,30 @@ COUNTED = (
 DRIVING = ("cam", "valve_tip")
 
 
-def train_quantities(solution: Solution, rigid: RigidCycle, events: Sequence[Event]) -> dict[str, float]:
-    """Numbers (SI) of one cycle; names follow docs/quantities.md."""
-    lift, clearance = solution.channel("valve_lift"), "piston_clearance"
-    values = {
+def counted_quantities(solution: Solution) -> dict[str, float]:
+    """Numbers that only the integrator could see: every step's peaks, work and losses, the way to the steady state."""
+    return {
         name: float(value) for name, value in solution.statistics.items()
         if isinstance(value, (int, float)) and (name in COUNTED or (name.startswith("peak_") and name.endswith("_force")))
     }  # fmt: skip
-    values |= {
-        "peak_valve_lift": float(lift.max()), "peak_rigid_valve_lift": float(rigid.valve_lift.max()),
-        "lift_loss_displacement": float(rigid.valve_lift.max() - lift.max()),
+
+
+def train_quantities(solution: Solution, rigid: RigidCycle, events: Sequence[Event]) -> dict[str, float]:
+    """Numbers (SI) of one cycle; names follow docs/quantities.md."""
+    lift, clearance = solution.channel("valve_lift"), "piston_clearance"
+    step = float(solution.time[1] - solution.time[0])
+    apart = [solution.channel(f"{place}_gap") > SMALLEST_GAP for place in PLACES if solution.has(f"{place}_gap")]
+    values = {
+        "peak_rigid_valve_lift": float(rigid.valve_lift.max()), "lift_loss_displacement": float(rigid.valve_lift.max() - lift.max()),
         "peak_valve_acceleration": float(np.max(np.abs(solution.channel("valve_acceleration")))),
+        "valve_open_duration": step * float(np.sum(lift > SMALLEST_GAP)),
+        "loss_of_contact_duration": step * float(np.sum(np.any(apart, axis=0) & (rigid.valve_lift > 0))) if apart else 0.0,
     }  # fmt: skip
+    if solution.has("cam_torque"):
+        torque = solution.channel("cam_torque")
+        values |= {"peak_cam_torque": float(torque.max()), "minimum_cam_torque": float(torque.min())}
+    if "cycle_work_energy" in solution.statistics:
+        values["mean_cam_power"] = float(solution.statistics["cycle_work_energy"]) * solution.engine_speed / 2 / (2 * np.pi)
     opened = rigid.valve_lift > 0.1 * np.max(rigid.valve_lift)
     for place in DRIVING:
         name = f"{place}_contact_force"
@@ -58,7 +70,7 @@ def _event_numbers(events: Sequence[Event]) -> dict[str, float]:
     values = {
         "bounce_count": float(len(bounces)), "bounce_height": max((event.size for event in bounces), default=0.0),
         "loft_gap": max((event.size for event in lofts), default=0.0), "loft_count": float(len(lofts)),
-        "loft_duration": sum(event.duration for event in lofts), "loss_of_contact_count": float(len(of_kind(events, "loss-of-contact"))),
+        "loft_duration": sum(event.duration for event in lofts),
         "float_excess_lift": max((event.size for event in floats), default=0.0), "float_duration": sum(event.duration for event in floats),
     }  # fmt: skip
     return values | ({"seating_velocity": first.size, "seating_cam_angle": first.cam_angle} if first is not None else {})

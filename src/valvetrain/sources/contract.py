@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from valvetrain import registry
 from valvetrain.quantities.compare import compare
 from valvetrain.quantities.frame import Frame
+from valvetrain.quantities.windows import Window
 from valvetrain.solution.comparison import Finding
 from valvetrain.solution.quantity import Quantities, Quantity
 from valvetrain.solution.result import Solution
@@ -45,7 +46,8 @@ class SourceStudy:
     ``quantities``: numbers of a run by the study's own names. ``study_quantities``: numbers of several runs, or of none, under the names
     and engine speeds of its published values. ``findings``: what it found in words beside what came out here; ``notes``: contradictions
     within it. ``counterparts``: what produced a published value -> label of the run that stands for it. ``origins``: the same -> mark.
-    ``counted``: words of its angles that are counted through a cycle.
+    ``counted``: words of its angles that are counted through a cycle. ``window_names``: its names of the windows about the lift event
+    (`valvetrain.quantities.windows`); ``point_names``: its names of points on the wire, by coil number.
     """
 
     key: str
@@ -56,6 +58,8 @@ class SourceStudy:
     counterparts: Mapping[str, str] = field(default_factory=dict)
     origins: Mapping[str, Origin] = field(default_factory=dict)
     counted: tuple[str, ...] = ()
+    window_names: Mapping[Window, str] = field(default_factory=dict)
+    point_names: Mapping[float, str] = field(default_factory=dict)
 
 
 def against_source(study: Study) -> Study:

@@ -8,6 +8,7 @@ import numpy as np
 
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.frame import Frame
+from valvetrain.quantities.windows import WINDOWS
 from valvetrain.solution.comparison import Finding
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.record import PublishedValue
@@ -123,7 +124,10 @@ def _stage_1_note(study: Study) -> str:
         told.append(f"{_rpm(run)} {abs(mean - preload):.0f} N {'below' if mean < preload else 'above'} it ({mean:.0f} N, here {own:.0f} N)")
     if not told:
         return ""
-    return f"The source prints a preload of {preload:.0f} N; the middle of its Stage I range stands at {'; '.join(told)}."
+    return (
+        f"The source prints a preload of {preload:.0f} N; the middle of its Stage I range "
+        f"stands at {'; '.join(told)}. Released from its preload a spring swings about it."
+    )
 
 
 def _violence_note(study: Study) -> str:
@@ -142,5 +146,6 @@ def _violence_note(study: Study) -> str:
 
 
 SPEC = SourceStudy(
-    "gu2021", quantities, findings=findings, notes=notes, counterparts=COUNTERPARTS, origins=ORIGINS, counted=("clash", "stage_1_peak")
-)
+    "gu2021", quantities, findings=findings, notes=notes, counterparts=COUNTERPARTS, origins=ORIGINS, counted=("clash", "stage_1_peak"),
+    window_names=dict(zip(WINDOWS, ("Stage I", "Stage II", "Stage III"), strict=True)), point_names={1.0: "node 1", 2.0: "node 2"},
+)  # fmt: skip

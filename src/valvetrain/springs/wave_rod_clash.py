@@ -122,8 +122,9 @@ class WaveRodWithClash:
 
 def _make(spring: InstalledSpring, options: NoOptions, rest: SpringAtRest | None) -> WaveRodWithClash:
     assert spring.wire is not None
-    friction = wave_friction(spring, EquivalentSpring.from_definition(spring.wire, spring.precompression))
-    return WaveRodWithClash.from_definition(spring.wire, spring.precompression, friction=friction)
+    equivalent = EquivalentSpring.from_installed(spring)
+    gaps = installed_gaps(spring.wire, spring.precompression)
+    return WaveRodWithClash(equivalent, gaps, friction=wave_friction(spring, equivalent))
 
 
 SPEC = SpringModelSpec(

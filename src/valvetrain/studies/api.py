@@ -12,12 +12,12 @@ from valvetrain.studies.compare import compare_study
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.run import run_study
 from valvetrain.studies.sweep import sweep_study
-from valvetrain.units import si_speeds
+from valvetrain.units import Given, si_speeds
 
 #: A case, the name of a library case or the path of a case file.
 AnyCase = Case | str | os.PathLike[str]
 #: Engine speeds: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"``, one or several numbers (rad/s of the crank), pint quantities.
-Speeds = str | float | Sequence[float | str] | object
+Speeds = Given | Sequence[Given]
 
 
 def simulate(

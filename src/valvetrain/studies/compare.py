@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -87,7 +87,7 @@ def _by_each_model(
         check_motion(lift_law, motion)
     with ThreadPoolExecutor(2) as pool:
         try:
-            jobs = []
+            jobs: list[Future[SpringAtRest] | Future[Solution]] = []
             if with_solid:
                 jobs = [pool.submit(solid_rest, spring, reach, cancel)]
                 if motion is not None:

@@ -54,7 +54,9 @@ class Ready:
 def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Ready:
     """The member assembled; what its parts refuse is kept as its ``refusal``."""
     found = tuple(rest[spring] for spring in member.springs if spring in rest)
-    frequencies = tuple(value for spring in member.springs if (value := surge_frequency(spring, rest.get(spring))) is not None)
+    # under prescribed motion the springs' states at rest are found beside the first runs, and judge() brings their frequencies
+    told = () if member.gear is None else (surge_frequency(spring, rest.get(spring)) for spring in member.springs)
+    frequencies = tuple(value for value in told if value is not None)
     frame = Frame(member.springs, found, frequencies, problem.lift_event, problem.valve_lift.lift, source)
     try:
         system = member.system(rest)

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.statics import rest_quantities
@@ -67,7 +68,7 @@ def run_problem(
     samples = None if problem.kind == TRAIN else round(2 * np.pi / problem.output_step)
     if command == "sweep" and problem.kind == TRAIN:
         samples = 720
-    keep = "all" if whole else "ends" if problem.kind == TRAIN else "contacts"
+    keep: Keep = "all" if whole else "ends" if problem.kind == TRAIN else "contacts"
     plan = Plan(keep, samples, whole, problem.cycles, problem.cycles_to_settle, created_at)
     count = available_cores() if workers is None else workers
     if count < 1:

@@ -8,7 +8,7 @@ import numpy as np
 
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.contract import LiftLaw
-from valvetrain.cam.event import lift_event
+from valvetrain.cam.event import find_lift_event
 from valvetrain.errors import InputError
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.contour import NODES, table_from_samples
@@ -37,9 +37,9 @@ def build(case: Case, *, spring_models: Sequence[str] = (), spring_sets: Sequenc
         raise InputError(f"case '{case.name}' is a spring alone and has no spring sets; leave them out", "--spring-set")
     else:
         members = _spring_members(case, law, specs)
-    operation = case.operation
+    operation, event = case.operation, find_lift_event(law if case.lift_law is not None else None, case.lift_law)
     return Problem(
-        case.record(), members, law, lift_event(case.lift_law, law), operation.engine_speeds, operation.cycles, operation.output_step,
+        case.record(), members, law, event, operation.engine_speeds, operation.cycles, operation.output_step,
         case.train.cycles if case.train is not None else None,
     )  # fmt: skip
 
@@ -85,7 +85,9 @@ def _train_members(
         bare = own.replace(springs={}, spring_set="", spring_model="", variants=(), rubbing=None)
         if bare not in gears:
             mechanism = build_mechanism(bare, law, case.lift_law.lift_of)
-            gas = bare.gas and table_from_samples(np.asarray(bare.gas.cam_angles), np.asarray(bare.gas.forces), NODES)
+            gas = None
+            if bare.gas is not None:
+                gas = table_from_samples(np.asarray(bare.gas.cam_angles), np.asarray(bare.gas.forces), NODES)
             gears[bare] = Gear(mechanism, bare, gas)
         gear = gears[bare]
         if sentence := binding_lift(springs, gear.mechanism.kinematics.maximum_lift):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,7 @@ from valvetrain.system.contract import PRESCRIBED
 Array = NDArray[np.float64]
 
 
-def names_of(springs: tuple[SpringModel, ...]) -> tuple[str, ...]:
+def names_of(springs: Sequence[object]) -> tuple[str, ...]:
     """Names of the springs in a slot."""
     return ("outer", "inner") if len(springs) > 1 else ("spring",)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from valvetrain.mechanism.gaps import penetration_and_gradient, table_value
 from valvetrain.mechanism.sliding import SLIDING_KINDS, sliding_gradient
-from valvetrain.system.train_system import BILATERAL, TrainSystem
+from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
 
@@ -21,11 +21,11 @@ def gap_state(system: TrainSystem, q: Array, cam_angle: float) -> tuple[Array, A
     pens, slopes, gradients = np.zeros(count), np.zeros(count), np.zeros((count, len(q)))
     for k in range(count):
         pens[k], slopes[k] = penetration_and_gradient(
-            k, arrays.kinds, arrays.index, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows
+            k, arrays.kinds, arrays.coordinate_of, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows
         )
         for slot in range(4):
-            if arrays.index[k, slot] >= 0:
-                gradients[k, arrays.index[k, slot]] += rows[k, slot]
+            if arrays.coordinate_of[k, slot] >= 0:
+                gradients[k, arrays.coordinate_of[k, slot]] += rows[k, slot]
     return pens, gradients, slopes
 
 
@@ -34,25 +34,34 @@ def sliding_state(system: TrainSystem, q: Array, cam_angle: float) -> tuple[Arra
     arrays, count = system.arrays, len(system.arrays.kinds)
     rows, slopes, gradients = np.zeros((count, 4)), np.zeros(count), np.zeros((count, len(q)))
     for k in np.flatnonzero(np.isin(arrays.kinds, SLIDING_KINDS)):
-        slopes[k] = sliding_gradient(k, arrays.kinds, arrays.index, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows)
+        slopes[k] = sliding_gradient(
+            k, arrays.kinds, arrays.coordinate_of, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows
+        )
         for slot in range(4):
-            if arrays.index[k, slot] >= 0:
-                gradients[k, arrays.index[k, slot]] += rows[k, slot]
+            if arrays.coordinate_of[k, slot] >= 0:
+                gradients[k, arrays.coordinate_of[k, slot]] += rows[k, slot]
     return gradients, slopes
 
 
 def law_force(system: TrainSystem, place: int, pen: float) -> float:
-    """Rate-free force (N) of one interaction at a penetration (m)."""
-    from valvetrain.contact.kernels import contact_force
+    """Rate-free force (N) of one interaction at rest at a penetration (m)."""
+    from valvetrain.contact.kernels import OWN_LAW, contact_force
 
     law, parameters = system.arrays.laws[place], system.arrays.law_parameters[place]
-    if law == BILATERAL:
+    if law < 0:
         return float(parameters[0] * pen)
-    return float(contact_force(law, parameters, pen, 0.0)) if pen > 0 else 0.0
+    if law >= OWN_LAW:
+        memory = np.zeros(system.mechanism.interactions[place].law.states)
+        return float(system.law_kernels[law - OWN_LAW](parameters, memory, pen, pen, 0.0, 0.0)[0])
+    return float(contact_force(law, parameters, 0.0, pen, 0.0)) if pen > 0 else 0.0
 
 
 def law_tangent(system: TrainSystem, place: int, pen: float) -> float:
-    """Derivative (N/m) of the rate-free force by the penetration."""
+    """Derivative (N/m) of the force by the penetration in a quick motion, in which no damper of a branch gives way."""
+    from valvetrain.contact.kernels import MAXWELL_LINK
+
+    if system.arrays.laws[place] == MAXWELL_LINK:
+        return float(np.sum(system.arrays.law_parameters[place, :2]))
     small = max(abs(pen) * 1e-6, 1e-12)
     return (law_force(system, place, pen + small) - law_force(system, place, pen - small)) / (2 * small)
 

@@ -35,7 +35,8 @@ class TrainRest:
         """Static force (N) of all springs at retainer displacements (m), straight between the points and beyond them."""
         inside = np.interp(valve_lift, self.lifts, self.spring_forces)
         first, last = ((self.spring_forces[k + 1] - self.spring_forces[k]) / (self.lifts[k + 1] - self.lifts[k]) for k in (0, -2))
-        return inside + first * np.minimum(valve_lift - self.lifts[0], 0.0) + last * np.maximum(valve_lift - self.lifts[-1], 0.0)
+        total: Array = inside + first * np.minimum(valve_lift - self.lifts[0], 0.0) + last * np.maximum(valve_lift - self.lifts[-1], 0.0)
+        return total
 
 
 def rest_of(system: TrainSystem) -> TrainRest:

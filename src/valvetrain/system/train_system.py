@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.contact.kernels import OWN_LAW, WIDTH
+from valvetrain.contact.law import LawKernel, OwnLaw
 from valvetrain.errors import InputError
 from valvetrain.mechanism.gap_kinds import COORDINATES_PER_INTERACTION
-from valvetrain.mechanism.parts import AssembledMechanism, ElasticLink
+from valvetrain.mechanism.parts import AssembledMechanism, WithDifferentialMemory
 from valvetrain.parameters.train import CrankParameters
 from valvetrain.springs.contract import SpringModel
 from valvetrain.system.contract import TRAIN
@@ -20,9 +22,6 @@ from valvetrain.system.prescribed import names_of
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-LAW_COLUMNS = 8
-BILATERAL = -1
 
 
 @runtime_checkable
@@ -34,21 +33,22 @@ class WithStaticCurve(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class TrainArrays:
+class TrainArrays(NamedTuple):
     """What the compiled loop reads; shapes: n interactions, N coordinates, m tables.
 
-    ``kinds``, ``table_of``, ``laws`` (n,); ``index`` (n, 4); ``geometry`` (n, 16); ``law_parameters`` (n, 8); ``friction`` (n, 2)
-    coefficient and slip rate (m/s); ``tables`` (m, nodes, 3); ``body`` (N, 5) mass, constant force, guide damping, friction, friction
-    velocity; ``gas`` (1, nodes, 3) N over cam angle.
+    ``kinds``, ``table_of``, ``laws`` (n,); ``coordinate_of`` (n, 4), -1 for none; ``geometry`` (n, 16); ``law_parameters`` (n, 8);
+    ``memory_of`` (n + 1,): where the memory of each interaction begins in the flat array of all, the last entry being its length;
+    ``friction`` (n, 2) coefficient and slip rate (m/s); ``tables`` (m, nodes, 3); ``body`` (N, 5) mass, constant force, guide damping,
+    friction, friction velocity; ``gas`` (1, nodes, 3) N over cam angle.
     """
 
     kinds: Integers
-    index: NDArray[np.int64]
+    coordinate_of: Integers
     table_of: Integers
     laws: Integers
     geometry: Array
     law_parameters: Array
+    memory_of: Integers
     friction: Array
     tables: Array
     body: Array
@@ -103,6 +103,25 @@ class TrainSystem:
         """Flat arrays of the compiled loop."""
         return _assemble(self)
 
+    @cached_property
+    def law_kernels(self) -> tuple[LawKernel, ...]:
+        """Kernels of the contact laws that bring their own, each once, in the order of their codes from ``OWN_LAW`` on."""
+        found: list[LawKernel] = []
+        for interaction in self.mechanism.interactions:
+            law = interaction.law
+            if law.code == OWN_LAW and isinstance(law, OwnLaw) and law.kernel not in found:
+                found.append(law.kernel)
+        return tuple(found)
+
+    def differential_memory(self, displacement: float) -> tuple[Integers, Array]:
+        """Places in the flat memory of the laws that belong to the motion, and their sizes in a motion of ``displacement`` (m)."""
+        places, scales = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+        for first, interaction in zip(self.arrays.memory_of, self.mechanism.interactions, strict=False):
+            if isinstance(interaction.law, WithDifferentialMemory):
+                places.append(np.arange(first, first + interaction.law.states))
+                scales.append(interaction.law.memory_scale(displacement))
+        return np.concatenate(places), np.concatenate(scales)
+
     @property
     def masses(self) -> Array:
         """Mass (kg) or inertia (kg m2) per coordinate, the spring's share included, shape (N,)."""
@@ -129,17 +148,6 @@ class TrainSystem:
         return total
 
 
-def law_row(law: Any) -> tuple[int, Array]:
-    """Code and padded parameters of an elastic link or a contact law."""
-    row = np.zeros(LAW_COLUMNS)
-    if isinstance(law, ElasticLink):
-        row[:2] = law.stiffness, law.damping
-        return BILATERAL, row
-    values = np.asarray(law.parameters(), dtype=float)
-    row[: len(values)] = values
-    return int(law.code), row
-
-
 def _assemble(system: TrainSystem) -> TrainArrays:
     mechanism = system.mechanism
     count, total = len(mechanism.interactions), len(mechanism.coordinates)
@@ -148,11 +156,15 @@ def _assemble(system: TrainSystem) -> TrainArrays:
     kinds, table_of, laws = (np.zeros(count, dtype=np.int64) for _ in range(3))
     index = np.full((count, COORDINATES_PER_INTERACTION), -1, dtype=np.int64)
     geometry = np.stack([interaction.geometry_row() for interaction in mechanism.interactions])
-    law_parameters, friction = np.zeros((count, LAW_COLUMNS)), np.zeros((count, 2))
+    law_parameters, friction = np.zeros((count, WIDTH)), np.zeros((count, 2))
+    memory_of = np.cumsum([0, *(interaction.law.states for interaction in mechanism.interactions)], dtype=np.int64)
     for k, interaction in enumerate(mechanism.interactions):
         kinds[k] = interaction.kind
         table_of[k] = table_names.index(interaction.table) if interaction.table else 0
-        laws[k], law_parameters[k] = law_row(interaction.law)
+        values = interaction.law.parameters()
+        laws[k], law_parameters[k, : len(values)] = interaction.law.code, values
+        if laws[k] == OWN_LAW and isinstance(interaction.law, OwnLaw):
+            laws[k] += system.law_kernels.index(interaction.law.kernel)
         if interaction.friction is not None:
             friction[k] = interaction.friction.coefficient, interaction.friction.slip_rate
         for slot, name in enumerate(interaction.coordinates):
@@ -163,6 +175,6 @@ def _assemble(system: TrainSystem) -> TrainArrays:
     body[mechanism.index(mechanism.retainer), 0] += system.spring_mass
     gas = np.zeros((1, 4, 3)) if system.gas is None else np.ascontiguousarray(system.gas, dtype=float)[None]
     return TrainArrays(
-        kinds, index, table_of, laws, geometry, law_parameters, friction, np.ascontiguousarray(tables, dtype=float), body, gas,
+        kinds, index, table_of, laws, geometry, law_parameters, memory_of, friction, np.ascontiguousarray(tables, dtype=float), body, gas,
         -1 if system.gas is None else mechanism.index(mechanism.valve), mechanism.index(mechanism.retainer),
     )  # fmt: skip

@@ -1,0 +1,32 @@
+"""The compiled loop of a spring under prescribed motion; it never sees which model it steps."""
+
+from __future__ import annotations
+
+from numba import njit, types
+
+from valvetrain.integrate.spring_slot import SPRING_FUNCTION
+
+_f8, _vector, _matrix = types.float64, types.Array(types.float64, 1, "C"), types.Array(types.float64, 2, "C")
+
+
+@njit(
+    types.int64(
+        SPRING_FUNCTION, _vector, types.Array(types.int64, 1, "C"), _vector, _vector, _vector, _f8, types.int64, _matrix, _matrix
+    ),
+    cache=True, nogil=True, error_model="numpy",
+)  # fmt: skip
+def advance(kernel, parameters, integers, state, displacement, velocity, time_step, every, forces, states):
+    """One stretch of prescribed motion: end forces (N) at every step, the state at every ``every``-th; returns the steps done.
+
+    The last call takes no step, so that the next stretch begins where this one ends.
+    """
+    last = displacement.shape[0] - 1
+    for n in range(last + 1):
+        if n % every == 0 and n // every < states.shape[0]:
+            for i in range(states.shape[1]):
+                states[n // every, i] = state[i]
+        step = time_step if n < last else 0.0
+        forces[n, 0], forces[n, 1] = kernel(parameters, integers, state, displacement[n], velocity[n], step)
+        if not abs(forces[n, 0]) + abs(forces[n, 1]) < 1e7:
+            return n
+    return last + 1

@@ -1,0 +1,97 @@
+"""Compiled log of what the integrator saw of each contact: openings and closings within the step, largest gaps, extreme forces."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from valvetrain.integrate.train_tuples import (
+    ANGLE,
+    CLOSES,
+    LARGEST_FORCE,
+    LARGEST_GAP,
+    LARGEST_GAP_ANGLE,
+    LEAST_FORCE,
+    LEAST_FORCE_ANGLE,
+    PEAK_FORCE,
+    PEAK_FORCE_ANGLE,
+    PLACE,
+    RATE,
+)
+from valvetrain.mechanism.gaps import OPTIONS
+
+TURN = 2.0 * math.pi
+PER_TURN = 1.0 / TURN
+
+
+@njit(forceinline=True, **OPTIONS)
+def crossing(earlier, before, now):
+    """Where in the last step, 0 to 1, a penetration passed zero, and its rate there per step.
+
+    A parabola through the last three steps: no force of the step of a touch has moved the last of them, so that the rate of a closing
+    is that of the free motion, to second order in the step.
+    """
+    bend = 0.5 * (now - 2.0 * before + earlier)
+    slope = now - before - bend
+    root = math.sqrt(max(slope * slope - 4.0 * bend * before, 0.0))
+    rate = root if now > 0.0 else -root
+    below = slope + rate
+    share = -2.0 * before / below if below != 0.0 else 0.0
+    return min(max(share, 0.0), 1.0), rate
+
+
+@njit(forceinline=True, **OPTIONS)
+def note_crossing(k, pen, cam_angle, motion, scratch, log):
+    """Write a row: contact ``k`` opened or closed since the step before (cam angle and clock: now)."""
+    share, rate = crossing(scratch.before[k, 1], scratch.before[k, 0], pen)
+    row, step = motion.counters[2], motion.clock[3]
+    since = (1.0 - share) * step
+    motion.counters[2] += 1
+    if row >= log.shape[0]:
+        row = -1
+    angle = cam_angle - since * (motion.clock[1] - 0.5 * since * motion.clock[2])
+    if row >= 0:
+        log[row, PLACE], log[row, CLOSES], log[row, ANGLE], log[row, RATE] = k, 1.0 if pen > 0.0 else 0.0, angle, rate / step
+    close_stretch(k, row, pen <= 0.0, scratch, log)
+    scratch.latest[k] = row
+    scratch.track[k, 0], scratch.track[k, 1], scratch.track[k, 2] = 0.0, angle, 0.0
+
+
+@njit(forceinline=True, **OPTIONS)
+def close_stretch(k, row, touching, scratch, log):
+    """Give the rows at both ends of the stretch since the last transition its largest force, or its largest gap."""
+    for place in (scratch.latest[k], row):
+        if place >= 0:
+            if touching:
+                log[place, LARGEST_FORCE] = scratch.track[k, 2]
+            else:
+                log[place, LARGEST_GAP], log[place, LARGEST_GAP_ANGLE] = scratch.track[k, 0], scratch.track[k, 1]
+
+
+@njit(forceinline=True, **OPTIONS)
+def note_contact(k, pen, force, unilateral, first, inside, cam_angle, motion, scratch, records):
+    """Note interaction ``k`` after a step: extreme forces (``inside``: in the window of the least), transition, largest gap and force."""
+    extremes, before, track = records.extremes, scratch.before, scratch.track
+    if abs(force) > extremes[k, PEAK_FORCE]:
+        extremes[k, PEAK_FORCE], extremes[k, PEAK_FORCE_ANGLE] = abs(force), cam_angle
+    if inside and force < extremes[k, LEAST_FORCE]:
+        extremes[k, LEAST_FORCE], extremes[k, LEAST_FORCE_ANGLE] = force, cam_angle
+    if unilateral:
+        if (pen > 0.0) != (before[k, 0] > 0.0):
+            note_crossing(k, pen, cam_angle, motion, scratch, records.transitions)
+        if pen > 0.0:
+            if force > track[k, 2]:
+                track[k, 2] = force
+        elif -pen > track[k, 0]:
+            track[k, 0], track[k, 1] = -pen, cam_angle
+    if not first:
+        before[k, 1] = before[k, 0]
+        before[k, 0] = pen
+
+
+@njit(forceinline=True, **OPTIONS)
+def in_window(cam_angle, begin, width):
+    """Whether a cam angle lies in the window (rad) that may pass the end of the turn."""
+    away = cam_angle - begin
+    return away - TURN * math.floor(away * PER_TURN) <= width

@@ -1,0 +1,95 @@
+"""The few named tuples that the compiled loop of a train takes besides ``TrainArrays``.
+
+Shapes: n interactions, N coordinates, S samples.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+TRANSITIONS = 512
+"""Rows of the log of contact transitions in one cycle; what does not fit is counted."""
+
+PEAK_FORCE, PEAK_FORCE_ANGLE, PEAK_PENETRATION, LEAST_FORCE, LEAST_FORCE_ANGLE = range(5)
+"""Columns of ``Records.extremes``."""
+
+PLACE, CLOSES, ANGLE, RATE, LARGEST_GAP, LARGEST_GAP_ANGLE, LARGEST_FORCE = range(7)
+"""Columns of ``Records.transitions``."""
+
+
+class Slot(NamedTuple):
+    """The arrays of one spring kernel."""
+
+    parameters: Array
+    integers: Integers
+    state: Array
+
+
+class Motion(NamedTuple):
+    """What the loop changes in place.
+
+    ``q``, ``v`` (N,); ``law_state``: memory of all laws; ``law_addresses``: of the kernels of the train's own laws. ``clock`` (11,): cam
+    angle, cam speed, cam acceleration, step, four spring end forces, displacement of a partitioned spring, begin and width (rad) of the
+    window of least forces. ``counters`` (4,): steps, record every, transitions found, exchange interval (0: all advance together).
+    ``totals`` (5,): work of the cam, of constant and gas forces, dissipated, work on the springs (J), and the share of contact friction
+    in what was dissipated.
+    """
+
+    q: Array
+    v: Array
+    law_state: Array
+    law_addresses: Integers
+    clock: Array
+    counters: Integers
+    totals: Array
+
+
+class Records(NamedTuple):
+    """What the loop writes down.
+
+    ``motion`` (S, 3 N + 2): q, v, a, cam angle, cam power. ``force``, ``gap`` (S, n). ``spring`` (S, 4): end forces. ``spring_a``,
+    ``spring_b`` (S, entries): heads of the spring states. ``extremes`` (n, 5) over every step: peak force and its cam angle, peak
+    penetration, least force in the window and its cam angle. ``transitions`` (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and
+    0 for an opening, cam angle, rate of the penetration, largest gap of the open side and its cam angle, largest force of the closed side.
+    """
+
+    motion: Array
+    force: Array
+    gap: Array
+    spring: Array
+    spring_a: Array
+    spring_b: Array
+    extremes: Array
+    transitions: Array
+
+
+class Scratch(NamedTuple):
+    """Working memory of the loop.
+
+    ``old`` (N,): velocities before the step. ``gaps`` (n, 4): penetration, gap rate of the cam alone, rate-free force that becomes the
+    whole force, damping coefficient. ``gradients``, ``slides`` (n, 4) per coordinate slot; ``rubbing`` (n, 2): friction impulse, sliding
+    of the cam. ``matrix`` to ``held``: the damping solve. ``before`` (n, 2): penetrations one and two steps ago. ``track`` (n, 3): largest
+    gap, its cam angle and largest force since the last transition; ``latest`` (n,): its row, -1 for none.
+    """
+
+    old: Array
+    gaps: Array
+    gradients: Array
+    slides: Array
+    rubbing: Array
+    matrix: Array
+    dense: Array
+    right: Array
+    diagonal: Array
+    impulse: Array
+    rows: Integers
+    held: Integers
+    before: Array
+    track: Array
+    latest: Integers

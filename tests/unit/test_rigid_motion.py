@@ -1,0 +1,51 @@
+"""Rigid motion of a train is found once; the table of any speed follows from it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from valvetrain.system.build_train import build_train
+
+from valvetrain.parameters.loading import load_case
+from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities, rigid_table
+
+
+@pytest.fixture(scope="module")
+def parts():
+    case = load_case("tdi-pushrod")
+    system = build_train(case, spring_model="massless", spring_set="stock")
+    return case.train, system, rigid_motion(system, case.train, 360)
+
+
+@pytest.mark.parametrize("cam_speed", [50.0, 200.0, 400.0])
+def test_a_table_of_any_speed_is_that_found_at_this_speed_alone(parts, cam_speed):
+    train, system, motion = parts
+    alone, shared = rigid_table(system, train, cam_speed, 360), motion.table(cam_speed)
+    assert set(alone.columns) == set(shared.columns) >= {"contact_force", "hertz_pressure", "sliding_velocity"}
+    for name in alone.columns:
+        np.testing.assert_array_equal(shared[name], alone[name])
+
+
+def test_inertia_grows_with_the_square_of_speed_and_the_spring_does_not(parts):
+    slow, fast = (parts[2].table(speed) for speed in (100.0, 200.0))
+    np.testing.assert_allclose(fast["inertia_force"], 4 * slow["inertia_force"])
+    np.testing.assert_array_equal(fast["spring_force"], slow["spring_force"])
+    np.testing.assert_allclose(fast["sliding_velocity"], 2 * slow["sliding_velocity"])
+
+
+def test_contact_force_is_nought_where_contact_is_lost(parts):
+    motion = parts[2]
+    cam_speed, angle = motion.contact_loss()
+    table = motion.table(cam_speed)
+    assert np.interp(angle, table.cam_angle, table["contact_force"]) == pytest.approx(0.0, abs=1e-9 * np.max(table["contact_force"]))
+    assert np.min(motion.table(0.99 * cam_speed)["contact_force"]) >= 0 > np.min(motion.table(1.01 * cam_speed)["contact_force"])
+    found = rigid_quantities(motion)
+    assert found["rigid_contact_loss_engine_speed"] == 2 * cam_speed and found["rigid_contact_loss_cam_angle"] == angle
+    assert found["rigid_maximum_valve_lift"] == pytest.approx(8e-3, rel=1e-3)
+
+
+def test_without_the_trains_parameters_the_cam_contact_stays_untold(parts):
+    _, system, motion = parts
+    bare = rigid_motion(system, None, 360).table(200.0)
+    assert "hertz_pressure" not in bare.columns
+    np.testing.assert_array_equal(bare["contact_force"], motion.table(200.0)["contact_force"])

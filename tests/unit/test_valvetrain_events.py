@@ -1,0 +1,182 @@
+"""Events found in made-up closed cycles of a train whose events are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from synthetic_train import ANGLE, CAM_SPEED, COUNT, TIME, degrees, found, lift_of, rigid, train
+from valvetrain.quantities.clash import clash_events
+from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE, CAUSE_VIBRATION, intervals
+from valvetrain.quantities.train_numbers import of_kind
+from valvetrain.solution.event import Event
+
+
+def test_intervals_close_the_ring():
+    flag = np.zeros(10, dtype=bool)
+    flag[[0, 1, 8, 9, 4]] = True
+    assert sorted(intervals(flag)) == [(4, 1), (8, 4)]
+    assert intervals(np.ones(5, dtype=bool)) == [(0, 5)]
+    assert intervals(np.zeros(5, dtype=bool)) == []
+
+
+def test_a_quiet_cycle_seats_once_and_nothing_else():
+    run = found()
+    (seating,) = run.events
+    assert seating.kind == "seating" and np.degrees(seating.cam_angle) == pytest.approx(270, abs=1.5)
+    assert seating.details["touch"] == 1
+    assert run.quantities["seating_cam_angle"] == seating.cam_angle and run.quantities["bounce_count"] == 0
+
+
+def test_a_straight_landing_is_met_exactly_between_the_samples():
+    """A valve that falls at 0.5 m/s meets its seat where the straight line does, whatever the blow does to the sample after it."""
+    touch = np.radians(269.9)
+    lift = np.where(degrees(90, 250), lift_of(ANGLE), np.where(ANGLE < touch, 0.5 * (touch - ANGLE) / CAM_SPEED, -1e-6))
+    lift[degrees(0, 90)] = -1e-6
+    velocity = np.where(ANGLE < touch, -0.5, 0.2)
+    run = found(valve_lift=lift, valve_velocity=velocity)
+    assert run.quantities["seating_velocity"] == pytest.approx(0.5, rel=1e-12)
+    assert run.quantities["seating_cam_angle"] == pytest.approx(touch, abs=1e-9)
+
+
+def test_landing_is_second_order_in_the_samples():
+    """A cubic on to the seat: the error stays below the remainder of the straight line, of second order in the samples."""
+    from valvetrain.quantities.train_events import SMALLEST_GAP, _sampled_openings
+
+    errors = []
+    for count in (360, 720, 1440):
+        time = np.arange(count) * (2 * np.pi / CAM_SPEED) / count
+        end = 0.62 * time[-1]
+        left = end - time  # lift = 0.3 left + 40 left^2 + 2e4 left^3
+        lift, rate = 0.3 * left + 40 * left**2 + 2e4 * left**3, -(0.3 + 80 * left + 6e4 * left**2)
+        made = train().channels.isel(sample=slice(0, count)).assign_coords(time=("sample", time), cam_angle=("sample", CAM_SPEED * time))
+        run = type(train())(
+            made.assign(valve_lift=("sample", lift, made.valve_lift.attrs), valve_velocity=("sample", rate, made.valve_lift.attrs))
+        )
+        (opening,) = _sampled_openings(run)
+        velocity = opening.velocity
+        step = time[1]
+        ahead = step + SMALLEST_GAP / 0.3  # the last sample off the seat is at most this long before the touch
+        errors.append(abs(velocity - 0.3) / (0.5 * 1.2e5 * ahead * (ahead + step)))  # over the remainder of a straight line
+    assert 0 < max(errors) <= 1.001
+
+
+def test_the_log_of_the_integrator_is_the_truth_of_a_seating():
+    seen = {"largest_gap": 8e-3, "release_cam_angle": np.radians(90.0)}
+    logged = Event("touch", np.radians(270.1), np.radians(270.1) / CAM_SPEED, 0.0, 0.321, "m/s", "seat", seen)
+    trembling = Event("touch", np.radians(270.4), 0.0, 0.0, 0.02, "m/s", "seat", seen | {"largest_gap": 1e-6})
+    other = Event("touch", np.radians(270.0), 0.0, 0.0, 9.0, "m/s", "cam", seen)
+    run = found(train(events=(other, logged, trembling)))
+    assert run.quantities["seating_velocity"] == 0.321 and run.quantities["seating_cam_angle"] == logged.cam_angle
+    assert {event.kind for event in run.events} == {"seating"}
+    assert found(run).quantities == run.quantities  # seen again from the file, where the log is no more
+
+
+@pytest.mark.parametrize(
+    ("force", "spring", "cause"), [(-50.0, 500.0, CAUSE_INERTIA), (400.0, 300.0, CAUSE_SURGE), (400.0, 500.0, CAUSE_VIBRATION)]
+)
+def test_loft_has_angle_duration_size_and_cause(force, spring, cause):
+    gap = np.where(degrees(150, 165), 1e-4, -1e-5)
+    table = rigid(contact_force=np.where(degrees(140, 180), force, 400.0))
+    run = found(table=table, cam_gap=gap, retainer_force=np.where(degrees(140, 180), spring, 500.0))
+    (loft,) = of_kind(run.events, "loft")
+    assert np.degrees(loft.cam_angle) == pytest.approx(150, abs=0.3)
+    assert loft.duration == pytest.approx(np.radians(15) / CAM_SPEED, rel=0.02)
+    assert loft.size == pytest.approx(1e-4)
+    assert loft.details["cause"] == cause
+    assert not of_kind(run.events, "float")  # the valve still follows its rigid lift
+    assert run.quantities["loft_count"] == 1 and run.quantities["loft_gap"] == loft.size
+
+
+def test_float_is_a_lift_above_the_rigid_one_over_the_nose():
+    flying = np.where(degrees(90, 270), lift_of(ANGLE), -1e-6) + np.where(degrees(160, 200), 3e-4, 0.0)
+    run = found(cam_gap=np.where(degrees(158, 202), 3e-4, -1e-5), valve_lift=flying)
+    (event,) = of_kind(run.events, "float")
+    assert event.size == pytest.approx(3e-4)
+    assert np.degrees(event.cam_angle) == pytest.approx(160, abs=0.5)
+    assert run.quantities["float_excess_lift"] == event.size
+
+
+def test_gaps_on_the_base_circle_are_lash():
+    assert not of_kind(found(cam_gap=np.where(degrees(0, 80), 1e-4, -1e-5)).events, "loft")
+
+
+def test_loss_at_the_valve_tip_is_told_by_its_place():
+    (event,) = of_kind(found(valve_tip_gap=np.where(degrees(150, 165), 1e-4, -1e-5)).events, "loss-of-contact")
+    assert event.where == "valve tip"
+
+
+def test_bounces_are_counted_with_height_and_seatings_with_their_place():
+    lift = np.where(degrees(90, 270), lift_of(ANGLE), -1e-6)
+    for first, last, height in ((272, 280, 2e-4), (281, 285, 5e-5)):
+        inside = degrees(first, last)
+        lift[inside] = height * np.sin(np.linspace(0.05, np.pi - 0.05, inside.sum()))
+    run = found(valve_lift=lift, valve_velocity=np.gradient(lift, TIME))
+    bounces, seatings = of_kind(run.events, "bounce"), of_kind(run.events, "seating")
+    assert [event.size for event in bounces] == pytest.approx([2e-4, 5e-5], rel=0.01)
+    assert [event.details["touch"] for event in seatings] == [1, 2, 3]
+    assert seatings[0].size > 0 and all(event.unit == "m/s" for event in seatings)
+    assert run.quantities["bounce_count"] == 2 and run.quantities["bounce_height"] == bounces[0].size
+
+
+def _pairs(place: int = 0):
+    """A closed end coil, and two neighbours that meet together for twelve and twelve samples, begun at sample 960 + ``place``."""
+    force = np.zeros((COUNT, 3))
+    force[:, 0] = 20.0
+    force[960:972, 1], force[964:976, 2] = 300.0, 100.0
+    force = np.roll(force, place, axis=0)
+    return np.array([1.2, 2.0, 2.5]), force, np.where(force > 0, -1e-6, 1e-4)
+
+
+def test_clash_counts_only_pairs_that_part_and_gives_impulse_and_energy():
+    upper, force, gap = _pairs()
+    (clash,) = clash_events(train(pairs={"spring": (upper, force, gap)}))
+    assert clash.details["upper_coil"] == 2 and clash.size == pytest.approx(400.0)
+    assert clash.details["impulse"] == pytest.approx((300 * 3 + 100 * 3) * np.radians(1) / CAM_SPEED, rel=0.05)
+    assert clash.details["energy"] == pytest.approx(0.5 * 400 * 1e-6)
+    assert clash.details["cause"] == "coils meet under surge" and clash.where == "coils 1-2"
+
+
+@pytest.mark.parametrize("place", [0, 100, 470, 473, 475, 478, 480, 700])
+def test_a_closed_cycle_has_no_seam(place):
+    """The same clash anywhere round the ring, across its end too, is one event of the same numbers."""
+    (here,) = clash_events(train(pairs={"spring": _pairs()}))
+    (there,) = clash_events(train(pairs={"spring": _pairs(place)}))
+    assert there.size == here.size and there.duration == pytest.approx(here.duration)
+    assert there.details["impulse"] == pytest.approx(here.details["impulse"])
+    assert np.cos(there.cam_angle - here.cam_angle - 2 * np.pi * place / COUNT) == pytest.approx(1.0, abs=1e-9)
+    assert -0.01 < there.cam_angle < 2 * np.pi
+
+
+def test_nested_springs_are_told_apart_and_long_contacts_are_rests():
+    upper, force, gap = _pairs()
+    rest = np.zeros((COUNT, 1))
+    rest[300:900] = 50.0
+    pairs = {"outer": (upper, force, gap), "inner": ([3.0], rest, np.where(rest > 0, -2e-6, 1e-4))}
+    run = found(train(springs=("outer", "inner"), pairs=pairs))
+    first, second = of_kind(run.events, "clash")
+    assert (first.where, second.where) == ("inner coils 2-3", "outer coils 1-2")
+    assert first.details["cause"].startswith("coils come to rest")
+    assert run.quantities["clash_count"] == 2 and run.quantities["peak_clash_force"] == 400.0
+    assert run.quantities["clash_energy"] == pytest.approx(0.5 * 50 * 2e-6 + 0.5 * 400 * 1e-6)
+    assert run.quantities["largest_clash_energy"] == pytest.approx(0.5 * 400 * 1e-6)
+    assert run.quantities["largest_clash_impulse"] == pytest.approx(max(event.details["impulse"] for event in (first, second)))
+
+
+def test_peaks_of_every_step_come_from_the_integrator():
+    run = found(train(statistics={"peak_seat_contact_force": 812.0, "steady_cycles_count": 9, "kind": "anderson"}))
+    assert run.quantities["peak_seat_contact_force"] == 812.0 and run.quantities["steady_cycles_count"] == 9.0
+    assert run.quantities["nose_cam_contact_force"] == 500.0 and "kind" not in run.quantities
+    assert np.array_equal(run.channel("rigid_valve_lift"), lift_of(ANGLE))
+
+
+def test_times_and_torque_of_a_cycle():
+    period = 2 * np.pi / CAM_SPEED
+    torque = 3 * np.sin(ANGLE) - 1
+    gaps = {"cam_gap": np.where(degrees(150, 165), 1e-4, -1e-5), "valve_tip_gap": np.where(degrees(160, 175), 1e-4, -1e-5)}
+    run = found(train(statistics={"cycle_work_energy": 2.0}, cam_torque=torque, **gaps)).quantities
+    assert run["valve_open_duration"] == pytest.approx(period / 2, rel=0.02)
+    assert run["loss_of_contact_duration"] == pytest.approx(np.radians(25) / CAM_SPEED, rel=0.01)
+    assert (run["peak_cam_torque"], run["minimum_cam_torque"]) == pytest.approx((2.0, -4.0))
+    assert run["mean_cam_power"] == pytest.approx(2.0 / period)
+    assert run["peak_valve_lift"] == pytest.approx(8e-3)
