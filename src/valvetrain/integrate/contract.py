@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Literal, Protocol, runtime_checkable
 
-from valvetrain.errors import InputError
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest
-
-TURN = 2 * math.pi
-#: Longest run-up, in periods of its first cam speed.
-MOST_TURNS = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,16 +34,6 @@ class RunUp:
 
     last_cam_speed: float
     cam_acceleration: float
-
-    def stretches(self, first_cam_speed: float) -> int:
-        """Periods of ``first_cam_speed`` (rad/s) that it lasts. Raises :class:`InputError` where it does not lead there, or not soon."""
-        change, at = self.last_cam_speed - first_cam_speed, self.cam_acceleration
-        if not (math.isfinite(change) and math.isfinite(at) and change * at > 0):
-            raise InputError("the cam acceleration of a run-up must lead from its first to its last speed; change its sign or the speeds")
-        count = change / at * first_cam_speed / TURN
-        if count > MOST_TURNS:
-            raise InputError(f"a run-up of more than {MOST_TURNS} cam turns is a slip of the pen; raise the acceleration")
-        return max(1, math.ceil(count))
 
 
 Until = Cycles | Periodic | RunUp
