@@ -152,7 +152,7 @@ def _factor(spring, model, stress, reactions) -> float:
 def run_beehive(level: str) -> dict:
     """The library's beehive with its end turns held, self-contact and seat planes, compressed to 7 mm; modes there."""
     per_coil, core, rings = BEEHIVE_LEVELS[level]
-    model = SolidSpring(beehive(), MeshOptions(per_coil, core, rings, ends="held"), SolidContact(), time_limit=900.0)
+    model = SolidSpring(beehive(), MeshOptions(per_coil, core, rings, ends="bonded"), SolidContact(), time_limit=900.0)
     printout = steps.Printout(axis=True, pairs=len(model.pairs))
     deck = model.deck(
         steps.static_step(LARGE, printout, first=0.05, largest=0.05), steps.frequency_step(MODES, steps.Printout(axis=True), preloaded=True)
@@ -186,9 +186,11 @@ def run_ride() -> dict:
     case = load_case("gu2021-beehive")
     # Softer contact than in statics: coils that meet at speed otherwise exhaust the solver's cutbacks.
     contact = SolidContact(stiffness=1e13)
-    model = SolidSpring(beehive(), MeshOptions(12, 1, 1, ends="held"), contact, time_limit=480.0)
+    model = SolidSpring(beehive(), MeshOptions(12, 1, 1, ends="bonded"), contact, time_limit=480.0)
     speed = 8000 * 2 * np.pi / 60
-    job = TransientJob(build_lift_law(case.lift_law), speed, 7e-3, np.radians(85), np.radians(265), 4e-5, case.springs[0].damping.mass_damping)
+    job = TransientJob(
+        build_lift_law(case.lift_law), speed, 7e-3, np.radians(85), np.radians(265), 4e-5, case.springs[0].damping.mass_damping
+    )
     solution = run_transient(model, job, case.name)
     solution_file = STORE / "ride.nc"
     save_netcdf(solution, solution_file)

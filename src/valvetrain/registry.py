@@ -88,6 +88,12 @@ BUILT_IN["contacts"] = {
     "impact": "valvetrain.contact.impact:SPEC",
     "impact-as-printed": "valvetrain.contact.impact:AS_PRINTED",
 }
+BUILT_IN["mechanisms"] = {
+    "direct": "valvetrain.mechanism.direct:SPEC",
+    "finger": "valvetrain.mechanism.lever:FINGER",
+    "rocker": "valvetrain.mechanism.lever:ROCKER",
+    "pushrod": "valvetrain.mechanism.pushrod:SPEC",
+}
 BUILT_IN["sources"] = {key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021", "vasilyev2016", "multibody4b17")}
 #: In the order of the page: what answers first, what a paper says only after it.
 BUILT_IN["sections"] = {

@@ -140,7 +140,7 @@ def test_closing_coils_stiffen_the_spring_and_carry_its_force():
         pitch=PiecewiseLinear((0.0, 1.25, 1.75, 4.0), (3.15e-3, 3.15e-3, 6e-3, 6e-3)),
         total_coils=4.0, material=STEEL, lower_end=EndCoil(inactive_coils=0.75), upper_end=EndCoil(inactive_coils=0.75),
     )  # fmt: skip
-    model = SolidSpring(spring, MeshOptions(10, 1, 1, ends="held"), SolidContact())
+    model = SolidSpring(spring, MeshOptions(10, 1, 1, ends="bonded"), SolidContact())
     curve = model.static_curve(2e-3, points=5)
     assert curve.status.completed
     assert curve.stiffness[-1] > 1.15 * curve.stiffness[0]

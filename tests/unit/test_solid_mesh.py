@@ -85,7 +85,7 @@ def test_end_sections_are_bonded_and_stand_across_the_wire(uniform):
 
 def test_held_turns_move_with_their_seats():
     spring = cylindrical(3.8e-3, 22e-3, 7e-3, 6.0)
-    mesh = sweep_spring(spring, MeshOptions(12, 1, 1, ends="held"))
+    mesh = sweep_spring(spring, MeshOptions(12, 1, 1, ends="bonded"))
     assert mesh.volume == pytest.approx(spring.mass / spring.material.density, rel=5e-3)
     assert mesh.coil.min() == 0 and mesh.coil.max() == 6
     assert set(mesh.node_sets["seat"]) == set(np.flatnonzero(mesh.coil <= 0.75 + 1e-9))
@@ -145,6 +145,6 @@ def test_impossible_meshes_are_refused(uniform, changes, words):
 
 def test_tapered_wire_paths_mesh_too():
     spring = conical(3e-3, 26e-3, 18e-3, 6e-3, 6.0)
-    mesh = sweep_spring(spring, MeshOptions(24, 2, 1, ends="held"))
+    mesh = sweep_spring(spring, MeshOptions(24, 2, 1, ends="bonded"))
     assert mesh.jacobian_quality() > 0.2
     assert mesh.volume == pytest.approx(wire_volume(spring), rel=1e-3)

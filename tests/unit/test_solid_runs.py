@@ -104,7 +104,7 @@ FIELDS = """\
 
 @pytest.fixture
 def model() -> SolidSpring:
-    return SolidSpring(cylindrical(3.8e-3, 22e-3, 7e-3, 6.0), MeshOptions(8, 1, 1, ends="held"), SolidContact())
+    return SolidSpring(cylindrical(3.8e-3, 22e-3, 7e-3, 6.0), MeshOptions(8, 1, 1, ends="bonded"), SolidContact())
 
 
 @pytest.fixture

@@ -95,7 +95,7 @@ def build(**changes):
         ({"total_coils": 0.0}, "has 0.0 turns"),
         ({"total_coils": float("nan")}, "has nan turns"),
         ({"hand": "both"}, "use right or left"),
-        ({"lower_end": EndCoil("closed", 3.0), "upper_end": EndCoil("closed", 2.8)}, "of which 5.8 are held"),
+        ({"lower_end": EndCoil("closed", 3.0), "upper_end": EndCoil("closed", 2.8)}, "of which 5.8 are inactive"),
         ({"wire_diameter": Constant(0.0)}, "wire diameter is not positive"),
         ({"mean_diameter": PiecewiseLinear((0.0, TURNS), (24e-3, -1e-3))}, "mean coil diameter is not positive"),
         ({"pitch": FunctionCurve(lambda u: PITCH / (u - 3.0))}, "pitch is not a finite number"),

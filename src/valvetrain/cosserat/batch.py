@@ -45,7 +45,7 @@ def simulate_batch(
     meshes: Sequence[RodMesh], starts: Sequence[RodState], motion: Callable[[Array], ArrayLike], sample_interval: float,
     samples: int, dynamics: RodDynamics, time_step: float | None = None, workers: int = 1,
 ) -> RodBatch:  # fmt: skip
-    """March all ``meshes`` from their equilibria ``starts`` over ``samples`` intervals of ``sample_interval`` (s) under one motion.
+    """Integrate all ``meshes`` from their equilibria ``starts`` over ``samples`` intervals of ``sample_interval`` (s) under one motion.
 
     The variants share step, motion and mesh numbers; sections, geometry and gaps may differ. The step is the
     smallest stable one of all unless given; ``workers`` threads change no bit. A mesh too long for the lanes runs one by one.
@@ -112,4 +112,4 @@ def _check(meshes: Sequence[RodMesh], starts: Sequence[RodState]) -> None:
         raise InputError(f"a batch needs as many start states as meshes and at least one; it has {len(starts)} and {len(meshes)}")
     shapes = {(mesh.vertices, mesh.first, mesh.last, mesh.contact.offset, mesh.contact.groups) for mesh in meshes}
     if len(shapes) > 1:
-        raise InputError("the meshes of a batch differ in size; use one total_coils, one held length and one mesh density")
+        raise InputError("the meshes of a batch differ in size; use one total_coils, one length of inactive wire and one mesh density")

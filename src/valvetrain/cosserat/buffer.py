@@ -1,4 +1,4 @@
-"""Fills the flat buffer of the time march from a mesh, a static state and the damping; finds the stable step."""
+"""Fills the flat buffer of the time integration from a mesh, a static state and the damping; finds the stable step."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class RodDynamics:
-    """What the march needs beside the mesh: ``mass_damping`` (1/s), ``stiffness_damping`` (s), contact constants.
+    """What the time integration needs beside the mesh: ``mass_damping`` (1/s), ``stiffness_damping`` (s), contact constants.
 
     Stiffness damping acts through a Maxwell branch of ``relaxation_time`` (s) on bending and torsion, since plain
     Kelvin-Voigt damping would cut the explicit step to a few per cent. ``contact_stiffness`` in N/m per m of wire.
@@ -68,7 +68,7 @@ def _with_branch(mesh: RodMesh, share: float) -> RodMesh:
 
 
 def fill_buffer(mesh: RodMesh, state: RodState, dynamics: RodDynamics, time_step: float) -> Array:
-    """The flat buffer of a rod at rest in ``state``, ready to march with ``time_step`` (s)."""
+    """The flat buffer of a rod at rest in ``state``, ready to be integrated with ``time_step`` (s)."""
     b = empty_buffer()
     nv, first, last = mesh.vertices, mesh.first, mesh.last
     for names, values in (("X Y Z", state.position.T), ("Q0 Q1 Q2 Q3", state.frame.T)):
@@ -128,7 +128,7 @@ def branch_gains(dynamics: RodDynamics, time_step: float) -> tuple[float, float,
 
 
 def stepping_numbers(mesh: RodMesh, dynamics: RodDynamics, time_step: float) -> tuple[NDArray[np.int64], Array, Array]:
-    """Integers, numbers and contact places that travel with a buffer (order: constants in ``march``)."""
+    """Integers, numbers and contact places that travel with a buffer (order: constants in ``time_stepping``)."""
     decay, gain_old, gain_new = branch_gains(dynamics, time_step)
     half = 0.5 * dynamics.mass_damping * time_step
     numbers = np.array([

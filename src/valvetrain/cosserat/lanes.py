@@ -1,4 +1,4 @@
-"""March of several rods side by side: variants in the lanes of the vector unit, entry j of variant v at ``j * LANES + v``.
+"""Time integration of several rods side by side: variants in the lanes of the vector unit, entry j of variant v at ``j * LANES + v``.
 
 The passes are those of ``step_kernels`` with neighbours ``LANES`` apart; every loop runs over whole vectors, whatever the
 mesh and however short the stretch of wire in contact. Measured per core against one rod at a time: see docs/performance.md.
@@ -175,7 +175,7 @@ def advance_lanes(b, integers, numbers):
 
 @njit(**OPTIONS)
 def place_retainers(b, integers, travel, velocity):
-    """Lower the vertices held by the retainer by ``travel`` (m) and give them its closing velocity."""
+    """Lower the vertices fixed to the retainer by ``travel`` (m) and give them its closing velocity."""
     for j in range(np.uint64(integers[LAST]) * WIDTH, np.uint64(integers[VERTICES]) * WIDTH):
         b[Z + j] -= travel
         b[VZ + j] = -velocity
@@ -213,11 +213,11 @@ def replace_diverged(b, integers, row_starts, step, reached):
 
 @njit(**OPTIONS)
 def integrate_lanes(b, integers, numbers, places, displacement, clock, row_starts, stretches, forces, dense, reached):
-    """March ``LANES`` rods over ``len(displacement) - 1`` steps of one prescribed retainer displacement (m).
+    """Integrate ``LANES`` rods over ``len(displacement) - 1`` steps of one prescribed retainer displacement (m).
 
     ``clock``: steps per record. Fills ``dense`` (records, 2, lanes) with retainer and seat force (N) and ``reached`` (lanes,)
     with the first step at which a variant was seen diverged (left as given otherwise). ``forces`` (2, lanes) and
-    ``stretches`` (STRETCHES, 2) are room to work.
+    ``stretches`` (STRETCHES, 2) are working space.
     """
     steps, count = len(displacement) - 1, 0
     for n in range(steps + 1):

@@ -1,7 +1,7 @@
 """The rod's discrete wire: positions at vertices, material frames on edges, true arc lengths throughout.
 
 Vertex ``i`` lies between edge ``i`` and edge ``i + 1``. The wire is elastic between vertices ``first`` and ``last``;
-edges ``first`` and ``last + 1`` hold the clamp frames. Vertices outside belong to the held ends (contact only).
+edges ``first`` and ``last + 1`` hold the clamp frames. Vertices outside belong to the fixed ends (contact only).
 Staggered grid after Lang, Linn and Arnold (2011), with the arc length in place of the chord.
 """
 
@@ -53,7 +53,7 @@ class RodMesh:
 
     @property
     def vertices(self) -> int:
-        """Number of vertices, the held ones included."""
+        """Number of vertices, the fixed ones included."""
         return len(self.position)
 
     @property
@@ -85,7 +85,7 @@ class WireCurve(Protocol):
 def mesh_spring(
     definition: SpringDefinition, elements_per_coil: int = 24, *, curvature_correction: bool = True, contact: bool = True
 ) -> RodMesh:
-    """Mesh the free wire of a spring uniformly over the coil number, held ends continued on the same grid to just past the tips.
+    """Mesh the free wire of a spring uniformly over the coil number, fixed ends continued on the same grid to just past the tips.
 
     Raises :class:`InputError` for fewer than 6 elements per coil or more vertices than the kernels hold.
     """
@@ -195,7 +195,7 @@ def _arc_length(curve: WireCurve, start: Array, end: Array) -> Array:
 def _seat_limits(definition: SpringDefinition, mesh: RodMesh) -> tuple[Array, Array]:
     """Lowest and highest height of the wire axis that the seat planes allow, never below the free state.
 
-    An open end is held by its tip alone and stands on no plane.
+    An open end is fixed at its tip alone and stands on no plane.
     """
     height, radius = mesh.position[:, 2], mesh.wire_diameter / 2
     lower, upper = np.full(mesh.vertices, -np.inf), np.full(mesh.vertices, np.inf)

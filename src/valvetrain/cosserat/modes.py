@@ -47,7 +47,7 @@ class RodModes:
 
 
 def natural_modes(statics: RodStatics, state: RodState, count: int = 24) -> RodModes:
-    """Lowest ``count`` modes about ``state`` with both ends held: K phi = omega^2 M phi on the tangent with contact.
+    """Lowest ``count`` modes about ``state`` with both ends fixed: K phi = omega^2 M phi on the tangent with contact.
 
     A negative eigenvalue (unstable state) appears as a negative frequency.
     """

@@ -53,7 +53,7 @@ class Equilibrium:
 class RodStatics:
     """Assembles residual and tangent of one mesh and solves for equilibrium; holds no state of its own.
 
-    Both ends are held, unless ``loads`` are given: then the last end is free and carries them.
+    Both ends are fixed, unless ``loads`` are given: then the last end is free and carries them.
     """
 
     def __init__(
@@ -124,7 +124,7 @@ class RodStatics:
         return gaps
 
     def tangent(self, state: RodState) -> csc_matrix:
-        """Whole tangent stiffness (6 nv, 6 nv), held unknowns included."""
+        """Whole tangent stiffness (6 nv, 6 nv), fixed unknowns included."""
         _, _, band, contact = self.assemble(state)
         matrix = _sparse(band)
         return matrix if contact is None else (matrix + contact).tocsc()
@@ -156,7 +156,7 @@ class RodStatics:
         return Equilibrium(state, retainer, seat, energy, bool(size <= self.options.tolerance), size, count)
 
     def end_forces(self, state: RodState, residual: Array) -> tuple[float, float]:
-        """Retainer and seat force (N, compressive positive) from the residual of the held vertices and the seats."""
+        """Retainer and seat force (N, compressive positive) from the residual of the fixed vertices and the seats."""
         mesh, x = self.mesh, state.position
         axial = residual.reshape(-1, 6)[:, 2]
         lower = np.maximum(mesh.lower_seat_limit - x[:, 2], 0.0)

@@ -31,7 +31,7 @@ S0, S1, S2, IMPULSE, PEAK, LOSS, MASS = (ROW[n] for n in ("S0", "S1", "S2", "IMP
 LOWER, UPPER, SEAT = (ROW[n] for n in ("LOWER", "UPPER", "SEAT"))
 #: Everything of fast maths but the promise that no value is NaN: a diverged run must be seen.
 FAST = {"contract", "reassoc", "nsz", "arcp"}
-#: Without reference counts of the arrays, whose atomic updates at every call took 20 % of a march.
+#: Without reference counts of the arrays, whose atomic updates at every call took 20 % of a run.
 OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False, "fastmath": FAST}
 
 

@@ -1,4 +1,4 @@
-"""March of the rod through time: one compiled loop over steps, with the contact watch list and the records."""
+"""Time integration of the rod: one compiled loop over steps, with the contact watch list and the records."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def kick_and_drift(b, integers, numbers):
 
 @njit(**OPTIONS)
 def place_retainer(b, integers, travel, velocity):
-    """Lower the vertices held by the retainer by ``travel`` (m) and give them its closing velocity."""
+    """Lower the vertices fixed to the retainer by ``travel`` (m) and give them its closing velocity."""
     for i in range(np.uint64(integers[LAST]), np.uint64(integers[VERTICES])):
         b[Z + i] -= travel
         b[VZ + i] = -velocity
@@ -157,9 +157,9 @@ def place_retainer(b, integers, travel, velocity):
 
 @njit(**OPTIONS)
 def integrate_in_time(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense):
-    """March over ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
+    """Integrate ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
 
-    ``clock`` = (steps per dense record, dense records per sample, first sample kept); ``stretches`` (STRETCHES, 2) is room
+    ``clock`` = (steps per dense record, dense records per sample, first sample kept); ``stretches`` (STRETCHES, 2) is working space
     to work. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions, frames, velocities and spins, ``contacts``
     (samples, 3, groups, nv) with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with
     retainer force, seat force, work done and dissipated energy. Returns (steps done, largest vertex speed); a run that

@@ -22,7 +22,7 @@ DENSE_INTERVAL = 4e-6
 
 @dataclass(frozen=True)
 class RodTransient:
-    """Raw records of a march: ns samples, nd dense records, nv vertices; SI units.
+    """Raw records of a run: ns samples, nd dense records, nv vertices; SI units.
 
     ``position``, ``velocity`` (ns, nv, 3); ``frame`` (ns, nv + 1, 4); ``spin`` (ns, nv + 1, 3, body frame);
     ``contact_force`` and ``contact_peak`` (ns, groups, nv) mean and peak since the last sample; ``contact_loss`` (ns,);
@@ -52,7 +52,7 @@ class RodTransient:
 
     @property
     def completed(self) -> bool:
-        """Whether the march reached its end."""
+        """Whether the run reached its end."""
         return self.steps_done > self.steps
 
 
@@ -60,7 +60,7 @@ def simulate(
     mesh: RodMesh, start: RodState, motion: Callable[[Array], ArrayLike], sample_interval: float, samples: int,
     dynamics: RodDynamics, time_step: float | None = None, discard: int = 0,
 ) -> RodTransient:  # fmt: skip
-    """March ``samples`` intervals of ``sample_interval`` (s) under ``motion(time) -> retainer displacement`` (m).
+    """Integrate ``samples`` intervals of ``sample_interval`` (s) under ``motion(time) -> retainer displacement`` (m).
 
     The displacement counts from the free state; ``start`` is the equilibrium at ``motion(0)``. ``discard`` samples at
     the beginning are not kept. Raises :class:`InputError` when a given ``time_step`` is not positive.

@@ -30,7 +30,8 @@ def force_name(interaction: str) -> str:
 
 
 def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[CycleRecord], start: TrainState | None = None) -> xarray.Dataset:
-    """Consecutive records as one dataset; ``start`` is the state that the (only) record began from, for the springs' inner motion."""
+    """Records as one dataset: of one closed turn with the state ``start`` that it began from, for the springs' inner motion, or of a
+    run-up without one."""
     import xarray
 
     mechanism, arrays = system.mechanism, system.arrays
@@ -41,10 +42,9 @@ def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[Cycle
 
     q, v, a, forces, gaps, ends = (all_of(name) for name in ("q", "v", "a", "forces", "gaps", "spring_forces"))
     first = records[0]
-    if len(records) > 1:  # a run-up: the true angle, unwrapped
+    if start is None:  # a run-up: the true angle, unwrapped; every stretch takes the time of the first
         angle = all_of("cam_angle")
-        starts = np.cumsum([0.0] + [len(record.q) * _interval(record) for record in records[:-1]])
-        time = np.concatenate([begin + np.arange(len(record.q)) * _interval(record) for begin, record in zip(starts, records, strict=True)])
+        time = np.arange(len(angle)) * (2 * np.pi / first.cam_speed / len(first.q))
         speed = np.gradient(angle, time) if len(angle) > 2 else np.full(len(angle), first.cam_speed)
     else:
         angle = np.arange(len(q)) * 2 * np.pi / len(q)
@@ -83,14 +83,9 @@ def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[Cycle
                     ends[:, place, side],
                     {"units": "N", "long_name": f"{word} spring: force {words}"},
                 )
-        if start is not None and len(records) == 1 and first.spring_states[place].shape[1]:
+        if start is not None and first.spring_states[place].shape[1]:
             _add_sections(variables, coords, prefix, spring_outputs(spring, first, start.springs[place], place, retainer))
     return xarray.Dataset(variables, coords)
-
-
-def _interval(record: CycleRecord) -> float:
-    """Time (s) between the samples of a record of one nominal turn."""
-    return 2 * np.pi / record.cam_speed / len(record.q)
 
 
 def _add_sections(variables: dict, coords: dict, prefix: str, shown: list[SpringOutputs]) -> None:  # type: ignore[type-arg]

@@ -214,7 +214,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
         if exchange <= 0:
             clock[4], clock[5] = spring_a(slot_a.parameters, slot_a.integers, slot_a.state, q[retainer], v[retainer], step)
             clock[6], clock[7] = spring_b(slot_b.parameters, slot_b.integers, slot_b.state, q[retainer], v[retainer], step)
-        elif n % exchange == 0:  # the force found now is held; the spring module then integrates the velocity it was handed
+        elif n % exchange == 0:  # the force found now is kept; the spring module then integrates the velocity it was handed
             for sub in range(exchange):
                 forces_a = spring_a(slot_a.parameters, slot_a.integers, slot_a.state, clock[8], old[retainer], step)
                 forces_b = spring_b(slot_b.parameters, slot_b.integers, slot_b.state, clock[8], old[retainer], step)

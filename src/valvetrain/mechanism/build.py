@@ -1,4 +1,4 @@
-"""From train parameters to a mechanism: one door for all kinds and models."""
+"""From train parameters to a mechanism, for every registered kind and every model."""
 
 from __future__ import annotations
 
@@ -10,36 +10,25 @@ from valvetrain.contact.friction import CoulombFriction
 from valvetrain.contact.law import ContactLaw
 from valvetrain.contact.library import build_contact_law
 from valvetrain.errors import InputError
-from valvetrain.mechanism.direct import build_direct
-from valvetrain.mechanism.lever import build_lever
 from valvetrain.mechanism.lumped import build_lumped, build_single_mass
 from valvetrain.mechanism.parts import AssembledMechanism
-from valvetrain.mechanism.pushrod import build_pushrod
 from valvetrain.mechanism.sliding import SLIDING_KINDS
+from valvetrain.mechanism.spec import MechanismSpec
 from valvetrain.parameters.train import ContactParameters, TrainParameters
-
-PLACES = {
-    "direct": ("cam", "valve_tip", "seat"),
-    "finger": ("cam", "valve_tip", "seat"),
-    "rocker": ("cam", "valve_tip", "seat"),
-    "pushrod": ("cam", "tappet", "rocker", "valve_tip", "seat"),
-}
+from valvetrain.registry import find
 
 
 def build_mechanism(train: TrainParameters, law: LiftLaw, lift_of: str = "tappet") -> AssembledMechanism:
     """Mechanism of a train under a lift law (``lift_of`` 'tappet' or 'valve'), in the model the train asks for.
 
-    Raises :class:`InputError` for geometry that cannot work, lash larger than the lift, a missing contact law, or friction where
-    nothing slides.
+    Raises :class:`InputError` for missing parts, geometry that cannot work, lash larger than the lift, a missing contact law, or
+    friction where nothing slides.
     """
-    places = [place for place in PLACES[train.kind] if place != "tappet" or train.follower.mass > 0]
+    spec: MechanismSpec = find("mechanisms", train.kind, "train.kind")
+    spec.check(train)
+    places = [place for place in spec.places if place != "tappet" or train.follower.mass > 0]
     laws = {place: _contact_law(train.contact(place)) for place in places}
-    if train.kind == "direct":
-        planar = build_direct(train, law, laws)
-    elif train.kind == "pushrod":
-        planar = build_pushrod(train, law, laws, lift_of)
-    else:
-        planar = build_lever(train, law, laws, lift_of)
+    planar = spec.build(train, law, laws, lift_of)
     rough = {place: friction for place in places if (friction := train.contact(place).friction_coefficient) > 0}
     if rough and train.model != "planar":
         raise InputError(

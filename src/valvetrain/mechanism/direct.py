@@ -12,13 +12,15 @@ from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction
 from valvetrain.mechanism.planar import cam_contact, sample_angles, sliding_row, unit, valve_parts
 from valvetrain.mechanism.rigid import RatioCurve, RigidKinematics, check_lash
+from valvetrain.mechanism.spec import MechanismSpec
 from valvetrain.parameters.train import TrainParameters
 
 
-def build_direct(train: TrainParameters, law: LiftLaw, laws: dict[str, ContactLaw]) -> AssembledMechanism:
+def build_direct(train: TrainParameters, law: LiftLaw, laws: dict[str, ContactLaw], law_of: str = "valve") -> AssembledMechanism:
     """Planar direct-acting train; the tappet slides along the valve's opening direction and its lift is the law's.
 
-    ``law``: lift law of tappet or valve (the same here). ``laws``: contact laws for ``cam``, ``valve_tip`` and ``seat``.
+    ``law``: lift law of tappet or valve (the same here, whatever ``law_of`` says). ``laws``: contact laws for ``cam``, ``valve_tip`` and
+    ``seat``.
     """
     follower, cam = train.follower, train.cam
     away = train.valve.opening_direction
@@ -45,3 +47,6 @@ def build_direct(train: TrainParameters, law: LiftLaw, laws: dict[str, ContactLa
     kinematics = RigidKinematics(law, "drive", RatioCurve(drive, drive), 1.0, train.lash)
     check_lash(kinematics)
     return AssembledMechanism("direct", (tappet, *parts), (contact, tip, *links), {"cam contour": table}, valve, retainer, kinematics)
+
+
+SPEC = MechanismSpec("direct", ("cam", "valve_tip", "seat"), build_direct, needs=("follower.mass",))

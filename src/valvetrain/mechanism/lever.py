@@ -13,6 +13,7 @@ from valvetrain.mechanism.gap_kinds import ARC_RADIUS, LINEAR, POINT_PLANE
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, ElasticLink, Interaction
 from valvetrain.mechanism.planar import cam_contact, rotate, sample_angles, support_parts, turning_row, unit, valve_parts
 from valvetrain.mechanism.rigid import RatioCurve, RigidKinematics, check_lash
+from valvetrain.mechanism.spec import MechanismSpec
 from valvetrain.parameters.train import LeverParameters, TrainParameters
 
 
@@ -103,3 +104,7 @@ def valve_tip_contact(
     row = [*turning_row(train.lever.pivot, (tip[0], tip[1]), sign, support), *unit(train.valve.opening_direction), train.lash, 1.0]
     row += [*[0.0] * (ARC_RADIUS - len(row)), train.lever.tip_radius]
     return Interaction("valve tip", POINT_PLANE, names, tuple(row), law)
+
+
+FINGER = MechanismSpec("finger", ("cam", "valve_tip", "seat"), build_lever, needs=("lever",))
+ROCKER = MechanismSpec("rocker", FINGER.places, build_lever, needs=("lever",))

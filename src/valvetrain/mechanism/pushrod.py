@@ -14,6 +14,7 @@ from valvetrain.mechanism.lever import lever_bodies, opening_sign, valve_tip_con
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, ElasticLink, Interaction
 from valvetrain.mechanism.planar import cam_contact, rotate, sample_angles, sliding_row, support_parts, turning_row, unit, valve_parts
 from valvetrain.mechanism.rigid import RatioCurve, RigidKinematics, check_lash
+from valvetrain.mechanism.spec import MechanismSpec
 from valvetrain.parameters.train import TrainParameters
 
 
@@ -60,7 +61,7 @@ def build_pushrod(train: TrainParameters, law: LiftLaw, laws: dict[str, ContactL
 
 
 def _tappet_parts(train: TrainParameters, lower: str, laws: dict[str, ContactLaw]) -> tuple[list[Coordinate], list[Interaction]]:
-    """A tappet of its own between cam and pushrod; without a mass the pushrod's end rides on the cam itself."""
+    """A tappet of its own between cam and pushrod; without a mass the pushrod's end touches the cam itself."""
     follower = train.follower
     weight = follower.mass * train.gravity[1]
     tappet = Coordinate("tappet", follower.mass, force=weight, damping=follower.damping, friction=follower.friction)
@@ -99,3 +100,6 @@ def _chain_ratio(train: TrainParameters, arm: tuple[float, float], tip: tuple[fl
     stop = start + (int(np.argmin(steps[start:])) if not np.all(steps[start:]) else len(steps) - start)
     first = start - (int(np.argmin(steps[:start][::-1])) if not np.all(steps[:start]) else start)
     return RatioCurve(drive[first : stop + 1], lift[first : stop + 1])
+
+
+SPEC = MechanismSpec("pushrod", ("cam", "tappet", "rocker", "valve_tip", "seat"), build_pushrod, needs=("lever", "pushrod"))

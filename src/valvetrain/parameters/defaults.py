@@ -96,4 +96,4 @@ def _meaning(field: FieldInfo) -> str:
 
 def _end_row(kind: str, end: EndCoil) -> str:
     turns = f"{number(end.inactive_coils)} and {number(end.ground_coils)}"
-    return f"| `inactive_coils`, `ground_coils` | {turns} | turns of an end of kind `{kind}` held and ground |"
+    return f"| `inactive_coils`, `ground_coils` | {turns} | turns of an end of kind `{kind}` inactive and ground |"

@@ -86,7 +86,7 @@ class WireBlock(SpringModel):
         default=None, description="shortening from the free length with the valve closed; without it none"
     )
     installed_height: PositiveLength | None = None
-    seats: Literal["planes", "clamps"] = Field(default="planes", description="flat seats, or nothing but the inactive ends held")
+    seats: Literal["planes", "clamps"] = Field(default="planes", description="flat seats, or nothing but the fixed inactive ends")
     damping: DampingModel = DampingModel()
     contact: CoilContactModel = CoilContactModel()
     options: Options = Field(default_factory=dict)

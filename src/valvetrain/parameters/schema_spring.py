@@ -36,7 +36,7 @@ TotalCoils = Annotated[float, quantity("ratio", low=0.0, high=MOST_COILS, open_l
 
 
 class EndModel(StrictModel):
-    """One end coil; an open end is held and ground over no turns unless it says so."""
+    """One end coil; an open end is inactive and ground over no turns unless it says so."""
 
     kind: EndKind = "closed-ground"
     inactive_coils: EndTurns | None = None

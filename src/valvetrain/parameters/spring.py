@@ -119,7 +119,7 @@ class SpringDefinition:
 
     @property
     def free_coils(self) -> tuple[float, float]:
-        """First and last coil number of the wire that is free to move (between the held ends)."""
+        """First and last coil number of the wire that is free to move (between the fixed ends)."""
         return self.lower_end.inactive_coils, self.total_coils - self.upper_end.inactive_coils
 
     @cached_property
@@ -131,7 +131,7 @@ class SpringDefinition:
 
     @property
     def active_mass(self) -> float:
-        """Mass of the wire between the held ends (kg)."""
+        """Mass of the wire between the fixed ends (kg)."""
         squares = self.integrate_along_wire(self.wire_diameter, 2, self.free_coils)
         return float(np.pi / 4 * self.material.density * squares)
 

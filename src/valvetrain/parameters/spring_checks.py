@@ -48,7 +48,7 @@ def check_spring(spring: WireShape) -> None:
     first, last = spring.free_coils
     if last - first < 0.5:
         raise InputError(
-            f"spring '{spring.name}' has {spring.total_coils:g} turns of which {spring.total_coils - (last - first):g} are held; "
+            f"spring '{spring.name}' has {spring.total_coils:g} turns of which {spring.total_coils - (last - first):g} are inactive; "
             "at least half a turn must be free: add turns or hold less"
         )
     coil = np.linspace(0.0, spring.total_coils, max(64, int(64 * spring.total_coils)) + 1)

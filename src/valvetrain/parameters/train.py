@@ -10,8 +10,8 @@ from typing import Any, Literal
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing
 from valvetrain.parameters.lift_law import FrozenMapping
+from valvetrain.registry import words
 
-TrainKind = Literal["direct", "finger", "rocker", "pushrod"]
 TrainModel = Literal["planar", "lumped", "single-mass"]
 FollowerShape = Literal["flat", "domed", "roller", "knife"]
 
@@ -95,9 +95,9 @@ class LeverParameters:
     ``drive_arm`` (m): pivot to the centre of the cam pad's arc, or to the pushrod ball. ``drive_angle`` (rad): its polar direction when
     the valve is closed; None lets the base circle decide (cam-driven levers), ``drive_side`` +1 or -1 then picks one of the two
     solutions. ``valve_arm``, ``valve_angle``: pivot to the centre of the tip's arc. ``inertia`` (kg m2) about the pivot; ``mass`` (kg)
-    that rides on the support. ``stiffness`` (N/m) at the valve tip, None for rigid; ``damping`` (N s/m) likewise. ``holding_torque``
+    that moves with the support. ``stiffness`` (N/m) at the valve tip, None for rigid; ``damping`` (N s/m) likewise. ``holding_torque``
     (N m) of a hairpin spring presses the lever towards the cam or pushrod, so that it does not float in the lash. ``tip_radius`` (m) of
-    the arc that rides on the stem; only friction there asks for it.
+    the arc that touches the stem; only friction there asks for it.
     """
 
     pivot: tuple[float, float]
@@ -251,7 +251,8 @@ class TrainVariant:
 
 @dataclass(frozen=True)
 class TrainParameters:
-    """One valvetrain. ``model``: planar rigid bodies with the true cam profile, lumped masses with constant ratios, or a single mass.
+    """One valvetrain. ``kind``: a word of the registry. ``model``: planar rigid bodies with the true cam profile, lumped masses with
+    constant ratios, or a single mass.
 
     ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and ``rocker``. ``springs``: sets of
     springs by name, each a tuple of one or two :class:`InstalledSpring` (outer first); ``spring_set`` is the one in use and
@@ -260,7 +261,7 @@ class TrainParameters:
     usual number.
     """
 
-    kind: TrainKind
+    kind: str
     cam: CamParameters
     follower: FollowerParameters
     valve: ValveParameters
@@ -283,20 +284,13 @@ class TrainParameters:
     def __post_init__(self) -> None:
         for name in ("contacts", "springs"):
             object.__setattr__(self, name, FrozenMapping(getattr(self, name)))
-        if self.kind not in ("direct", "finger", "rocker", "pushrod"):
-            raise InputError(f"train kind '{self.kind}' is unknown; use direct, finger, rocker or pushrod")
+        check_kind(self.kind)
         if self.model not in ("planar", "lumped", "single-mass"):
             raise InputError(f"train model '{self.model}' is unknown; use planar, lumped or single-mass")
         if self.cycles is not None and not 1 <= self.cycles <= 10_000:
             raise InputError(f"cycles of the train must be a whole number from 1 to 10000; it is {self.cycles}")
         if self.lash < 0:
             raise InputError(f"the lash must be zero or positive; it is {self.lash * 1e3:g} mm")
-        if self.kind != "direct" and self.lever is None:
-            raise InputError(f"a {self.kind} train needs a lever; add its table")
-        if self.kind == "pushrod" and self.pushrod is None:
-            raise InputError("a pushrod train needs a pushrod; add its table")
-        if self.kind == "direct" and not self.follower.mass > 0:
-            raise InputError(f"the follower of a {self.kind} train slides and needs a positive mass; it is {self.follower.mass:g} kg")
         if self.spring_set and self.spring_set not in self.springs:
             raise InputError(f"spring set '{self.spring_set}' is unknown; the case holds {', '.join(self.springs) or 'none'}")
 
@@ -317,6 +311,13 @@ class TrainParameters:
         if chosen not in self.springs:
             raise InputError(f"spring set '{chosen}' is unknown; the case holds {', '.join(self.springs) or 'none'}")
         return tuple(self.springs[chosen])
+
+
+def check_kind(kind: str) -> None:
+    """Raise :class:`InputError` unless ``kind`` is a registered train kind; what the kind needs is checked where it is built."""
+    known = words("mechanisms")
+    if kind not in known:
+        raise InputError(f"train kind '{kind}' is unknown; use {', '.join(known[:-1])} or {known[-1]}")
 
 
 def _positive(item: Any, noun: str, *names: str) -> None:

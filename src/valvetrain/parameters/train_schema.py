@@ -34,6 +34,7 @@ from valvetrain.parameters.train import (
     TrainParameters,
     TrainVariant,
     ValveParameters,
+    check_kind,
 )
 from valvetrain.parameters.train_units import Damping, Forces, Friction, Gravity, Inertia, NotNegativeMass, Pair, Torque
 
@@ -84,7 +85,7 @@ class LeverModel(StrictModel):
     valve_angle: Angle = Field(default=0.0, description="polar direction from the pivot to the tip, valve closed")
     drive_angle: Angle | None = Field(default=None, description="polar direction of the drive end; without it the base circle decides")
     drive_side: Literal[1, -1] = Field(default=1, description="which of the two positions on the base circle")
-    mass: NotNegativeMass = Field(default=0.0, description="that rides on the support")
+    mass: NotNegativeMass = Field(default=0.0, description="that moves with the support")
     stiffness: Stiffness | None = Field(default=None, description="at the valve tip; without it rigid")
     damping: Damping = Field(default=0.0, description="at the valve tip")
     holding_torque: Torque = Field(default=0.0, description="that presses the lever towards its drive")
@@ -182,7 +183,7 @@ class VariantModel(StrictModel):
 class TrainModel(StrictModel):
     """The whole [train] table."""
 
-    kind: Literal["direct", "finger", "rocker", "pushrod"]
+    kind: str
     model: Literal["planar", "lumped", "single-mass"] = Field(default="planar", description="planar bodies, ratios or one mass")
     cam: CamModel
     follower: FollowerModel = FollowerModel()
@@ -204,6 +205,7 @@ class TrainModel(StrictModel):
 
     def build(self) -> TrainParameters:
         """The frozen parameters; raises a located problem."""
+        guarded(lambda: check_kind(self.kind), path=("kind",))
         parts = {
             name: guarded(part.build, path=(name,))
             for name in ("cam", "follower", "valve", "lever", "pushrod", "support", "crank", "gas")

@@ -173,7 +173,7 @@ def _damper(runs: Runs) -> str:
         return ""
     word = "next to nothing" if abs(change) < FIT / 3 else "it clearly"
     lost = number(damped, "loft_count") > 0
-    flank = "lets go of the cam" if lost else "keeps contact"
+    flank = "loses contact with the cam" if lost else "keeps contact"
     return (
         f"A damper of zeta = 1 ({damping:.1f} N s/m) on a valve moving at up to {velocity:.1f} m/s adds some {damping * velocity:.0f} N "
         f"on the flanks; at the nose, where the valve stands still, it changes {word} ({change:+.1%}). "

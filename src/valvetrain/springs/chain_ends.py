@@ -1,4 +1,4 @@
-"""How a wire lifts off its held end: the rows of a chain's contacts there.
+"""How a wire lifts off its fixed end: the rows of a chain's contacts there.
 
 A chain knows the travel of a section's plane along the axis. The wire itself stands a radius R off the axis: a twist dtheta at phi lifts
 the wire at psi by R (1 - cos(psi - phi)) dtheta, not by R dtheta. Under uniform twist the wire rises from its clamp as psi - sin(psi), so
@@ -15,9 +15,9 @@ from valvetrain.springs.contract import Array
 
 
 def wire_lift_row(spring: SpringDefinition, coil: Array, place: float, *, from_below: bool) -> Array:
-    """Axial travel of the wire at coil number ``place`` towards its held end per node travel, shape (N + 1,), nodes at ``coil``.
+    """Axial travel of the wire at coil number ``place`` towards its fixed end per node travel, shape (N + 1,), nodes at ``coil``.
 
-    ``from_below``: relative to the lower held end (twist of the elements below counts), else of the upper end relative to the wire.
+    ``from_below``: relative to the lower fixed end (twist of the elements below counts), else of the upper end relative to the wire.
     """
     edges = np.minimum(coil, place) if from_below else np.maximum(coil, place)
     turned = 2 * np.pi * np.abs(place - edges)

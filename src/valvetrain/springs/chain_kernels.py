@@ -1,6 +1,6 @@
 """Compiled step of a chain of masses with unilateral coil contact. Free of allocation.
 
-``integers`` = [n inner masses, p contacts, r of them in the regular run, e with a held end, then p upper and p lower nodes, then first
+``integers`` = [n inner masses, p contacts, r of them in the regular run, e with a fixed end, then p upper and p lower nodes, then first
 node, length and place in the weights of the rows of those e, which are the last]; nodes 0 = seat, n + 1 = retainer. In the run both nodes
 count up by one and the fraction is constant, so its overlaps are one vectorised loop.
 ``parameters`` = [initial compression (m), mass damping (1/s), stiffness damping (s), contact damping time (s)],

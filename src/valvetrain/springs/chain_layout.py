@@ -26,7 +26,7 @@ class CoilContacts:
     ``upper`` node meets the wire between nodes ``lower`` and ``lower + 1`` (share ``fraction`` towards the latter) when the free
     ``gap`` (m) is used up; ``stiffness`` in N/m; ``upper_coil`` is the coil number of the upper partner (0 for
     contacts with the seat plane, the total turns for those with the retainer). The last contacts of the list, as many as ``end_rows``
-    (e, N + 1) has rows, join the wire to a held end: there overlap is row . node positions less the gap (``springs.chain_ends``).
+    (e, N + 1) has rows, join the wire to a fixed end: there overlap is row . node positions less the gap (``springs.chain_ends``).
     """
 
     upper: NDArray[np.int64]
@@ -39,7 +39,7 @@ class CoilContacts:
 
     @property
     def ends(self) -> int:
-        """Number of contacts with a held end that have their own row."""
+        """Number of contacts with a fixed end that have their own row."""
         return len(self.end_rows)
 
     def spans(self) -> tuple[NDArray[np.int64], Array]:
@@ -71,7 +71,7 @@ NO_CONTACTS = CoilContacts(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zero
 class ChainLayout:
     """Chain of N elements: ``stiffness`` (N,) N/m, inner ``masses`` (N - 1,) kg, ``coil_number`` (N + 1,) of all nodes.
 
-    ``seat_mass`` and ``retainer_mass`` (kg): half of the end elements plus the wire held there.
+    ``seat_mass`` and ``retainer_mass`` (kg): half of the end elements plus the inactive wire there.
     """
 
     stiffness: Array
@@ -94,7 +94,7 @@ class ChainLayout:
 
 
 def chain_from_definition(spring: SpringDefinition, elements: int, contact_stiffness: float) -> ChainLayout:
-    """Chain of ``elements`` equal turns between the held ends; ``contact_stiffness`` in N/m per m of wire, 0 for no coil contact."""
+    """Chain of ``elements`` equal turns between the fixed ends; ``contact_stiffness`` in N/m per m of wire, 0 for no coil contact."""
     if elements < 2:
         raise InputError(f"a chain of {elements} elements has no inner mass; give at least 2")
     first, last = spring.free_coils
@@ -158,7 +158,7 @@ def coil_contacts(spring: SpringDefinition, coil: Array, contact_stiffness: floa
     places = np.concatenate((coil[1:], held))
     nodes = np.minimum(np.arange(1, len(places) + 1), last_node)
     line = contact_stiffness * width * spring.line_speed(places)
-    # Neighbours: partners below the lower held end ride on the seat (node 0).
+    # Neighbours: partners below the lower fixed end move with the seat (node 0).
     pairs = (places >= 1.0) & (places - 1 < coil[-1] - 1e-9) & ((places < coil[-1] - 1e-9) | (places - 1 > coil[0] + 1e-9))
     partner = np.clip((places - 1 - coil[0]) / width, 0.0, last_node)
     lower = np.minimum(np.floor(partner + 1e-9).astype(np.int64), last_node - 1)
@@ -181,7 +181,7 @@ def coil_contacts(spring: SpringDefinition, coil: Array, contact_stiffness: floa
 
 
 def _with_ends(spring: SpringDefinition, coil: Array, rows: Sequence[tuple[float, ...]]) -> CoilContacts:
-    """The contacts in order, those of a free wire with a held end last and with their own rows."""
+    """The contacts in order, those of a free wire with a fixed end last and with their own rows."""
     if not rows:
         return NO_CONTACTS
     last = len(coil) - 1

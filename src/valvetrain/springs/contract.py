@@ -9,7 +9,7 @@ Stepping (explicit leapfrog shared by everything that moves in a train)::
     retainer_force, seat_force = kernel(parameters, integers, state, retainer_displacement, retainer_velocity, time_step)
 
 * ``retainer_displacement`` (m) at t_n, measured from the INSTALLED position, compressive positive (= valve lift when the
-  retainer rides on the valve); ``retainer_velocity`` (m/s) is the best value known at the call (the half-step velocity of the
+  retainer moves with the valve); ``retainer_velocity`` (m/s) is the best value known at the call (the half-step velocity of the
   leapfrog is good enough; it enters damping and rubbing only).
 * The kernel computes both end forces at t_n (N, compressive positive, preload included) from the internal positions at t_n,
   then kicks and drifts its unknowns in place to t_(n+1). ``time_step == 0``: forces only; positions, velocities and
@@ -18,7 +18,7 @@ Stepping (explicit leapfrog shared by everything that moves in a train)::
   (histories, the dissipated energy) is bookkeeping of the model and no part of a periodicity test.
 * A train with step h first asks ``model.with_time_step(h)`` for the model adapted to that step (a wave rod chooses its grid; all
   others answer themselves), then uses THAT model's arrays.
-* The spring's share of mass that rides on the retainer (``retainer_mass``) is carried by the train, never by the kernel:
+* The spring's share of mass that moves with the retainer (``retainer_mass``) is carried by the train, never by the kernel:
   the force on a retainer with acceleration A is ``retainer_force + retainer_mass() * A``.
 """
 
@@ -118,7 +118,7 @@ class SpringModel(Protocol):
         ...
 
     def stable_time_step(self) -> float:
-        """Largest stable leapfrog step (s) of the model between held ends, contacts closed; infinite where there is none."""
+        """Largest stable leapfrog step (s) of the model between fixed ends, contacts closed; infinite where there is none."""
         ...
 
     def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
@@ -130,7 +130,7 @@ class SpringModel(Protocol):
         ...
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
-        """Derivative (N/m) of the retainer force by the retainer displacement, internal positions held."""
+        """Derivative (N/m) of the retainer force by the retainer displacement, internal positions fixed."""
         ...
 
     def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
@@ -138,5 +138,5 @@ class SpringModel(Protocol):
         ...
 
     def retainer_mass(self) -> float:
-        """Mass (kg) of the spring that rides on the retainer; the train adds it to the valve."""
+        """Mass (kg) of the spring that moves with the retainer; the train adds it to the valve."""
         ...

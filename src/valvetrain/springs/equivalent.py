@@ -61,7 +61,7 @@ class EquivalentSpring:
         """Same tangent rate, preload and first surge frequency as the wire at its installed state, coils that touch kept closed.
 
         Equal first frequency fixes the mass (rate / (4 f1**2)): for a cylindrical spring the wire's own, for a beehive the mass that
-        vibrates. Turns resting on the retainer count as held.
+        vibrates. Turns resting on the retainer count as inactive.
         """
         layout = reduction_chain(spring)
         force, rate = static_curve(layout, np.array([precompression]))
@@ -86,7 +86,7 @@ class EquivalentSpring:
 
     @property
     def surge_frequency(self) -> float:
-        """First natural frequency (Hz), both ends held: a / 2."""
+        """First natural frequency (Hz), both ends fixed: a / 2."""
         return self.wave_speed / 2
 
 

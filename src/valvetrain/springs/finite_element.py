@@ -145,7 +145,7 @@ class FiniteElementRod:
         return self._stable
 
     def rod_state(self, state: Array, retainer_displacement: float) -> RodState:
-        """Positions and frames held in a flat ``state``, the retainer moved to ``retainer_displacement`` (m)."""
+        """Positions and frames in a flat ``state``, the retainer moved to ``retainer_displacement`` (m)."""
         count, compression = self.mesh.vertices, self.precompression + retainer_displacement
         position = np.stack([row(state, name, count) for name in "XYZ"], axis=1)
         position[self.mesh.last :, 2] -= compression - state[stepping.TRAVEL]
@@ -203,7 +203,7 @@ class FiniteElementRod:
         )  # fmt: skip
 
     def retainer_mass(self) -> float:
-        """Wire held by the retainer and half the last element (kg)."""
+        """Inactive wire on the retainer and half the last element (kg)."""
         upper = self.definition.free_coils[1]
         held = self.definition.integrate_along_wire(self.definition.wire_diameter, 2, (upper, self.definition.total_coils))
         return float(np.pi / 4 * self.definition.material.density * held + self.mesh.node_mass[self.mesh.last])

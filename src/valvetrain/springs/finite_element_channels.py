@@ -1,4 +1,4 @@
-"""Channels of a rod run: the raw records of a march on even coil numbers, with labels and units."""
+"""Channels of a rod run: its raw records on even coil numbers, with labels and units."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def _cubic(vertices: Array, coil: Array) -> Array:
 
 
 def section_interpolation(mesh: RodMesh, coil: Array) -> Array:
-    """The same for section loads, which end where the wire is held: rows of held wire are zero, stencils stay on free wire."""
+    """The same for section loads, which end where the wire becomes inactive: rows of inactive wire are zero, stencils stay on free wire."""
     step = mesh.coil_number[1] - mesh.coil_number[0]
     free = slice(mesh.first, mesh.last + 1)
     ends = mesh.coil_number[mesh.first], mesh.coil_number[mesh.last]

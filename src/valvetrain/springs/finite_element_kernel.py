@@ -23,7 +23,7 @@ from valvetrain.cosserat.time_stepping import (
 # Tail of the state behind the rod's buffer.
 TRAVEL, COUNTER, WATCHED, LOST, STRETCH = SIZE, SIZE + 1, SIZE + 2, SIZE + 3, SIZE + 4
 STATE_SIZE = STRETCH + 2 * STRETCHES
-#: Places in the parameters: precompression first, then the march's numbers and the contact places.
+#: Places in the parameters: precompression first, then the numbers of the time integration and the contact places.
 NUMBERS, NUMBER_COUNT = 1, 10
 
 

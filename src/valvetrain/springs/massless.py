@@ -1,6 +1,6 @@
 """Springs without inner motion: linear, and a force table k(x) taken from a static curve.
 
-Their inertia is a stated share of the wire's mass that rides on the retainer: one third in the static shape (Rayleigh).
+Their inertia is a stated share of the wire's mass that moves with the retainer: one third in the static shape (Rayleigh).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from valvetrain.springs.spec import SpringModelSpec
 
 @dataclass(frozen=True)
 class MasslessSpring:
-    """Force = preload + rate * displacement (N, N/m); ``effective_mass_fraction`` of ``active_mass`` rides on the retainer.
+    """Force = preload + rate * displacement (N, N/m); ``effective_mass_fraction`` of ``active_mass`` moves with the retainer.
 
     ``inactive_mass`` (kg): end coils bonded to the retainer. Raises :class:`InputError` for impossible values.
     """
@@ -82,7 +82,7 @@ class MasslessSpring:
         return SpringOutputs(*self.force(state, retainer_displacement))
 
     def retainer_mass(self) -> float:
-        """``effective_mass_fraction`` of the active mass plus the held end coils (kg)."""
+        """``effective_mass_fraction`` of the active mass plus the inactive end coils (kg)."""
         return self.effective_mass_fraction * self.active_mass + self.inactive_mass
 
 
@@ -161,7 +161,7 @@ class MasslessTable:
         return SpringOutputs(*self.force(state, retainer_displacement))
 
     def retainer_mass(self) -> float:
-        """``effective_mass_fraction`` of the active mass plus the held end coils (kg)."""
+        """``effective_mass_fraction`` of the active mass plus the inactive end coils (kg)."""
         return self.effective_mass_fraction * self.active_mass + self.inactive_mass
 
 
@@ -174,7 +174,7 @@ def massless_table(
 ) -> MasslessTable:
     """Massless spring with the static curve of the wire, coils closing, from ``-precompression`` to ``maximum_lift`` (m from installed).
 
-    ``effective_mass_fraction`` of the vibrating mass rides on the retainer, with the held coils.
+    ``effective_mass_fraction`` of the vibrating mass moves with the retainer, with the inactive coils.
     """
     if not (maximum_lift > 0 and points >= 3):
         raise InputError(
@@ -190,7 +190,7 @@ def massless_table(
 class MasslessOptions(SpringOptions):
     """Options of the massless spring."""
 
-    effective_mass_fraction: Share = Field(default=RAYLEIGH_FRACTION, description="share of the spring's mass that rides on the retainer")
+    effective_mass_fraction: Share = Field(default=RAYLEIGH_FRACTION, description="share of the spring's mass that moves with the retainer")
 
 
 def _make(spring: InstalledSpring, options: MasslessOptions, rest: SpringAtRest | None) -> MasslessSpring | MasslessTable:

@@ -33,8 +33,8 @@ def advance_modal(parameters, integers, state, retainer_displacement, retainer_v
     dissipated energy, last step, decay and pull of every mode at that step.
 
     Mode n moves p = q + c x (absolute), q being the departure from the static shape; it is pulled by its stiffness times (p - c x) and
-    damped on its rate (p' - c x'). With x held the sampled motion is the exact damped oscillation at any step. While stepping, the rate at
-    t_n is the mean of the half-step velocities around it, so the damping forces are of second order too.
+    damped on its rate (p' - c x'). With constant x the sampled motion is the exact damped oscillation at any step. While stepping, the
+    rate at t_n is the mean of the half-step velocities around it, so the damping forces are of second order too.
     """
     n = integers[0]
     force = parameters[0] + parameters[1] * retainer_displacement

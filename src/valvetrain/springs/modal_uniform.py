@@ -33,7 +33,7 @@ class ModalUniform:
     """``modes`` surge modes of ``spring``; ``natural_frequencies`` (Hz) replace those of the uniform bar, n f1, where given.
 
     ``damping_ratio`` acts on every mode's departure from the static shape (the source's zeta), ``stiffness_damping`` (s) adds
-    w * s / 2 to it; ``mass_damping`` (1/s) acts on the absolute modal velocity. Residual inertia and held coils ride on the retainer.
+    w * s / 2 to it; ``mass_damping`` (1/s) acts on the absolute modal velocity. Residual inertia and inactive coils move with the retainer.
     """
 
     spring: EquivalentSpring
@@ -151,7 +151,7 @@ class ModalUniform:
         )
 
     def retainer_mass(self) -> float:
-        """A third of the active mass less what the modes carry, plus the held coils (kg)."""
+        """A third of the active mass less what the modes carry, plus the inactive coils (kg)."""
         carried = float(np.sum(self.modal_stiffness / self.circular_frequencies**2 * self.shares**2))
         return max(self.spring.active_mass / 3 - carried, 0.0) + self.spring.inactive_mass
 

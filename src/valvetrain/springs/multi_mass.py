@@ -29,7 +29,7 @@ class MultiMassSpring:
     """Chain ``layout`` installed at ``precompression`` (m from the free state).
 
     ``mass_damping`` (1/s) acts on the absolute velocity, ``stiffness_damping`` (s) inside the elements, ``contact_damping_time`` (s)
-    is damping over stiffness of a coil contact (never adhesive). Half the last element and the upper held coils ride on the retainer.
+    is damping over stiffness of a coil contact (never adhesive). Half the last element and the upper inactive coils move with the retainer.
     """
 
     layout: ChainLayout
@@ -62,7 +62,7 @@ class MultiMassSpring:
     ) -> MultiMassSpring:
         """From rate (N/m), preload (N) and mass (kg): uniform, without coil gaps (a card does not tell them).
 
-        Five elements are the published chain of 6 masses, one of them fixed and one riding on the valve.
+        Five elements are the published chain of 6 masses, one of them fixed and one moving with the valve.
         """
         if not preload >= 0:
             raise InputError(f"preload of the spring card is {preload} N; give zero or a positive force")
@@ -113,7 +113,7 @@ class MultiMassSpring:
         return self._time_step
 
     def frequencies(self, retainer_displacement: float, count: int = 3) -> Array:
-        """First ``count`` natural frequencies (Hz), both ends held, about the static state; touching coils stay closed."""
+        """First ``count`` natural frequencies (Hz), both ends fixed, about the static state; touching coils stay closed."""
         nodes = chain_statics.solve_static(self.layout, self.precompression + retainer_displacement)
         closed = (chain_statics.contact_depths(self.layout, nodes) > 0).astype(float)
         root = 1 / np.sqrt(self.layout.masses)
@@ -137,7 +137,7 @@ class MultiMassSpring:
         return np.append(push, 0.0) - np.concatenate(([0.0], push)) - contact @ rows, contact
 
     def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
-        """Elastic energy counted from the free state; the riding end masses belong to the valve."""
+        """Elastic energy counted from the free state; the end masses belong to the valve."""
         nodes, velocities = self._nodes(state, retainer_displacement), self._velocities(state, retainer_velocity)
         speed = velocities[1:-1]
         if time_step > 0:
@@ -168,7 +168,7 @@ class MultiMassSpring:
         )  # fmt: skip
 
     def retainer_mass(self) -> float:
-        """Half the last element plus the wire of the upper held coils (kg)."""
+        """Half the last element plus the wire of the upper inactive coils (kg)."""
         return self.layout.retainer_mass
 
 

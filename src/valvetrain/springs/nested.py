@@ -48,7 +48,7 @@ def radial_clearance(outer: SpringDefinition, inner: SpringDefinition, places: i
 
 @dataclass(frozen=True, eq=False)
 class NestedSprings:
-    """``outer`` and ``inner`` side by side between the same seat and retainer: forces, energies and riding masses add.
+    """``outer`` and ``inner`` side by side between the same seat and retainer: forces, energies and masses on the retainer add.
 
     ``rubbing`` needs both members to be multi-mass or rod models. Raises :class:`InputError` otherwise.
     """
@@ -161,7 +161,7 @@ class NestedSprings:
         )
 
     def retainer_mass(self) -> float:
-        """Sum of both members' riding masses (kg)."""
+        """Sum of both members' masses on the retainer (kg)."""
         return self.outer.retainer_mass() + self.inner.retainer_mass()
 
 

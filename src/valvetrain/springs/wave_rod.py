@@ -34,7 +34,7 @@ def cells_for_step(wave_speed: float, time_step: float, courant: float) -> int:
 class WaveRod:
     """Uniform rod of ``cells`` cells with the rate, preload and mass of ``spring``.
 
-    ``friction`` mu (1/s) of the wave equation (20 to 30 without a damper). Half a cell and the held coils ride on the retainer.
+    ``friction`` mu (1/s) of the wave equation (20 to 30 without a damper). Half a cell and the inactive coils move with the retainer.
     """
 
     spring: EquivalentSpring
@@ -113,7 +113,7 @@ class WaveRod:
         return SpringOutputs(*self.force(state, retainer_displacement), share, -self._nodes(state, retainer_displacement), -velocity)
 
     def retainer_mass(self) -> float:
-        """Half a cell plus the held end coils (kg); the rest of the inertia acts through the waves."""
+        """Half a cell plus the inactive end coils (kg); the rest of the inertia acts through the waves."""
         return self.cell_mass / 2 + self.spring.inactive_mass
 
 

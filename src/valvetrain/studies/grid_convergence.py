@@ -14,7 +14,7 @@ from valvetrain.errors import InputError
 
 #: Safety factors of a series with a trusted order and of one without.
 TRUSTED, DOUBTFUL = 1.25, 3.0
-#: Order that the rod and its march declare; a series that seems to converge faster is taken to have this one.
+#: Order that the rod and its integrator declare; a series that seems to converge faster is taken to have this one.
 DECLARED_ORDER = 2.0
 #: Observed orders below this one are not trusted.
 LEAST_ORDER = 0.5

@@ -26,7 +26,7 @@ def sweep_study(
     case: Case, engine_speeds: Sequence[float], *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
     workers: int | None = None, progress: Progress | None = None, created_at: str = "",
 ) -> Study:  # fmt: skip
-    """A case over ``engine_speeds`` (rad/s of the crank): reduced solutions, and per label where a train first lets go and floats.
+    """A case over ``engine_speeds`` (rad/s of the crank): reduced solutions, and per label where a train first loses contact and floats.
 
     By default every spring set of a train by its own model, a spring alone by its usual models. Raises :class:`InputError` for no speed
     at all and for what cannot be built.
@@ -63,7 +63,7 @@ def float_engine_speed(engine_speeds: Array, float_excess_lift: Array) -> float:
     """Lowest speed (rad/s) from which a train floats: at that speed and the next its lift stands above the rigid one by more than
     :data:`CONTROL_LOST_GAP` (m), or it gave none. NaN where it never does.
 
-    A single resonance that lets go and catches again does not count (:func:`lone_float_engine_speeds`); the last point may stand alone.
+    A single resonance that loses contact and regains it does not count (:func:`lone_float_engine_speeds`); the last point may stand alone.
     """
     lost = _floats(float_excess_lift)
     for place in np.flatnonzero(lost):
@@ -73,7 +73,7 @@ def float_engine_speed(engine_speeds: Array, float_excess_lift: Array) -> float:
 
 
 def lone_float_engine_speeds(study: Study, label: str) -> Array:
-    """Speeds (rad/s) below the float speed at which a series floats at that speed of the sweep only: resonances that let go."""
+    """Speeds (rad/s) below the float speed at which a series floats at that speed of the sweep only: resonances that lose contact."""
     speeds, excess = study.series(label, "float_excess_lift")
     first = float_engine_speed(speeds, excess)
     below = speeds < first if np.isfinite(first) else np.ones(len(speeds), dtype=bool)

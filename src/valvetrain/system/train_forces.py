@@ -94,7 +94,7 @@ def generalised_forces(system: TrainSystem, q: Array, cam_angle: float, spring_f
 
 
 def highest_frequency(system: TrainSystem, force: float, cam_angle: float = 0.0, q: Array | None = None) -> float:
-    """Largest circular frequency (rad/s) of the train with every contact closed under ``force`` (N), springs' ends held."""
+    """Largest circular frequency (rad/s) of the train with every contact closed under ``force`` (N), springs' ends fixed."""
     position = np.zeros(len(system.masses)) if q is None else q
     _, gradients, _ = gap_state(system, position, cam_angle)
     tangents = np.array([law_tangent(system, k, penetration_at(system, k, force)) for k in range(len(gradients))])

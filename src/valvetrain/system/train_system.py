@@ -95,7 +95,7 @@ class TrainSystem:
 
     @property
     def spring_mass(self) -> float:
-        """Mass (kg) of the springs that rides on the retainer."""
+        """Mass (kg) of the springs that moves with the retainer."""
         return float(sum(spring.retainer_mass() for spring in self.springs))
 
     @cached_property

@@ -58,7 +58,7 @@ def model_text(
 
 
 def seats_text(mesh: SolidMesh, spring: SpringDefinition, ground: bool) -> str:
-    """Rigid blocks of the seat planes and their contact with the free wire next to the held ends; stands after the contact of coils.
+    """Rigid blocks of the seat planes and their contact with the free wire next to the fixed ends; stands after the contact of coils.
 
     ``ground``: the mesh has flat ground faces (:func:`seat_plates`).
     """

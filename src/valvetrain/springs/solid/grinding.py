@@ -34,7 +34,7 @@ def _checked(level: float, coil: float, spring: SpringDefinition) -> float:
     if level > 1 - 2 * LEAST_THICKNESS:
         raise InputError(
             f"at coil {coil:.2f} of spring '{spring.name}' grinding leaves less than {LEAST_THICKNESS:.0%} of the wire; "
-            "grind fewer turns or use held ends"
+            "grind fewer turns or use fixed ends"
         )
     return level
 

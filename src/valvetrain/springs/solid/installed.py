@@ -10,8 +10,8 @@ from valvetrain.springs.solid import steps
 from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.springs.solid.printed import read_printed
 
-#: Wall time (s) of statics and modes on :data:`REFERENCE_UNKNOWNS` with coils in contact, of one increment of a ride on them, and the
-#: power of the unknowns with which both grow: measured on one core (docs/solid-reference.md), good to a factor of two.
+#: Wall time (s) of statics and modes on :data:`REFERENCE_UNKNOWNS` with coils in contact, of one increment of prescribed motion on them,
+#: and the power of the unknowns with which both grow: measured on one core (docs/solid-reference.md), good to a factor of two.
 STATICS_SECONDS, INCREMENT_SECONDS, REFERENCE_UNKNOWNS, GROWTH = 26.0, 2.7, 5400, 1.17
 
 
@@ -49,5 +49,5 @@ def statics_seconds(unknowns: int) -> float:
 
 
 def motion_seconds(unknowns: int, increments: int) -> float:
-    """Wall time (s) to expect of a ride of so many increments."""
+    """Wall time (s) to expect of a stretch of prescribed motion of so many increments."""
     return float(INCREMENT_SECONDS * increments * (unknowns / REFERENCE_UNKNOWNS) ** GROWTH)

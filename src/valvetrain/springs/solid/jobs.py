@@ -158,7 +158,7 @@ def _transmission(frequency: Array, retainer: Array, participation: Array, stiff
     """Product of both axial end reactions of unit-mass modes over 2 k omega^2: +-1 for a uniform straight rod.
 
     The seat's reaction follows from the retainer's and the mode's axial momentum: the printed one is wrong where coils rest
-    on held turns. Reactions are in N per mm for a modal mass of one tonne, so k in N/mm makes the result a pure number.
+    on inactive turns. Reactions are in N per mm for a modal mass of one tonne, so k in N/mm makes the result a pure number.
     """
     square = (2 * np.pi * frequency) ** 2
     seat = -square * participation - retainer

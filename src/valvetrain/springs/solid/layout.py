@@ -1,4 +1,4 @@
-"""How finely a spring is meshed and how its ends are held."""
+"""How finely a spring is meshed and how its ends are fixed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 
 Array = NDArray[np.float64]
-EndTreatment = Literal["sections", "held", "ground"]
+EndTreatment = Literal["sections", "bonded", "ground"]
 ELEMENT_TYPES = {"C3D20R": 20, "C3D20": 20, "C3D8I": 8, "C3D8": 8, "C3D8R": 8}
 
 #: Turns over which the refinement towards a clamp fades.
@@ -25,9 +25,9 @@ class MeshOptions:
 
     ``elements_per_coil`` along the wire; ``core`` x ``core`` cells and ``rings`` rings over the section;
     ``element_type`` of CalculiX; ``end_refinement`` shortens elements at the clamps by this factor.
-    ``ends``: ``sections`` meshes only the free wire and clamps its two end sections; ``held`` meshes the whole wire and
-    bonds every node of the held turns to its seat; ``ground`` cuts the end turns flat at the seat planes and bonds the
-    cut faces over the held turns (the wire above a bonded face stays elastic).
+    ``ends``: ``sections`` meshes only the free wire and clamps its two end sections; ``bonded`` meshes the whole wire and
+    bonds every node of the inactive turns to its seat; ``ground`` cuts the end turns flat at the seat planes and bonds the
+    cut faces over the inactive turns (the wire above a bonded face stays elastic).
     """
 
     elements_per_coil: int = 24
@@ -44,8 +44,8 @@ class MeshOptions:
             raise InputError(f"{self.elements_per_coil} elements per coil cannot follow a helix; give at least 4")
         if self.end_refinement < 1:
             raise InputError(f"end_refinement {self.end_refinement} would coarsen the ends; give 1 or more")
-        if self.ends not in ("sections", "held", "ground"):
-            raise InputError(f"end treatment '{self.ends}' is unknown; use sections, held or ground")
+        if self.ends not in ("sections", "bonded", "ground"):
+            raise InputError(f"end treatment '{self.ends}' is unknown; use sections, bonded or ground")
 
     @property
     def quadratic(self) -> bool:

@@ -1,4 +1,4 @@
-"""Rigid seat planes: one bonded block at either end that the end coils beyond their held turns can touch."""
+"""Rigid seat planes: one bonded block at either end that the end coils beyond their inactive turns can touch."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from valvetrain.parameters.spring import SpringDefinition
 
 Array = NDArray[np.float64]
 
-#: Free turns next to a held end that can reach the seat plane.
+#: Free turns next to a fixed end that can reach the seat plane.
 SEAT_REACH = 0.9
 
 

@@ -34,7 +34,7 @@ def solid_spring(spring: InstalledSpring, options: SolidOptions) -> SolidSpring:
     if spring.wire is None:
         raise InputError(f"spring '{spring.name}' is known by its card only; solid finite elements need its wire")
     contact = SolidContact(seats=spring.seats != "clamps")
-    mesh = MeshOptions(options.elements_per_coil, options.core, options.rings, ends="held")
+    mesh = MeshOptions(options.elements_per_coil, options.core, options.rings, ends="bonded")
     return SolidSpring(spring.wire, mesh, contact, options.time_limit)
 
 

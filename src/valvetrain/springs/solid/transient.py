@@ -36,7 +36,7 @@ class Lift(Protocol):
 
 @dataclass(frozen=True)
 class TransientJob:
-    """Ride of the retainer over ``lift_law`` from ``first_angle`` to ``last_angle`` (cam rad) at ``engine_speed`` (crank rad/s).
+    """Prescribed motion of the retainer over ``lift_law``, ``first_angle`` to ``last_angle`` (cam rad), at ``engine_speed`` (crank rad/s).
 
     The spring starts at rest at ``precompression`` (m) plus the first lift, so the lift law should rest there.
     ``time_step`` (s) is the largest increment; the solver may take smaller ones. ``alpha`` (-1/3 to 0) is the numerical damping of
@@ -78,10 +78,10 @@ def transient_deck(model: SolidSpring, job: TransientJob) -> str:
     time = np.linspace(0.0, job.duration, int(np.ceil(job.duration / job.time_step)) + 1)
     table = steps.amplitude_text("LIFT", time, -job.displacement(time) * MILLIMETRE)
     start = float(job.displacement(np.zeros(1))[0])
-    # The solver prints total time to seven digits: a preload as long as the ride in solver time keeps them for the ride.
+    # The solver prints total time to seven digits: a preload as long as the motion in solver time keeps them for it.
     preload = steps.static_step(start, printout, first=0.5 / PRELOAD_INCREMENTS, largest=1 / PRELOAD_INCREMENTS, period=job.duration)
-    ride = steps.dynamic_step(job.duration, float(time[1]), printout, amplitude="LIFT", alpha=job.alpha)
-    return model.deck(preload, ride, before=table, mass_damping=job.mass_damping)
+    motion = steps.dynamic_step(job.duration, float(time[1]), printout, amplitude="LIFT", alpha=job.alpha)
+    return model.deck(preload, motion, before=table, mass_damping=job.mass_damping)
 
 
 def run_transient(model: SolidSpring, job: TransientJob, case_name: str = "") -> Solution:
@@ -137,7 +137,7 @@ def _kept_increments(solver_time: Array, job: TransientJob) -> list[int]:
 def _balanced_seat_force(model: SolidSpring, job: TransientJob, time: Array, retainer_force: Array, height: Array) -> Array:
     """Seat force (N) from the retainer's and the axial momentum of the free wire.
 
-    The printed reaction of held turns that other coils rest on chatters with the contact for a millisecond after the preload.
+    The printed reaction of inactive turns that other coils rest on chatters with the contact for a millisecond after the preload.
     """
     coil, spring = model.axis_coil, model.spring
     first, last = spring.free_coils

@@ -122,7 +122,7 @@ def roll_up_to_a_circle() -> list[Row]:
 
 
 def _bent(free: Helix, bent: Helix, length: float, elements: int) -> tuple[RodMesh, Equilibrium, float]:
-    """Mesh, equilibrium near the bent helix with ends held there, and the axial torque (N m) at the last end."""
+    """Mesh, equilibrium near the bent helix with ends fixed there, and the axial torque (N m) at the last end."""
     mesh = mesh_wire(free, length, elements)
     statics = RodStatics(mesh, options=TIGHT)
     result = statics.solve(state_on(bent, mesh), 0.0)
