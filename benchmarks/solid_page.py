@@ -31,18 +31,18 @@ so that the rod is checked against them in every test run without the solver.
 ## Use
 
     from valvetrain.parameters.loading import load_case
-    from valvetrain.springs.solid.jobs import SolidSpring
-    from valvetrain.springs.solid.layout import MeshOptions
     from valvetrain.springs.solid.export import write_mesh
+    from valvetrain.springs.solid.spec import SolidOptions, solid_spring
 
-    model = SolidSpring.from_case(load_case("gu2021-beehive"), options=MeshOptions(24, 2, 1, ends="bonded"))
+    spring = load_case("gu2021-beehive").springs[0]
+    model = solid_spring(spring, SolidOptions(elements_per_coil=24, core=2))
     curve = model.static_curve(7e-3)            # StaticCurve, coils closing
     modes = model.modes(7e-3)                   # ModalResult about the compressed state
     write_mesh(model.mesh, "spring.vtu")        # needs meshio: pip install "valvetrain[mesh]"
 
 From the command line
 
-    valvetrain compare gu2021-beehive --springs finite-element,modal,solid
+    valvetrain compare gu2021-beehive --springs finite-element,modal-varied,solid
     valvetrain compare gu2021-beehive --springs finite-element,solid --solid-motion '85:100 deg' --engine-speed '8000 rpm'
 
 sets static curve and modes about the installed state side by side, in one page with its data files (`--json` for programs). The solid is
@@ -51,7 +51,7 @@ the one the others are set against. What it will take is told before it begins; 
 where the lift law rests and takes minutes per millisecond; its first increments may carry a jolt, which fades: a spring of three
 turns shows it at rest too, more with longer increments (its cause was not found).
 
-`springs.solid.transient.run_case` rides a case's lift law and gives a `Solution`. Each run happens in a temporary folder within
+`studies.solid.solid_motion` moves the retainer by a lift law and gives a `Solution`. Each run happens in a temporary folder within
 `time_limit` seconds; a solver that gives up leaves what it reached and its own words in the status. Without `ccx` the error names the
 command that installs it.
 
@@ -226,7 +226,7 @@ def rod_motion(solid: Solution) -> tuple[np.ndarray, np.ndarray]:
     """Retainer and seat force of the rod on the lift that ``solid`` rode, means over its increments."""
     time = solid.time
     lift = CubicSpline(time, solid.channel("valve_lift"))
-    damping = load_case("gu2021-beehive").damping.mass_damping
+    damping = load_case("gu2021-beehive").springs[0].damping.mass_damping
     mesh = mesh_spring(beehive(), 24)
     start = compress(RodStatics(mesh), [LARGE])[-1].state
     run = simulate(

@@ -13,16 +13,15 @@ from collections.abc import Mapping
 from benchmarks.rows import Row, rusage_of
 
 #: Everything that the main job compiles, run once at the smallest size that reaches every kernel.
-MAIN_JOB = "from valvetrain.studies.spring_study import run_spring_study as r; from valvetrain.parameters.loading import load_case as l; " \
-    "c = l('gu2021-beehive'); r(c, engine_speeds=[800.0], workers=1)"  # fmt: skip
+MAIN_JOB = "import valvetrain as vt; vt.simulate('gu2021-beehive', [800.0], workers=1)"
 BATCH = "from benchmarks.standard import *; from valvetrain.cosserat.batch import simulate_batch as s; " \
     "m, d, e = rod(spring_c(), 12, 'stiffness', True); s([m], [e], motion, INTERVAL, 2, d)"  # fmt: skip
-TRAIN = "from valvetrain.studies.train_study import *; from valvetrain.parameters.loading import load_case as l; " \
-    "from valvetrain.system.build_train import build_train as b; from valvetrain.integrate.train_run import runner; " \
-    "c = l('tdi-pushrod'); t = runner(b(c), 200.0); t.cycle(t.initial_state())"  # fmt: skip
-FIRST_STEP = "from valvetrain.parameters.loading import load_case as l; import valvetrain.cli.main, valvetrain.studies.spring_study; " \
-    "from valvetrain.springs.finite_element import FiniteElementRod as F; " \
-    "m = F.from_case(l('gu2021-beehive')); m.installed; m.stable_time_step()"  # fmt: skip
+TRAIN = "from valvetrain.studies.run import *; from valvetrain.parameters.loading import load_case as l; " \
+    "from valvetrain.integrate.train_run import runner; " \
+    "t = runner(build(l('tdi-pushrod')).members[0].system(), 200.0); t.cycle(t.initial_state())"  # fmt: skip
+FIRST_STEP = "from valvetrain.parameters.loading import load_case as l; import valvetrain.cli.main, valvetrain.studies.run; " \
+    "m = valvetrain.studies.run.build(l('gu2021-beehive'), spring_models=('finite-element',)).members[0].system().springs[0]; " \
+    "m.installed; m.stable_time_step()"  # fmt: skip
 
 
 def measure() -> list[Row]:

@@ -18,7 +18,8 @@ from valvetrain.integrate.train_kernel import gaps_and_laws, scratch_of
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_tuples import Motion
 from valvetrain.parameters.loading import load_case
-from valvetrain.system.build_train import build_train
+from valvetrain.studies.sweep import sweep_study
+from valvetrain.system.build import build
 
 CASE, CYCLES = "tdi-pushrod", 20
 
@@ -94,7 +95,7 @@ def measure() -> list[Row]:
 def one_run() -> list[Row]:
     """R: cam contact force of the last of 20 cycles, errors against a run with a step 30 times smaller."""
     case = load_case(CASE)
-    system, cam_speed = build_train(case), case.operation.cam_speeds[0]
+    system, cam_speed = build(case).members[0].system(), case.operation.cam_speeds[0]
 
     def run(options: TrainOptions):
         machine = runner(system, cam_speed, options)
@@ -146,14 +147,12 @@ def _plain_python(system, cam_speed: float, title: str, mine: list[tuple[float, 
 
 def sweep(speeds: int = 200, workers: int = 2) -> Row:
     """W: steady state at 200 engine speeds, second call (compiled kernels on disk)."""
-    from valvetrain.studies.sweep import run_sweep
-
     case = load_case(CASE)
     engine_speeds = np.linspace(0.3, 1.0, speeds) * case.operation.engine_speeds[0]
-    run_sweep(case, engine_speeds[:4], spring_sets=("stock",), workers=1)
+    sweep_study(case, engine_speeds[:4], spring_sets=("stock",), workers=1)
     begun = time.perf_counter()
-    found = run_sweep(case, engine_speeds, spring_sets=("stock",), workers=workers)
+    found = sweep_study(case, engine_speeds, spring_sets=("stock",), workers=workers)
     wall = time.perf_counter() - begun
-    settled = sum(status.completed for status in found.series[0].statuses)
+    settled = sum(solution.status.completed for solution in found.solutions)
     note = f"target 2 s; {settled} settled"
     return Row("W, sweep to steady state", "valvetrain", f"{speeds} speeds, {workers} processes", wall, note=note)

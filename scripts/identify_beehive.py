@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from functools import partial
 from importlib import resources
 
@@ -19,7 +20,8 @@ from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.shaped import Shaped
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.modes import natural_modes
-from valvetrain.cosserat.static import compress
+from valvetrain.cosserat.static import Equilibrium, compress
+from valvetrain.cosserat.transient import RodTransient, simulate
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.damping import DampingParameters
@@ -33,8 +35,7 @@ from valvetrain.solution.atomic import write_text
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.modal_varied import ModalVaried
 from valvetrain.studies.identification import Identified, Target, Unknown, identify
-from valvetrain.studies.spring_runs import integrate_case
-from valvetrain.studies.spring_study import run_spring_study
+from valvetrain.studies.run import run_study
 
 PRECOMPRESSION = 7e-3
 ENGINE_SPEED = 4200 * 2 * np.pi / 60
@@ -124,7 +125,10 @@ def evaluate(elements_per_coil: int, vector: np.ndarray) -> dict[str, float] | N
         classical = ModalVaried(
             tuple(axial), 0.016, tuple(e.state.compression for e in whole), tuple(e.retainer_force for e in whole), PRECOMPRESSION
         ).solve(law.lift, ENGINE_SPEED / 2, 720)
-        run = integrate_case(model, law, ENGINE_SPEED, 2, np.radians(0.5))
+        run = simulate(
+            model.mesh, path[-1].state, lambda time: PRECOMPRESSION + law.lift(ENGINE_SPEED / 2 * np.asarray(time)),
+            np.radians(0.5) / (ENGINE_SPEED / 2), 2 * 720, dynamics, model.stable_time_step(), discard=720,
+        )  # fmt: skip
     except (InputError, ValueError, np.linalg.LinAlgError, RuntimeError):
         return None
     if not run.completed or len(axial) < 3:
@@ -137,7 +141,7 @@ def evaluate(elements_per_coil: int, vector: np.ndarray) -> dict[str, float] | N
     return values | _node_2(model, path[-1], run) | _forces(run)
 
 
-def _node_2(model: FiniteElementRod, installed, run) -> dict[str, float]:
+def _node_2(model: FiniteElementRod, installed: Equilibrium, run: RodTransient) -> dict[str, float]:
     coil = model.mesh.coil_number
     gaps = model.statics.gaps(installed.state.position).min(axis=0)
     inside = np.isfinite(gaps)
@@ -154,7 +158,7 @@ def _node_2(model: FiniteElementRod, installed, run) -> dict[str, float]:
     }
 
 
-def _forces(run) -> dict[str, float]:
+def _forces(run: RodTransient) -> dict[str, float]:
     force = run.seat_force
     angle = np.degrees(ENGINE_SPEED / 2 * run.time) % 360.0
     stage_1, stage_2, stage_3 = angle < 120, (angle > 140) & (angle < 225), (angle > 236) & (angle < 359)
@@ -203,7 +207,7 @@ def library_values() -> np.ndarray:
         "clearance_at_coil_1": (clearance[1 + step] - step * at_2) / (1 - step), "clearance_at_coil_2": at_2,
         "clearance_at_coil_3": clearance[3.0], "clearance_at_coil_7": clearance[7.0],
         "lower_inactive_coils": spring.lower_end.inactive_coils, "upper_inactive_coils": spring.upper_end.inactive_coils,
-        "stiffness_share": case.damping.stiffness_share, "maximum_lift": law.maximum_lift, "ramp_lift": law.ramp_lift,
+        "stiffness_share": case.springs[0].damping.stiffness_share, "maximum_lift": law.maximum_lift, "ramp_lift": law.ramp_lift,
         "flank_start": start, "flank_end": end, "nose_start": -first / -last, "nose_middle": -second / -last,
     }  # fmt: skip
     return np.array([found[u.name] for u in UNKNOWNS], dtype=float)
@@ -251,7 +255,7 @@ def case_values(p: dict[str, float]) -> dict[str, object]:
         "spring.lower_end.ground_coils": round(p["lower_inactive_coils"], 4),
         "spring.upper_end.inactive_coils": round(p["upper_inactive_coils"], 4),
         "spring.upper_end.ground_coils": round(p["upper_inactive_coils"], 4),
-        "damping.stiffness_share": round(p["stiffness_share"], 4),
+        "spring.damping.stiffness_share": round(p["stiffness_share"], 4),
         "lift_law.maximum_lift": f"{1e3 * p['maximum_lift']:.4f} mm",
         "lift_law.ramp_lift": f"{1e3 * p['ramp_lift']:.4f} mm",
         "lift_law.flank_shape": [round(float(value), 4) for value in law.flank_shape],
@@ -270,13 +274,13 @@ def predict(elements_per_coil: int, vector: np.ndarray) -> dict[str, float]:
     """All three speeds of one parameter vector: named quantities, keyed ``rpm quantity``; empty for an impossible spring."""
     p = {u.name: float(v) for u, v in zip(UNKNOWNS, vector, strict=True)}
     case = load_case("gu2021-beehive")
-    damping = case.damping.replace(stiffness_share=p["stiffness_share"])
     try:
         law = law_of(p)
         values = {name: getattr(law, name) for name in ("maximum_lift", "ramp_lift", "ramp_start", "event_start", "nose", "flank_shape")}
-        lift_law, rod = LiftLawParameters("shaped", values), {"rod.elements_per_coil": elements_per_coil}
-        case = case.replace(rod, spring=spring_of(p), damping=damping, lift_law=lift_law, published=())
-        study = run_spring_study(case, models=("finite-element",), workers=1)
+        own = case.springs[0].with_options("finite-element", elements_per_coil=elements_per_coil)
+        spring = replace(own, wire=spring_of(p), damping=replace(own.damping, stiffness_share=p["stiffness_share"]))
+        case = case.replace(springs=(spring,), lift_law=LiftLawParameters("shaped", values), published=())
+        study = run_study(case, spring_models=("finite-element",), workers=1)
     except (InputError, ValueError, np.linalg.LinAlgError, RuntimeError):
         return {}
     told = {q: value for q, value in study.quantities.items() if q.engine_speed and q.name in SPREADS}
@@ -290,7 +294,7 @@ def tell_spread(found: Identified, elements: int, workers: int, count: int) -> s
     lines = [
         "# Spread of the beehive's results over what its calibration data leave open; written by scripts/identify_beehive.py.",
         f"# Percentiles 5, 50, 95 over {len(outcomes)} draws of the linearised posterior, {elements} elements per coil, SI units.",
-        "", "[identified]", *(f"{name} = {found.parameters[name]:.8g}" for name in ("wire_diameter", "mean_diameter")),
+        "", "[case]", f'digest = "{load_case("gu2021-beehive").record().digest}"',
     ]  # fmt: skip
     for rpm in (4200, 5600, 8000):
         lines += ["", f'["{rpm} rpm"]']

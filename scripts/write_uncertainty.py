@@ -1,17 +1,52 @@
 """Refine a library case and write what came out beside it, for every report of that case.
 
-Use: python scripts/write_uncertainty.py [CASE] [--workers 4]
+    python scripts/write_uncertainty.py [CASE] [--workers 4]     all meshes, minutes
+    python scripts/write_uncertainty.py [CASE] --restamp         after a change of words in the case file: one run, seconds
+
+Side files count only for the case file they name by its digest. ``--restamp`` runs the case once and, where every stored value comes out
+again (to 1e-3 or its own uncertainty), writes the new digest into the side files; otherwise it says what differs and writes nothing.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
+import tomllib
 from importlib import resources
+from pathlib import Path
 
+from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
 from valvetrain.solution.atomic import write_text
-from valvetrain.studies.uncertainty import uncertainty_study
-from valvetrain.studies.uncertainty_file import uncertainty_text
+from valvetrain.solution.quantity import same_speed
+from valvetrain.studies.run import run_study
+from valvetrain.studies.uncertainty import Uncertainty, uncertainty_study
+from valvetrain.studies.uncertainty_file import rows_of, uncertainty_text
+
+LIBRARY = Path(str(resources.files("valvetrain") / "parameters" / "library"))
+DIGEST = re.compile(r'^digest = "\w*"$', re.MULTILINE)
+SAME = 1e-3
+
+
+def restamp(case: Case, workers: int) -> None:
+    """Write the case's digest into its side files, after one run has shown that the stored values still hold."""
+    rows = rows_of(tomllib.loads((LIBRARY / f"{case.name}.uncertainty").read_text(encoding="utf-8")))
+    study = run_study(case, spring_models=("finite-element",), workers=workers)
+    if differing := [words for row in rows if (words := _difference(row, dict(study.quantities)))]:
+        raise SystemExit("the values have changed, refine the case anew:\n" + "\n".join(differing))
+    for ending in ("uncertainty", "spread"):
+        path = LIBRARY / f"{case.name}.{ending}"
+        if path.is_file():
+            write_text(str(path), DIGEST.sub(f'digest = "{case.record().digest}"', path.read_text(encoding="utf-8"), count=1))
+            print(f"{path.name} belongs to the case as it is now; {len(rows)} values compared")
+
+
+def _difference(row: Uncertainty, quantities: dict) -> str:
+    """What the run says where it is not the stored value; empty where it is."""
+    found = [value for key, value in quantities.items() if key.name == row.quantity and same_speed(key.engine_speed, row.engine_speed)]
+    if found and abs(found[0] - row.value) <= max(SAME * abs(row.value), row.numerical):
+        return ""
+    return f"  {row.quantity} at {row.engine_speed or 0:.6g} rad/s: stored {row.value:.6g}, now {found[0] if found else 'absent'}"
 
 
 def main() -> None:
@@ -19,12 +54,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("case", nargs="?", default="gu2021-beehive")
     parser.add_argument("--workers", type=int, default=4)
+    parser.add_argument("--restamp", action="store_true")
     options = parser.parse_args()
     case = load_case(options.case)
+    if options.restamp:
+        restamp(case, options.workers)
+        return
     study = uncertainty_study(case, workers=options.workers, progress=lambda share, words: print(f"{100 * share:3.0f} %  {words}"))
     if study.failures:
         raise SystemExit("; ".join(study.failures))
-    path = resources.files("valvetrain") / "parameters" / "library" / f"{options.case}.uncertainty"
+    path = LIBRARY / f"{options.case}.uncertainty"
     write_text(str(path), uncertainty_text(study))
     print(f"wrote {path.name}")
 

@@ -71,6 +71,8 @@ _HOMES = {
     "save_csv": "solution.textfile",
     "load_csv": "solution.textfile",
     "write_study": "report.write",
+    "study_page": "report.build",
+    "study_json": "report.json",
     "cite": "citations",
     "bibtex": "citations",
     "InputError": "errors",

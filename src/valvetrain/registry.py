@@ -29,6 +29,19 @@ KINDS: dict[str, tuple[str, str]] = {
 
 #: Kind -> word -> place. The order is the order of tables and menus.
 BUILT_IN: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
+BUILT_IN["commands"] = {
+    "run": "valvetrain.cli.run:register",
+    "compare": "valvetrain.cli.compare:register",
+    "sweep": "valvetrain.cli.sweep:register",
+    "static": "valvetrain.cli.static:register",
+    "modes": "valvetrain.cli.modes:register",
+    "refine": "valvetrain.cli.refine:register",
+    "runs": "valvetrain.cli.runs:register",
+    "compare-runs": "valvetrain.cli.compare_runs:register",
+    "new": "valvetrain.cli.new:register",
+    "cases": "valvetrain.cli.cases:register",
+    "check": "valvetrain.cli.check:register",
+}
 BUILT_IN["springs"] = {
     "massless": "valvetrain.springs.massless:SPEC",
     "multi-mass": "valvetrain.springs.multi_mass:SPEC",
@@ -82,6 +95,14 @@ BUILT_IN["mechanisms"] = {
     "pushrod": "valvetrain.mechanism.pushrod:SPEC",
 }
 BUILT_IN["sources"] = {key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021", "vasilyev2016", "multibody4b17")}
+#: In the order of the page: what answers first, what a paper says only after it.
+BUILT_IN["sections"] = {
+    word.replace("_", "-"): f"valvetrain.report.sections.{word}:SPEC"
+    for word in (
+        "answers", "sweep", "published", "gu2021", "uncertainty", "force", "coils", "motion", "train", "at_rest", "orders", "stress",
+        "energy", "events", "kinematics", "case", "runs", "references",
+    )
+}  # fmt: skip
 
 
 @cache

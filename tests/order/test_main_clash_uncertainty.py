@@ -6,16 +6,14 @@ from functools import cache
 
 import numpy as np
 import pytest
-from valvetrain.studies.spring_runs import run_finite_element
 
-from valvetrain.cam.build import build_lift_law
-from valvetrain.cam.event import find_lift_event
+from valvetrain.integrate.contract import Cycles, RunOptions
+from valvetrain.integrate.run import run
 from valvetrain.parameters.loading import load_case
-from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.cycle import Cycle, reported_cycle
 from valvetrain.quantities.main_clash import IMPULSE_TIME, find_clash_window, main_clash_quantities
-from valvetrain.solution.provenance import Provenance
-from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.studies.uncertainty_file import load_uncertainty
+from valvetrain.system.build import build
 
 RPM = 2 * np.pi / 60
 HEIGHTS = ("main_clash_below_10_khz_peak_force", "main_clash_below_20_khz_peak_force")
@@ -27,13 +25,17 @@ SURGE = {"gu2021-beehive": 626.0, "job-c": 472.0}
 def clash(name: str, rpm: float, per_coil: int) -> dict[str, float]:
     """Main clash on a mesh, named on the mesh of 24 per coil."""
     case = load_case(name)
+    events = []
 
-    def cycle(elements: int):
-        model = FiniteElementRod.from_case(case, elements_per_coil=elements)
-        return reported_cycle(run_finite_element(case, model, rpm * RPM, Provenance(name, model.name, engine_speed=rpm * RPM)))
+    def cycle(elements: int) -> Cycle:
+        spring = case.springs[0].with_options("finite-element", elements_per_coil=elements)
+        problem = build(case.replace(springs=(spring,)), spring_models=("finite-element",))
+        events.append(problem.lift_event)
+        samples = round(2 * np.pi / problem.output_step)
+        return reported_cycle(run(problem.members[0].system(), rpm * RPM / 2, Cycles(problem.cycles), RunOptions(samples)))
 
     reference = cycle(24)
-    event = find_lift_event(build_lift_law(case.lift_law), case.lift_law)
+    event = events[0]
     assert event is not None
     window = find_clash_window(reference, SURGE[name], event)
     assert window is not None
@@ -64,7 +66,7 @@ def test_clash_of_job_c_changes_by_less_than_4_percent(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("rpm", [5600, 8000])
 def test_stated_uncertainty_covers_a_mesh_three_times_as_fine(rpm):
-    rows = {row.quantity: row for row in load_uncertainty(load_case("gu2021-beehive")) if row.engine_speed == pytest.approx(rpm * RPM)}
+    rows = {row.quantity: row for row in load_uncertainty(load_case("gu2021-beehive").record()) if row.engine_speed == pytest.approx(rpm * RPM)}
     fine = clash("gu2021-beehive", rpm, 72)
     assert len(fine) == 5
     for name, value in fine.items():
@@ -77,6 +79,6 @@ def test_stated_uncertainty_covers_a_mesh_three_times_as_fine(rpm):
 @pytest.mark.parametrize("rpm", [5600, 8000])
 def test_shipped_values_are_those_of_this_version(rpm):
     """Fails when rod or contact have changed since scripts/write_uncertainty.py was run; run it again then."""
-    rows = {row.quantity: row for row in load_uncertainty(load_case("gu2021-beehive")) if row.engine_speed == pytest.approx(rpm * RPM)}
+    rows = {row.quantity: row for row in load_uncertainty(load_case("gu2021-beehive").record()) if row.engine_speed == pytest.approx(rpm * RPM)}
     for name in HEIGHTS:
         assert clash("gu2021-beehive", rpm, 24)[name] == pytest.approx(rows[name].value, rel=1e-4)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 from unittest.mock import patch
 
@@ -16,15 +17,16 @@ FEW = settings(max_examples=150, deadline=None, suppress_health_check=[HealthChe
 WORDS = st.one_of(
     st.text(max_size=30),
     st.sampled_from([
-        "run", "static", "modes", "cases", "check", "--json", "--set", "--engine-speed", "--to", "--steps", "--count", "--csv",
-        "--compression", "--elements-per-coil", "--spring", "--workers", "--output", "--no-report", "job-c", "uniform-spring",
-        "4200 rpm", "7 mm", "8", "--", "-", "", "spring.pitch=7 mm", "spring.total_coils=1e400", "rod.elements_per_coil=true",
-        "lift_law.power={a=1}", "published.0.role=x", "title=\ud800", "spring=[[[", "installation.precompression=nan mm",
-        "operation.cycles=1979-05-27", "1e308:1e309:1 rpm", "/dev/null", "..",
+        "run", "compare", "sweep", "static", "modes", "runs", "compare-runs", "new", "cases", "check", "--json", "--quiet", "--limit",
+        "--kind", "--set", "--engine-speed", "--to", "--steps", "--count", "--csv", "--compression", "--elements-per-coil", "--spring",
+        "--workers", "--output", "--no-report", "job-c", "uniform-spring", "4200 rpm", "7 mm", "8", "--", "-", "", "spring.pitch=7 mm",
+        "spring.total_coils=1e400", "spring.options.finite-element.elements_per_coil=true", "lift_law.power={a=1}", "published.0.role=x",
+        "title=\ud800", "spring=[[[", "spring.precompression=nan mm", "operation.cycles=1979-05-27", "1e308:1e309:1 rpm", "/dev/null",
+        "..",
     ]),
 )  # fmt: skip
 TEXTS = (SMALL, *((LIBRARY / f"{name}.toml").read_text() for name in ("gu2021-beehive", "tdi-pushrod", "job-c")))
-COMMANDS, CASES = st.sampled_from(["run", "static", "modes", "check"]), st.sampled_from(["job-c", "gu2021-beehive"])
+COMMANDS, CASES = st.sampled_from(["run", "compare", "sweep", "static", "modes", "check"]), st.sampled_from(["job-c", "gu2021-beehive"])
 
 
 def assert_civil(result) -> None:
@@ -32,7 +34,8 @@ def assert_civil(result) -> None:
     assert result.exit_code in (0, 2), (result.exit_code, result.stderr)
     assert "Traceback" not in result.output and "fault in valvetrain" not in result.stderr
     if result.exit_code == 2:
-        assert len(result.stderr.splitlines()) == 1 and result.stderr.startswith("error: ") and result.stdout == ""
+        assert len(result.stderr.splitlines()) == 1 and result.stderr.startswith("error: ")
+        assert result.stdout == "" or set(json.loads(result.stdout)["error"]) == {"message", "where", "code"}
 
 
 @pytest.fixture(autouse=True)
@@ -42,8 +45,8 @@ def nothing_is_computed(tmp_path, monkeypatch):
 
     monkeypatch.chdir(tmp_path)
     done = Outcome({"command": "none"}, lambda console: None)
-    targets = ("static_command.compute_static", "modes_command.compute_modes", "registry.run_case")
-    patches = [patch(f"valvetrain.cli.{target}", lambda *_, **__: done) for target in targets]
+    patches = [patch(f"valvetrain.cli.{target}", lambda *_, **__: done) for target in ("static.compute_static", "modes.compute_modes")]
+    patches += [patch(f"valvetrain.cli.{name}.answer_study", lambda *_, **__: None) for name in ("run", "compare", "sweep")]
     for one in patches:
         one.start()
     yield
@@ -68,9 +71,13 @@ def test_any_setting(command, case, path, value):
 
 
 @FEW
-@given(st.sampled_from(["--engine-speed", "--workers", "--elements-per-coil", "--spring", "--output"]), st.text(max_size=30))
-def test_any_option_of_run(option, value):
-    assert_civil(call("run", "job-c", f"{option}={value}"))
+@given(
+    st.sampled_from(["run", "compare", "sweep"]),
+    st.sampled_from(["--engine-speed", "--workers", "--elements-per-coil", "--spring", "--spring-set", "--output", "--limit"]),
+    st.text(max_size=30),
+)
+def test_any_option_of_a_study(command, option, value):
+    assert_civil(call(command, "job-c", f"{option}={value}"))
 
 
 @settings(FEW, max_examples=100)

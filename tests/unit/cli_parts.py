@@ -12,7 +12,7 @@ from typer.testing import CliRunner, Result
 from valvetrain.cli.main import app
 
 SOURCE = Path(__file__).resolve().parents[2] / "src"
-CODE = "from valvetrain.cli.main import main; main()"
+MODULE = ("-m", "valvetrain")
 
 #: Three clamped coils in motion, and published values made up to be met, missed and not computed.
 SMALL = """
@@ -25,10 +25,15 @@ pitch = "7 mm"
 total_coils = 3
 material = "OTEVA 90 SC"
 ends = "open"
-
-[installation]
 precompression = "2 mm"
 seats = "clamps"
+
+[spring.damping]
+ratio = 0.02
+ratio_frequency = "900 Hz"
+
+[spring.options.finite-element]
+elements_per_coil = 6
 
 [lift_law]
 kind = "sine-power"
@@ -37,18 +42,14 @@ opening_start = "100 deg"
 closing_end = "260 deg"
 power = 4
 
-[damping]
-ratio = 0.02
-ratio_frequency = "900 Hz"
-
 [operation]
 engine_speeds = "9000 rpm"
 cycles = 1
-
-[rod]
-elements_per_coil = 6
 output_step = "2 deg"
+"""
 
+#: What a source might have said of it.
+PUBLISHED = """
 [[published]]
 model = "solid finite elements"
 role = "calibration"
@@ -57,14 +58,14 @@ source = "made up"
 preload = { value = "130 N", tolerance = "50 %" }
 
 [[published]]
-model = "solid finite elements"
+model = "finite-element"
 role = "prediction"
 engine_speed = "9000 rpm"
 source = "made up"
 [published.quantities]
-stage_2_peak_force = { value = "1 N", tolerance = "1 N" }
-node_9_peak_acceleration = "1 m/s^2"
-stage_2_peak_cam_angle = "181 deg"
+peak_spring_force = { value = "1 N", tolerance = "1 N" }
+seating_velocity = "1 m/s"
+peak_spring_force_cam_angle = "181 deg"
 """
 
 
@@ -75,7 +76,7 @@ def call(*arguments: str) -> Result:
 
 def process(*arguments: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """The command as a process of its own in ``folder``."""
-    command = [sys.executable, "-c", CODE, *arguments]
+    command = [sys.executable, *MODULE, *arguments]
     return subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=120, env=process_environment(**environment))
 
 

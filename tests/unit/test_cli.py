@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import os
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from unit.cli_parts import SMALL, call, sentence
+from unit.cli_parts import SMALL, SOURCE, call, process, sentence
 from valvetrain import __version__
 from valvetrain.cli.options import read_engine_speeds
 from valvetrain.cli.progress import time_left
@@ -18,6 +19,9 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY, library_names
 
 UNIFORM = ("uniform-spring", "--elements-per-coil", "8")
+
+
+COMMANDS = ("run", "compare", "sweep", "static", "modes", "refine", "runs", "compare-runs", "new", "cases", "check")
 
 
 @pytest.fixture
@@ -33,9 +37,34 @@ def test_version_and_help():
     for arguments in ([], ["--help"]):
         result = call(*arguments)
         assert result.exit_code == 0
-        assert all(name in result.stdout for name in ("run", "static", "modes", "cases", "check"))
-    for name in ("run", "static", "modes", "cases", "check"):
+        assert all(name in result.stdout for name in COMMANDS)
+    for name in COMMANDS:
         assert call(name, "--help").exit_code == 0
+
+
+def test_run_compare_and_sweep_share_their_options():
+    shared = ("--engine-speed", "--spring", "--spring-set", "--set", "--elements-per-coil", "--output", "--workers", "--limit", "--report",
+              "--figures", "--published", "--open", "--json", "--quiet")  # fmt: skip
+    for command in ("run", "compare", "sweep"):
+        shown = call(command, "--help").output
+        assert not [option for option in shared if option not in shown], command
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_prints_a_script_that_knows_the_commands(tmp_path, shell):
+    script = process("--show-completion", shell, folder=tmp_path, _TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION="1")
+    assert script.returncode == 0 and "_VALVETRAIN_COMPLETE" in script.stdout
+    asked = {"_VALVETRAIN_COMPLETE": "complete_bash", "COMP_WORDS": "valvetrain comp", "COMP_CWORD": "1"}
+    assert process(folder=tmp_path, **asked).stdout.split() == ["compare", "compare-runs"]
+
+
+def test_an_own_command_of_a_package_that_cannot_be_loaded_is_left_out_with_a_sentence(tmp_path):
+    found = tmp_path / "broken-1.0.dist-info"
+    found.mkdir()
+    (found / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
+    (found / "entry_points.txt").write_text("[valvetrain.commands]\nmend = nowhere:register\n")
+    result = process("--help", folder=tmp_path, PYTHONPATH=f"{SOURCE}{os.pathsep}{tmp_path}")
+    assert result.returncode == 0 and "note: command 'mend' cannot be loaded from nowhere:register" in result.stderr
 
 
 @pytest.mark.parametrize("command", ["run", "static", "modes", "compare", "sweep"])
@@ -104,68 +133,46 @@ def test_check_shows_the_units_of_the_field():
 
 def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
     from valvetrain.parameters.loading import load_case
-    from valvetrain.springs.finite_element import FiniteElementRod
-    from valvetrain.studies.spring_runs import static_curve
+    from valvetrain.springs.spec import spring_model
+    from valvetrain.studies.rest import static_curve
 
     result = call("static", *UNIFORM, "--to", "8 mm", "--steps", "4", "--csv", str(tmp_path / "curve.csv"), "--json")
     assert result.exit_code == 0
     found = json.loads(result.stdout)
-    model = FiniteElementRod.from_case(load_case("uniform-spring").replace({"rod.elements_per_coil": 8}))
-    curve = static_curve(model, 8e-3, 4)
-    assert found["static_curve"]["force"] == {"values": curve.force.tolist(), "unit": "N"}
-    assert found["static_curve"]["compression"]["values"] == pytest.approx([0, 2e-3, 4e-3, 6e-3, 8e-3])
+    (spring,) = load_case("uniform-spring").springs
+    curve, _ = static_curve(spring_model("finite-element").build(spring.with_options("finite-element", elements_per_coil=8)), 8e-3, 4)
+    (rest,) = found["springs_at_rest"]
+    assert rest["static_curve"]["force"] == {"values": curve.force.tolist(), "unit": "N"}
+    assert rest["static_curve"]["compression"]["values"] == pytest.approx([0, 2e-3, 4e-3, 6e-3, 8e-3])
     assert found["quantities"]["preload"]["value"] == pytest.approx(curve.force_at(7e-3))
     rows = (tmp_path / "curve.csv").read_text().splitlines()
-    assert rows[0].startswith("compression [mm],force [N],stiffness [N/mm]") and len(rows) == 6
+    assert rows[0] == "compression [mm],force [N],stiffness [N/mm]" and len(rows) == 6
     assert float(rows[-1].split(",")[1]) == curve.force[-1]
+
+
+def test_static_shows_every_spring_of_a_train_by_the_models_asked_for():
+    result = call("static", "tdi-pushrod", "--spring", "massless,wave-rod", "--spring-set", "stock,performance", "--steps", "4", "--json")
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)["springs_at_rest"]
+    assert [(one["spring"], one["model"]) for one in found] == [
+        (spring, model) for spring in ("stock", "performance") for model in ("massless", "wave-rod")
+    ]  # fmt: skip
 
 
 def test_modes_agree_with_the_library():
     from valvetrain.parameters.loading import load_case
-    from valvetrain.springs.finite_element import FiniteElementRod
-    from valvetrain.studies.spring_runs import modal_result
+    from valvetrain.springs.spec import spring_model
+    from valvetrain.studies.rest import modal_result
 
     found = json.loads(call("modes", *UNIFORM, "--count", "6", "--compression", "3 mm", "--json").stdout)
-    case = load_case("uniform-spring").replace({"rod.elements_per_coil": 8})
-    expected = modal_result(FiniteElementRod.from_case(case, precompression=3e-3), 6)
-    assert [mode["natural_frequency"]["value"] for mode in found["modes"]] == pytest.approx(expected.natural_frequency.tolist())
-    assert found["compression"] == {"value": 3e-3, "unit": "m"}
+    (spring,) = load_case("uniform-spring").springs
+    spring = replace(spring.with_options("finite-element", elements_per_coil=8), precompression=3e-3)
+    expected = modal_result(spring_model("finite-element").build(spring), 6)
+    modes = found["springs_at_rest"][0]["modes"]
+    assert [mode["natural_frequency"]["value"] for mode in modes["modes"]] == pytest.approx(expected.natural_frequency.tolist())
+    assert modes["compression"] == {"value": 3e-3, "unit": "m"}
     assert found["quantities"]["mode_1_frequency"]["value"] == pytest.approx(expected.axial_frequencies[0])
     assert "axial mode 1" in call("modes", *UNIFORM, "--count", "6").stdout
-
-
-def test_run_prints_computed_beside_published_and_writes_its_folder(small):
-    result = call("run", "small.toml")
-    assert result.exit_code == 0, result.stderr
-    assert max(map(len, result.stdout.splitlines())) <= 100
-    lines = r"Preload +FE +130 N .*within tolerance", r"Stage II peak force +FE +1 N .*misses", r"Node 9 peak acceleration.*not computed"
-    for line in lines:
-        assert re.search(line, result.stdout), line
-    assert "9000 rpm (prediction: not used to identify the case)" in result.stdout
-    assert "prediction: 3 published values, 0 of 1 stated tolerances met, 1 not computed" in result.stdout
-    written = {path.name for path in (small / "runs" / "small").iterdir()}
-    assert {"report.html", "finite-element-9000rpm.nc", "modal-varied-9000rpm.csv", "static.csv", "modes.nc", "comparison.csv"} <= written
-
-
-def test_run_options_change_speeds_models_folder_and_values(small):
-    result = call(
-        "run", "small.toml", "--engine-speed", "7000, 9000 rpm", "--spring", "modal-varied", "--no-report", "--output", "here",
-        "--workers", "1",
-        "--set", "spring.total_coils=4", "--set", "lift_law.maximum_lift=3 mm", "--json",
-    )  # fmt: skip
-    assert result.exit_code == 0, result.stderr
-    found = json.loads(result.stdout)
-    assert [(run["model"], run["engine_speed"]["value"]) for run in found["runs"]] == [("modal-varied", 7000.0), ("modal-varied", 9000.0)]
-    assert found["page"] is None and not (small / "here" / "report.html").exists() and (small / "here" / "modal-varied-7000rpm.nc").exists()
-    from valvetrain.solution.netcdf import load_netcdf
-
-    assert float(load_netcdf(small / "here" / "modal-varied-7000rpm.nc").channel("valve_lift").max()) == pytest.approx(3e-3, rel=1e-6)
-
-
-def test_a_run_without_speeds_gives_statics_and_modes(small):
-    result = call("run", *UNIFORM, "--no-report")
-    assert result.exit_code == 0 and "statics and modes only" in result.stderr
-    assert re.search(r"Mode 1 frequency +Hz +546", result.stdout)
 
 
 @pytest.mark.parametrize(
@@ -181,7 +188,16 @@ def test_a_run_without_speeds_gives_statics_and_modes(small):
         (("run", "job-c", "--engine-speed", "-5 rpm"), "is not positive"),
         (("run", "job-c", "--engine-speed", "9:1:1 rpm"), "rising"),
         (("run", "job-c", "--engine-speed", "1:2:1e-9 rpm"), "larger step"),
-        (("run", "job-c", "--spring", "modul"), "valid names are finite-element, modal-varied"),
+        (("run", "job-c", "--spring", "modal"), "did you mean modal-varied or modal-uniform?"),
+        (("sweep", "job-c", "--spring", "massless,xyz"), "spring model 'xyz' is unknown; use one of massless"),
+        (("compare", "job-c", "--limit", "much"), "write a time such as '2 h'"),
+        (("run", "job-c", "--spring-set", "stock"), "has no spring sets"),
+        (("compare", "vaz-ohc", "--spring", "solid"), "for a spring alone"),
+        (("compare", "job-c", "--solid-core", "2"), "add --spring finite-element,solid"),
+        (("new", "job-c"), "is a case of the library"),
+        (("new", "a\nb"), "cannot be the name of a file"),
+        (("new", "mine", "--kind", "fingr"), "did you mean finger?"),
+        (("compare-runs", "one", "two"), "there is no run 'one'"),
         (("run", "uniform-spring", "--engine-speed", "1 rpm"), "has no lift law"),
         (("run", "job-c", "--workers", "0"), "--workers: 0 lies outside"),
         (("run", "job-c", "--set", "spring"), "sets nothing; write a key path"),
@@ -190,19 +206,18 @@ def test_a_run_without_speeds_gives_statics_and_modes(small):
         (("run", "job-c", "--set", "spring.wire_diameter=4"), "4 has no unit"),
         (("run", "job-c", "--set", "spring.wire_diameter=40 mm"), "widen the coil"),
         (("run", "job-c", "--set", "spring.total_coils.x=4"), "is the plain value '6', which has no 'x'"),
-        (("run", "job-c", "--set", "sprung.x=4"), "did you mean spring?"),
+        (("run", "job-c", "--set", "sprung.x=4"), "did you mean spring"),
         (("run", "job-c", "--set", "spring.pitch.coils.9=4"), "no place in a list of 4"),
-        (("run", "job-c", "--set", "rod.time_step="), "is not in the case"),
-        (("run", "job-c", "--elements-per-coil", "2"), "--elements-per-coil: elements_per_coil must be a whole number from 4"),
+        (("run", "job-c", "--set", "spring.options.finite-element.time_step="), "is not in the case"),
+        (("run", "job-c", "--elements-per-coil", "2"), "--elements-per-coil"),
         (("run", "job-c", "--elements-per-coil", "many"), "'--elements-per-coil'"),
         (("static", "uniform-spring", "--to", "40 mm"), "which is solid at"),
         (("static", "uniform-spring", "--to", "12"), "write '12 mm'"),
         (("static", "uniform-spring", "--to", "-1 mm"), "is negative"),
         (("static", "uniform-spring", "--steps", "1"), "--steps: 1 lies outside"),
         (("static", "uniform-spring", "--csv", "."), "is a folder"),
-        (("static", "tdi-pushrod"), "give a case whose [spring] table"),
         (("modes", "uniform-spring", "--count", "0"), "--count: 0 lies outside"),
-        (("modes", "uniform-spring", "--compression", "30 mm"), "the spring is solid at"),
+        (("modes", "uniform-spring", "--compression", "30 mm"), "which is solid at"),
         (("cases", "uniform"), "did you mean uniform-spring?"),
         (("check", "."), "a folder"),
         (("check", "x" * 5000), "there is no case"),
@@ -232,9 +247,11 @@ def test_what_may_not_be_read_or_written_is_refused(small, monkeypatch):
     result = call("run", "small.toml", "--output", "out")
     assert result.exit_code == 2 and "may not be written to; choose another" in sentence(result)
     monkeypatch.setattr(os, "access", lambda *_: True)
-    monkeypatch.setattr(Path, "mkdir", closed)
-    result = call("run", "small.toml", "--output", "out")
-    assert result.exit_code == 2 and "cannot be made (Permission denied); choose another" in sentence(result)
+    with monkeypatch.context() as one:
+        one.setattr(Path, "mkdir", closed)
+        for arguments, words in ((("--output", "out"), "folder 'out' cannot be written"), ((), "cannot be made (Permission denied)")):
+            result = call("run", "small.toml", "--spring", "massless", "--no-report", *arguments)
+            assert result.exit_code == 2 and words in sentence(result)
     monkeypatch.setattr(Path, "open", closed)
     result = call("check", "small.toml")
     assert result.exit_code == 2 and "cannot be read (Permission denied); check the path and its permissions" in sentence(result)
@@ -244,11 +261,12 @@ def test_a_set_value_loses_the_note_of_the_value_it_replaces():
     from valvetrain.cli.case_choice import choose_case
 
     assert choose_case("gu2021-beehive").notes["spring.wire_diameter"].status == "identified"
-    changed = choose_case("gu2021-beehive", ["spring.wire_diameter=4.1 mm", "spring.pitch=7 mm", "damping.stiffness_share="], 10)
+    changed = choose_case("gu2021-beehive", ["spring.wire_diameter=4.1 mm", "spring.pitch=7 mm", "spring.damping.stiffness_share="], 10)
     assert changed.notes["spring.wire_diameter"].status is None
     assert float(changed.spring.wire_diameter.value(1.0)) == pytest.approx(4.1e-3)
     assert float(changed.spring.pitch.value(3.3)) == pytest.approx(7e-3)
-    assert changed.damping.stiffness_share is None and changed.rod.elements_per_coil == 10
+    (spring,) = changed.springs
+    assert spring.damping.stiffness_share is None and spring.options_of("finite-element")["elements_per_coil"] == 10
     assert changed.cite() == choose_case("gu2021-beehive").cite()
 
 
@@ -285,7 +303,6 @@ pitch = "7.5 mm"
 total_coils = 6
 ends = "open"
 material = "OTEVA 90 SC"
-[installation]
 precompression = "7 mm"
 """
 
@@ -296,11 +313,11 @@ def test_a_lift_that_presses_the_spring_solid_is_refused(tmp_path, command):
     (tmp_path / "bind.toml").write_text(BINDS)
     result = call(command, str(tmp_path / "bind.toml"))
     assert result.exit_code == 2
-    assert "binds: 7 mm installed and 30 mm of lift compress it by more than the 21 mm" in result.stderr
+    assert "reaches coil bind: 42 mm installed less 30 mm of lift leave 12 mm, but it is solid at 28 mm" in result.stderr
 
 
 def test_check_puts_a_train_together():
     result = call("check", "vaz-ohc", "--set", "train.lash=12 mm")
     assert result.exit_code == 2 and "not smaller than the valve lift" in result.stderr
     result = call("check", "vaz-ohc", "--set", "train.springs.nested.1.installed_height=21 mm")
-    assert result.exit_code == 2 and "spring 'inner' binds" in result.stderr
+    assert result.exit_code == 2 and "spring 'inner' reaches coil bind" in result.stderr

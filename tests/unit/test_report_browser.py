@@ -8,12 +8,13 @@ import subprocess
 from html import unescape
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from synthetic_study import modal_run, rod_run, study
+from synthetic_study import own_study, published_study, sweep_study, train_study
 from system_parts import program
-from valvetrain.report.write import write_report
+from valvetrain.report.build import study_page
+from valvetrain.report.headlines import TOPICS
+from valvetrain.report.page import charts, render
 
 pytestmark = pytest.mark.chromium
 
@@ -28,36 +29,73 @@ window.addEventListener("error", (event) => seen.errors.push(String(event.messag
 window.addEventListener("unhandledrejection", (event) => seen.errors.push(String(event.reason)));
 </script>
 """
-#: Stands last: opens every tab, as a reader would, then writes down what was seen.
+#: Stands last: opens every tab and every detail, as a reader would, then writes down what was seen.
 ASK = """
 <script>
 window.addEventListener("load", () => setTimeout(() => {
+  document.querySelectorAll("details").forEach((part) => { part.open = true; });
+  // A loaded machine may show no frame in virtual time, so figures are asked for as for print.
+  window.dispatchEvent(new Event("beforeprint"));
   document.querySelectorAll("[role=tab]").forEach((tab) => tab.click());
   setTimeout(() => {
     seen.loaded = performance.getEntriesByType("resource").map((entry) => entry.name).filter((name) => !/^(data|blob):/.test(name));
+    seen.width = window.innerWidth;
+    seen.wider = document.documentElement.scrollWidth - window.innerWidth;
+    seen.outside = [];
+    const words = ".ytick text, .xtick text, .annotation-text, .xtitle, .ytitle, .cbtitle text";
+    document.querySelectorAll(".plot[data-chart]").forEach((box) => {
+      const frame = box.getBoundingClientRect();
+      if (!frame.width) { return; }
+      box.querySelectorAll(words).forEach((text) => {
+        const place = text.getBoundingClientRect();
+        const off = Math.max(frame.left - place.left, place.right - frame.right, frame.top - place.top, place.bottom - frame.bottom);
+        if (place.width && off > 2) { seen.outside.push(box.dataset.chart + ": " + text.textContent + " by " + off.toFixed(1)); }
+      });
+    });
     seen.charts = Object.fromEntries(Array.from(document.querySelectorAll(".plot[data-chart]"), (box) => [box.dataset.chart, {
       traces: box.querySelectorAll(".main-svg .scatterlayer .trace, .main-svg .heatmaplayer .hm, .main-svg .cartesianlayer .trace").length,
-      ink: Array.from(box.querySelectorAll(".main-svg path")).filter((path) => (path.getAttribute("d") || "").length > 20).length,
+      ink: Array.from(box.querySelectorAll(".main-svg path")).filter((path) => (path.getAttribute("d") || "").length > 20).length
+        + box.querySelectorAll(".heatmaplayer image").length,
     }]));
+    const first = document.querySelector(".cards");
+    seen.cards = first ? Array.from(first.querySelectorAll(".card h3"), (title) => title.textContent) : [];
+    seen.hidden = Array.from(document.querySelectorAll(".card .scroll")).filter((part) => part.scrollWidth > part.clientWidth + 1).length;
     const note = document.body.appendChild(document.createElement("pre"));
     note.id = "seen";
     note.textContent = JSON.stringify(seen);
-  }, 2000);
+    // A page that stands in a frame tells it to the page around it.
+    window.parent.postMessage(JSON.stringify(seen), "*");
+  }, 2500);
 }, 500));
 </script>
 """
+#: A window of chromium is never narrower than 500 px, so a narrow page stands in a frame.
+FRAME = """<!DOCTYPE html>
+<html><body style="margin:0"><iframe src="page.html" style="width:WIDTHpx;height:24000px;border:0"></iframe>
+<script>
+window.addEventListener("message", (event) => {
+  const note = document.body.appendChild(document.createElement("pre"));
+  note.id = "seen";
+  note.textContent = event.data;
+});
+</script></body></html>
+"""
 
 
-def browse(html: str, folder: Path) -> tuple[dict, list[str]]:
-    """What a page has seen once loaded, and what it wrote to the console."""
+def browse(html: str, folder: Path, width: int = 1400) -> tuple[dict, list[str]]:
+    """What a page of that width (px) has seen once loaded, and what it wrote to the console."""
     page = folder / "page.html"
     page.write_text(html.replace("<head>", f"<head>{WATCH}", 1).replace("</body>\n</html>", f"{ASK}</body>\n</html>"), encoding="utf-8")
+    if width < 500:
+        page = folder / "frame.html"
+        page.write_text(FRAME.replace("WIDTH", str(width)), encoding="utf-8")
     browser = program("chromium")
     assert browser
     command = [
         browser, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-sync",
-        "--disable-component-update", "--disable-extensions", f"--user-data-dir={folder / 'profile'}", "--window-size=1400,24000",
-        "--virtual-time-budget=20000", "--enable-logging=stderr", "--v=0", "--dump-dom", page.as_uri(),
+        "--disable-component-update", "--disable-extensions", "--hide-scrollbars", f"--user-data-dir={folder / 'profile'}",
+        f"--window-size={max(width, 500)},24000", "--virtual-time-budget=20000", "--enable-logging=stderr", "--v=0", "--dump-dom",
+        page.as_uri(),
     ]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     note = re.search(r'<pre id="seen">(.*?)</pre>', done.stdout, re.DOTALL)
@@ -65,31 +103,35 @@ def browse(html: str, folder: Path) -> tuple[dict, list[str]]:
     return json.loads(unescape(note[1])), re.findall(r":CONSOLE[^\]]*\] (.*)", done.stderr)
 
 
-@pytest.fixture(scope="module")
-def report(tmp_path_factory):
-    runs = (rod_run(), rod_run(4200 * np.pi / 30), modal_run(), modal_run(4200 * np.pi / 30))
-    return write_report(study(runs), tmp_path_factory.mktemp("report"))
+STUDIES = {"own": own_study, "published": published_study, "train": train_study, "sweep": sweep_study}
 
 
-@pytest.fixture(scope="module")
-def visit(report, tmp_path_factory):
-    return browse(report.page.read_text(encoding="utf-8"), tmp_path_factory.mktemp("browser"))
+@pytest.fixture(scope="module", params=[(name, width) for name in STUDIES for width in (1400, 390)], ids=lambda one: f"{one[0]}-{one[1]}")
+def visit(request, tmp_path_factory):
+    name, width = request.param
+    page = study_page(STUDIES[name]())
+    return page, width, *browse(render(page), tmp_path_factory.mktemp("browser"), width)
 
 
-def test_every_chart_is_drawn(visit, report):
-    charts = visit[0]["charts"]
-    assert {path.stem for path in report.figures} == set(charts)
-    assert {"force-4200", "force-5600"} <= set(charts)
-    assert not {key: drawn for key, drawn in charts.items() if not (drawn["traces"] and drawn["ink"])}
-
-
-def test_nothing_goes_wrong_and_nothing_is_written_to_the_console(visit):
-    seen, console = visit
+def test_every_chart_is_drawn_and_nothing_goes_wrong(visit):
+    page, width, seen, console = visit
+    assert seen["width"] == width
+    assert {chart.key for chart in charts(page)} == set(seen["charts"])
+    assert not {key: drawn for key, drawn in seen["charts"].items() if not (drawn["traces"] and drawn["ink"])}
     assert seen["errors"] == [] and console == []
+    assert seen["refused"] == [] and seen["loaded"] == []
 
 
-def test_no_request_leaves_the_page(visit):
-    assert visit[0]["refused"] == [] and visit[0]["loaded"] == []
+def test_nothing_is_cut_off_and_nothing_scrolls_sideways(visit):
+    _, _, seen, _ = visit
+    assert seen["wider"] <= 0
+    assert seen["outside"] == []
+    assert seen["hidden"] == 0
+
+
+def test_the_first_screen_answers_in_order(visit):
+    _, _, seen, _ = visit
+    assert seen["cards"] and seen["cards"] == [topic for topic in TOPICS if topic in seen["cards"]]
 
 
 @pytest.mark.parametrize(
@@ -99,9 +141,10 @@ def test_no_request_leaves_the_page(visit):
         ("<img src='https://example.invalid/a.png'>", "refused"),
         ("<script>lost()</script>", "errors"),
         ("<div class='plot' data-chart='empty'></div><script>console.error('no')</script>", "console"),
+        ("<div style='width:3000px;height:2px'></div>", "wider"),
     ],
 )
 def test_the_watch_catches_what_it_should(body, kind, tmp_path):
     seen, console = browse(f"<!DOCTYPE html>\n<html>\n<head></head>\n<body>{body}</body>\n</html>", tmp_path)
-    assert console if kind == "console" else seen[kind]
-    assert seen["charts"] in ({}, {"empty": {"traces": 0, "ink": 0}})
+    assert console if kind == "console" else seen[kind] > 0 if kind == "wider" else seen[kind]
+    assert set(seen["charts"]) <= {"empty"}

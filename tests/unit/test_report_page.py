@@ -1,7 +1,8 @@
-"""The report folder: complete, self-contained, readable back, whole or not at all."""
+"""The folder of a study: complete, self-contained, readable back, whole or not at all, without a word that is not the user's."""
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -9,18 +10,23 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from synthetic_study import COILS, modal_run, rod_run, study
+from synthetic_study import COILS, modal_run, own_study, published_study, record, rod_run, sweep_study, train_run, train_study
 from valvetrain.errors import InputError
+from valvetrain.registry import find, words
+from valvetrain.report import page as page_module
 from valvetrain.report import write
-from valvetrain.report.comparison_grid import comparison_grid, comparison_table
-from valvetrain.report.page import Page, Section, render, text
-from valvetrain.report.spring_page import spring_page
-from valvetrain.report.values import case_rows
-from valvetrain.report.words import number, percent, quantity_words, unit_words
-from valvetrain.report.write import write_report
+from valvetrain.report.build import study_page
+from valvetrain.report.comparison_grid import comparison_table
+from valvetrain.report.json import study_json
+from valvetrain.report.page import Page, Section, charts, render, text
+from valvetrain.report.words import number, percent, speed_words, unit_words
+from valvetrain.report.write import write_study
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
+from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.status import Status
 from valvetrain.solution.textfile import load_csv
+
+STUDIES = {"own": own_study, "published": published_study, "train": train_study, "sweep": sweep_study}
 
 
 class _Reader(HTMLParser):
@@ -30,122 +36,171 @@ class _Reader(HTMLParser):
         super().__init__()
         self.loads: list[str] = []
         self.links: list[str] = []
-        self.keys: set[str] = set()
-        self.style = ""
-        self.open: list[str] = []
+        self.keys: list[str] = []
 
     def handle_starttag(self, tag, attrs):
         values = dict(attrs)
-        self.open.append(tag)
-        self.keys |= {values["id"]} if "id" in values else set()
+        self.keys += [values["id"]] if "id" in values else []
         self.loads += [values[key] for key in ("src", "srcset", "data", "poster", "action") if key in values]
         self.loads += [values["href"]] if tag == "link" else []
         self.links += [values["href"]] if tag == "a" else []
-        self.style += values.get("style", "")
-
-    def handle_data(self, data):
-        if self.open and self.open[-1] == "style":
-            self.style += data
 
 
-@pytest.fixture(scope="module")
-def report(tmp_path_factory):
-    return write_report(study(), tmp_path_factory.mktemp("report"))
+def own_words(html: str) -> str:
+    """The page without the plotting library."""
+    return html[: html.index("plotly.js v")] + html[html.rindex("</script>\n<script>") :]
 
 
-@pytest.fixture(scope="module")
-def page(report):
+@pytest.fixture(scope="module", params=list(STUDIES))
+def written(request, tmp_path_factory):
+    study = STUDIES[request.param]()
+    return study, write_study(study, tmp_path_factory.mktemp("report"), figures=True)
+
+
+def test_page_loads_nothing_from_outside_and_every_entry_leads_to_its_section(written):
+    html = written[1].page.read_text(encoding="utf-8")
     reader = _Reader()
-    reader.feed(report.page.read_text(encoding="utf-8"))
-    return reader
+    reader.feed(html)
+    assert [load for load in reader.loads if not load.startswith("data:")] == []
+    assert "url(" not in own_words(html).split("</style>")[0] and "@import" not in own_words(html).split("</style>")[0]
+    assert len(set(reader.keys)) == len(reader.keys)
+    assert reader.links and {link[1:] for link in reader.links} <= set(reader.keys)
+    drawn = {key.removeprefix("data-") for key in reader.keys if key.startswith("data-")}
+    assert drawn == {path.stem for path in written[1].figures} == {chart.key for chart in charts(study_page(written[0]))}
+    assert not re.search(r"/(home|work|tmp|usr|root)/", own_words(html))
 
 
-def test_page_loads_nothing_from_outside(page):
-    assert [load for load in page.loads if not load.startswith("data:")] == []
-    assert "url(" not in page.style and "@import" not in page.style
+def test_every_page_alike_carries_values_runs_and_papers(written):
+    keys = [section.key for section in study_page(written[0]).sections]
+    assert keys[0] == "answers" and keys[-3:] == ["case", "runs", "references"]
+    html = own_words(written[1].page.read_text(encoding="utf-8"))
+    assert "On made-up springs" in html and "own drawing" in html and "The case file, resolved" in html
 
 
-def test_contents_lead_to_sections(page):
-    assert page.links and all(link.startswith("#") for link in page.links)
-    assert {link[1:] for link in page.links} <= page.keys
-    assert {"summary", "force", "spikes", "statics", "motion", "comparison", "case", "runs", "references"} <= page.keys
+def test_only_a_published_case_speaks_of_a_source():
+    for name in ("own", "train", "sweep"):
+        html = own_words(render(study_page(STUDIES[name]()))).split("<script")[0]
+        assert not re.search(r"Stage|Node|[Pp]ublished|gu2021|source of|the source's", html), name
 
 
-def test_every_figure_of_the_page_has_its_data_and_its_picture(page, report):
-    drawn = {key.removeprefix("data-") for key in page.keys if key.startswith("data-")}
-    assert drawn == {path.stem for path in report.figures}
-    assert {"force-5600", "spikes-5600", "static", "modes", "coils-5600", "clash-5600", "nodes-5600", "energy-5600", "lift"} <= drawn
+def test_published_values_come_after_the_answers():
+    keys = [section.key for section in study_page(published_study()).sections]
+    assert keys[:3] == ["answers", "published", "gu2021"]
+    assert study_page(replace(published_study(), comparisons=(), findings=(), notes=())).sections[1].key == "gu2021"
 
 
-def test_page_stays_small_beside_its_library(report):
-    from valvetrain.report.page import plotly_script
-
-    assert report.page.stat().st_size - len(plotly_script().encode()) < 6e6
-
-
-def test_report_files_are_read_back(report):
-    names = {path.name for path in report.data}
-    assert {
-        "finite-element-5600rpm.nc",
-        "modal-varied-5600rpm.csv",
-        "static.nc",
-        "static.csv",
-        "modes.nc",
-        "modes.csv",
-        "comparison.csv",
-    } <= names
-    assert load_netcdf(report.folder / "finite-element-5600rpm.nc").identical(rod_run())
-    few = load_csv(report.folder / "finite-element-5600rpm.csv")
+def test_files_are_read_back(tmp_path):
+    files = write_study(own_study(), tmp_path)
+    names = {path.name for path in files.data}
+    assert files.figures == () and {
+        "finite-element-5600rpm.nc", "modal-varied-4200rpm.csv", "static-spring-finite-element.nc", "static-spring-multi-mass.csv",
+        "modes-spring-finite-element.nc", "modes-spring-multi-mass.csv", "quantities.csv", "events.csv",
+    } <= names  # fmt: skip
+    assert load_netcdf(tmp_path / "finite-element-5600rpm.nc").identical(rod_run())
+    few = load_csv(tmp_path / "finite-element-5600rpm.csv")
     np.testing.assert_array_equal(few.channel("seat_force"), rod_run().channel("seat_force"))
     np.testing.assert_array_equal(few.channels["coil_number"], COILS)
-    assert len(load_static_curve(report.folder / "static.nc").force) == 40
-    assert load_modal_result(report.folder / "modes.nc").axial_modes == (1, 2, 4)
-    assert not [path for path in report.folder.rglob("*") if path.name.endswith(".part")]
+    assert len(load_static_curve(tmp_path / "static-spring-finite-element.nc").force) == 40
+    assert load_modal_result(tmp_path / "modes-spring-finite-element.nc").axial_modes == (1, 2, 4)
+    rows = (tmp_path / "quantities.csv").read_text().splitlines()
+    assert len(rows) == 1 + len(own_study().quantities) and "finite-element,5600.0,peak_spring_force,811.0,N" in rows
+    assert len((tmp_path / "events.csv").read_text().splitlines()) == 8
+    assert not [path for path in tmp_path.rglob("*") if path.name.endswith(".part")]
 
 
-def test_every_published_value_is_in_the_table(report):
-    lines = (report.folder / "comparison.csv").read_text().splitlines()
-    published = study().case.published
-    assert len(lines) == 1 + len(published)
-    shown = comparison_table(study().comparisons)
-    assert shown["unit"].tolist() == [value.unit for value in published]
-    grid = comparison_grid(study().comparisons)
-    assert sum(len(cells) > 1 for cells, _ in grid.rows) == len(published)
-    assert set(grid.filters) == {"calibration", "prediction"}
+def test_a_sweep_writes_its_series_and_orders_and_no_reduced_runs(tmp_path):
+    study = sweep_study()
+    files = write_study(study, tmp_path, page=False)
+    assert files.page is None and {path.name for path in files.data} == {
+        "quantities.csv", "events.csv", "sweep-stock.csv", "orders-stock.csv", "sweep-race-co.csv", "orders-race-co.csv",
+    }  # fmt: skip
+    header, *rows = (tmp_path / "sweep-stock.csv").read_text().splitlines()
+    assert "peak spring force [N]" in header and len(rows) == 12 and rows[-1].split(",")[1] == "not-converged"
+    assert len((tmp_path / "orders-stock.csv").read_text().splitlines()[0].split(",")) == 25
+
+
+def test_no_two_runs_share_a_file(tmp_path):
+    near = (3000.001 * np.pi / 30, 3000.002 * np.pi / 30)
+    runs = tuple(train_run(speed, label) for label in ("x 1", "x/1", "X 1") for speed in near)
+    files = write_study(replace(train_study(), solutions=runs), tmp_path, page=False)
+    found = [load_netcdf(path) for path in files.data if path.suffix == ".nc"]
+    assert {(run.label, run.engine_speed) for run in found} == {(label, speed) for label in ("x 1", "x/1", "X 1") for speed in near}
+    assert len({path.name.lower() for path in files.data}) == len(files.data)
+    assert [speed_words(speed) for speed in near] == ["3000.001 rpm", "3000.002 rpm"]
 
 
 def test_comparison_csv_is_in_the_units_it_names():
-    rows = [row for row in comparison_table(study().comparisons).rows() if row[0] == "stage_2_peak_cam_angle" and row[1] == 5600.0]
-    assert (rows[0][2], rows[0][4], rows[0][7]) == ("solid finite elements", "finite-element", "deg")
-    assert (rows[0][3], rows[0][5], rows[0][6]) == pytest.approx((175.0, 180.0, 5.0))
+    rows = list(comparison_table(published_study().comparisons).rows())
+    assert rows[0][:6] == (
+        "stage_2_peak_force",
+        pytest.approx(5600.0),
+        "solid finite elements",
+        790.0,
+        "finite-element",
+        pytest.approx(805.8),
+    )
 
 
 def test_words_from_outside_are_escaped():
-    strange = replace(study(), case=study().case.replace(title="<script>alert(1)</script>", description="a & <b>"))
-    html = render(spring_page(strange))
-    assert "<script>alert" not in html and "&lt;script&gt;alert" in html and "A note &lt;for&gt; readers." in html
+    evil = "<!--<script>alert(1)</script>"
+    runs = (train_run(label=evil), train_run(label="other", spring_set="race"))
+    strange = replace(train_study(), record=record(title=evil, description=evil, text=evil, remarks=(evil,)), solutions=runs, notes=(evil,))
+    html = own_words(render(study_page(strange)))
+    assert "<!--" not in html and "<script>alert" not in html and "&lt;!--&lt;script&gt;alert" in html
 
 
-def test_a_failed_run_is_said_on_top(tmp_path):
+def test_a_failed_run_is_said_on_top():
     failed = Status("diverged", "the velocity grew without bound", 0.01, "coil 2.3", "shorten the step")
     run = rod_run(status=failed)
-    cut = type(run)(run.channels.isel(sample=slice(0, 900)), (), failed, {}, run.provenance)
-    html = write_report(study((cut, modal_run())), tmp_path).page.read_text()
+    cut = replace(run, channels=run.channels.isel(sample=slice(0, 900)), events=())
+    html = render(study_page(own_study((cut, modal_run()))))
     assert "1 of 2 completed" in html
     assert "diverged: the velocity grew without bound, at time 0.01 s at coil 2.3; shorten the step" in html
 
 
-@pytest.mark.parametrize("keep", [0, 1, 2, 100])
-def test_runs_that_ended_at_once_do_not_break_the_report(tmp_path, keep):
+@pytest.mark.parametrize("keep", [0, 1, 2, 5, 100])
+def test_runs_that_ended_at_once_do_not_break_the_page(tmp_path, keep):
     run = rod_run(status=Status("diverged", "at once"))
-    short = type(run)(run.channels.isel(sample=slice(0, keep)), (), run.status, {}, run.provenance)
-    assert write_report(study((short,)), tmp_path).page.exists()
+    short = replace(run, channels=run.channels.isel(sample=slice(0, keep)), events=())
+    html = write_study(own_study((short,)), tmp_path).page.read_text()
+    assert "could not be drawn" not in html.split("<script>")[0]
 
 
-def test_report_of_nothing_but_a_case(tmp_path):
-    bare = replace(study(()), static_curve=None, modal_result=None, comparisons=(), notes=())
-    files = write_report(bare, tmp_path)
-    assert files.figures == () and "none run" in files.page.read_text()
+def test_a_section_or_figure_that_fails_is_named_and_the_rest_stands(monkeypatch):
+    from valvetrain.report.sections import force, motion
+
+    def broken(*_):
+        raise ValueError("no such luck")
+
+    monkeypatch.setattr(force, "force_chart", broken)
+    monkeypatch.setattr(motion, "SPEC", replace(motion.SPEC, blocks=broken))
+    find.__globals__["_load"].cache_clear()
+    html = render(study_page(own_study()))
+    find.__globals__["_load"].cache_clear()
+    assert "The figure &#x27;Spring force on the cylinder head&#x27; could not be drawn: ValueError: no such luck" in html
+    assert "The section &#x27;Valve motion&#x27; could not be drawn: ValueError: no such luck" in html
+    assert 'id="at-rest"' in html and 'id="references"' in html
+
+
+def test_a_figure_that_cannot_be_rendered_is_a_named_gap(monkeypatch):
+    from valvetrain.report import plotly_chart
+
+    whole = plotly_chart.to_json
+
+    def broken(chart):
+        if chart.key == "force-seat":
+            raise ValueError("no such luck")
+        return whole(chart)
+
+    monkeypatch.setattr(plotly_chart, "to_json", broken)
+    html = render(study_page(own_study()))
+    assert '{"gap": "The figure could not be drawn: ValueError: no such luck"}' in html and "data-force-retainer" in html
+
+
+def test_page_of_nothing_but_a_case(tmp_path):
+    bare = replace(own_study(()), rest=(), still={})
+    files = write_study(bare, tmp_path)
+    assert "none run" in files.page.read_text() and "could not be drawn" not in files.page.read_text()
 
 
 def test_page_that_cannot_be_finished_is_not_begun(tmp_path, monkeypatch):
@@ -154,7 +209,7 @@ def test_page_that_cannot_be_finished_is_not_begun(tmp_path, monkeypatch):
 
     monkeypatch.setattr(write, "render", fail)
     with pytest.raises(KeyboardInterrupt):
-        write_report(study(), tmp_path)
+        write_study(own_study(), tmp_path)
     assert not (tmp_path / "report.html").exists()
     assert not [path for path in tmp_path.rglob("*") if path.name.endswith(".part")]
     assert load_netcdf(tmp_path / "finite-element-5600rpm.nc").status.completed
@@ -163,23 +218,47 @@ def test_page_that_cannot_be_finished_is_not_begun(tmp_path, monkeypatch):
 def test_unwritable_folder_is_an_input_error(tmp_path):
     (tmp_path / "taken").write_text("a file")
     with pytest.raises(InputError, match="cannot be written"):
-        write_report(study(()), tmp_path / "taken")
+        write_study(own_study(), tmp_path / "taken")
 
 
-def test_same_study_gives_the_same_page(report, tmp_path):
-    assert write_report(study(), tmp_path).page.read_bytes() == report.page.read_bytes()
+def test_same_study_gives_the_same_page():
+    assert render(study_page(own_study())) == render(study_page(own_study()))
 
 
 def test_a_page_without_charts_carries_no_plotting_library():
     assert len(render(Page("t", "k", "l", (), (Section("a", "A", (text("b"),)),)))) < 30_000
 
 
-def test_case_values_are_shown_with_status():
-    rows = {path: (value, status) for path, value, status, _ in case_rows(study().case)}
-    assert rows["installation.precompression"] == ("7 mm", "published")
-    assert rows["operation.engine_speeds"] == ("4200, 5600, 8000 rpm", "published")
-    assert rows["spring.material"][0].startswith("OTEVA 90 SC: E 206 GPa, G 79.6 GPa")
-    assert all(value for value, _ in rows.values())
+def test_long_prose_stands_behind_a_word_to_click():
+    short, long = page_module.prose(("One. Two. Three.",), "more"), page_module.prose(("One. Two.", "Three. Four."), "more")
+    assert [block.kind for block in short] == ["text"] and [block.kind for block in long] == ["details"]
+
+
+def test_one_json_shape_for_every_study():
+    shapes = {name: study_json(make()) for name, make in STUDIES.items()}
+    assert len({tuple(shape) for shape in shapes.values()}) == 1
+    assert len({tuple(run) for shape in shapes.values() for run in shape["runs"]}) == 1
+    run = shapes["own"]["runs"][1]
+    assert run["quantities"]["coil_bind_clearance"] == {"value": 1.25e-3, "unit": "m"}
+    assert run["engine_speed"]["unit"] == "rpm" and run["engine_speed"]["value"] == pytest.approx(5600)
+    assert run["events"][0]["details"]["energy"] == {"value": 0.017, "unit": "J"} and run["clash_count"]["value"] == 7
+    assert shapes["own"]["quantities"]["preload"] == {"value": 287.0, "unit": "N"}
+    assert shapes["published"]["comparisons"][0]["published"] == {"value": 790.0, "unit": "N"}
+    json.dumps(shapes, allow_nan=False)
+
+
+def test_every_number_of_the_study_is_in_its_json():
+    study = own_study()
+    shape = study_json(study)
+    runs = {(run["label"], round(run["engine_speed"]["value"])): run["quantities"] for run in shape["runs"]}
+    for key, value in study.quantities.items():
+        held = shape["quantities"] if key.engine_speed is None else runs[key.label, round(key.engine_speed * 30 / np.pi)]
+        assert held[key.name]["value"] == pytest.approx(value), Quantity(*([key.name]))
+
+
+def test_sections_are_listed_once_and_load():
+    keys = [find("sections", word).key for word in words("sections")]
+    assert len(set(keys)) == len(keys) and keys[0] == "answers"
 
 
 @pytest.mark.parametrize(
@@ -191,36 +270,5 @@ def test_numbers_as_printed(value, shown):
 
 
 def test_names_and_units_as_printed():
-    assert quantity_words("stage_2_peak_cam_angle") == "Stage II peak, cam angle"
-    assert quantity_words("coil_1_2_installed_gap") == "Installed gap of coils 1 and 2"
-    assert quantity_words("stage_3_below_10_khz_peak_force") == "Stage III peak force below 10 kHz"
     assert [percent(share) for share in (-4e-4, 4e-4, -0.0123, 1.5)] == ["0.0 %", "0.0 %", "−1.2 %", "+150.0 %"]
-    assert (unit_words("mm/s^2"), unit_words("us")) == ("mm/s²", "µs")
-
-
-def test_no_page_text_names_a_place_on_disk(report):
-    html = report.page.read_text()
-    own = html[: html.index("plotly.js v")] + html[html.rindex("</script>\n<script>") :]
-    assert not re.search(r"/(home|work|tmp|usr|root)/", own)
-
-
-def test_a_case_of_ones_own_has_cards_and_a_table_and_speaks_of_no_published_values():
-    own = replace(study(), case=study().case.replace(published=()), comparisons=())
-    summary = next(section for section in spring_page(own).sections if section.key == "summary")
-    cards = next(block for block in summary.blocks if block.kind == "cards")
-    words = [line for card in cards.cards for line in card.lines]
-    peak = next(value for key, value in own.quantities.items() if (key.name, key.label) == ("stage_2_peak_force", "finite-element"))
-    assert ("Stage II peak", f"{number(peak, 4)} N", "") in words
-    assert any("sampled every 0.5 cam degrees; highest instant" in note for _, _, note in words)
-    grids = [block for block in summary.blocks if block.kind == "grid"]
-    assert [grid.headers[0] for grid in grids] == ["statics and modes", "finite-element rod", "modal model with varied stiffness"]
-    shown = {row[0].hint: row[1].words for row, _ in grids[1].rows}
-    assert shown["stage_2_peak_force"] == number(peak, 4)
-    figures = [block.chart for section in spring_page(own).sections for block in section.blocks if block.kind == "figure"]
-    assert not [chart.key for chart in figures if "ublished values" in chart.caption or "source" in chart.caption]
-
-
-def test_stage_three_heights_say_how_they_are_sampled():
-    blocks = [block for section in spring_page(study()).sections for block in section.blocks]
-    figures = {block.chart.key: block.chart for block in blocks if block.kind == "figure"}
-    assert "samples every 0.5 cam degrees, as the source sampled. The highest instant recorded is" in figures["spikes-5600"].caption
+    assert (unit_words("mm/s^2"), unit_words("us"), unit_words("um")) == ("mm/s²", "µs", "µm")

@@ -1,4 +1,4 @@
-"""What a case says, in short lines for people."""
+"""What a case says, in short lines for people, and the numbers that follow from it before anything is solved."""
 
 from __future__ import annotations
 
@@ -7,37 +7,31 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from valvetrain.parameters.case import SpringCard
-from valvetrain.report.values import value_words
-from valvetrain.report.words import number, speed_words
+from valvetrain.parameters.words import number, value_words
+from valvetrain.report.words import speed_words
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
+    from valvetrain.parameters.installed_spring import InstalledSpring
     from valvetrain.parameters.spring import SpringDefinition
-    from valvetrain.parameters.train import TrainParameters
+    from valvetrain.system.problem import Problem
 
 
 def case_facts(case: Case) -> list[tuple[str, str]]:
     """(subject, words) of everything the case holds; values that follow from it stand in its named quantities."""
     facts = [("title", case.title)] if case.title else []
-    if case.spring is not None:
-        facts += _spring_facts(case.spring)
-        facts.append(("seats", "end coils may touch flat seats" if case.installation.seats == "planes" else "held ends only"))
-    if case.spring_card is not None:
-        facts.append(("spring", f"known by its card '{case.spring_card.name}'"))
+    for spring in case.springs:
+        facts += _spring_facts(spring)
     if case.lift_law is not None:
-        law = case.lift_law
-        facts.append(("lift law", f"{law.kind}, lift of the {law.lift_of}"))
+        facts.append(("lift law", f"{case.lift_law.kind}, lift of the {case.lift_law.lift_of}"))
     if case.train is not None:
-        facts += _train_facts(case.train)
-    if case.damping.mass_damping or case.damping.stiffness_damping:
-        ratio = "" if case.damping.ratio is None else f"ratio {number(case.damping.ratio)}: "
-        mass, stiffness = number(case.damping.mass_damping), number(case.damping.stiffness_damping * 1e6)
-        facts.append(("damping", f"{ratio}mass {mass} 1/s, stiffness {stiffness} us"))
+        train = case.train
+        facts.append(("train", f"{train.kind}, {train.model} model, {train.spring_model} springs, lash {number(train.lash * 1e3)} mm"))
+        facts += [(f"springs '{name}'", "; ".join(map(_short, springs))) for name, springs in train.springs.items()]
     if case.operation.engine_speeds:
         facts.append(("engine speeds", f"{', '.join(map(speed_words, case.operation.engine_speeds))} of the crank"))
-    if case.spring is not None:
-        facts.append(("rod", f"{case.rod.elements_per_coil} elements per coil, {case.operation.cycles} cam turns, the last one reported"))
+    if case.springs:
+        facts.append(("cam turns", f"{case.operation.cycles}, the last one reported"))
     if case.published:
         roles = Counter(value.role for value in case.published)
         facts.append(("published values", ", ".join(f"{count} for {role}" for role, count in roles.items())))
@@ -47,40 +41,52 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
     return facts
 
 
-def _train_facts(train: TrainParameters) -> list[tuple[str, str]]:
-    facts = [("train", f"{train.kind}, {train.model} model, {train.spring_model} springs, lash {number(train.lash * 1e3)} mm")]
-    for name in train.springs:
-        parts = []
-        for part in train.spring_parts(name):
-            if isinstance(part, SpringCard):
-                mass = "" if part.mass is None else f", mass {number(part.mass * 1e3)} g"
-                parts.append(f"{part.name}: rate {number(part.rate / 1e3)} N/mm, preload {number(part.preload)} N{mass}")
-            else:
-                parts.append(f"{part.definition.name}: wire known, installed at {number(part.installed_height * 1e3)} mm")
-        facts.append((f"springs '{name}'", "; ".join(parts)))
+def _short(spring: InstalledSpring) -> str:
+    if spring.card is None:
+        return f"{spring.name}: wire known, installed {number(spring.precompression * 1e3)} mm short"
+    card = spring.card
+    mass = "" if card.mass is None else f", mass {number(card.mass * 1e3)} g"
+    return f"{card.name}: rate {number(card.rate / 1e3)} N/mm, preload {number(card.preload)} N{mass}"
+
+
+def _spring_facts(spring: InstalledSpring) -> list[tuple[str, str]]:
+    facts = _wire_facts(spring.wire) if spring.wire is not None else [("spring", f"known by its card, {_short(spring)}")]
+    if spring.wire is not None:
+        facts.append(("seats", "end coils may touch flat seats" if spring.seats == "planes" else "inactive ends only"))
+    damping = spring.damping
+    if damping.mass_damping or damping.stiffness_damping:
+        ratio = "" if damping.ratio is None else f"ratio {number(damping.ratio)}: "
+        mass, stiffness = number(damping.mass_damping), number(damping.stiffness_damping * 1e6)
+        facts.append(("damping", f"{ratio}mass {mass} 1/s, stiffness {stiffness} us"))
+    for word, options in spring.options.items():
+        facts.append((f"options of {word}", ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in options.items())))
     return facts
 
 
-def _spring_facts(spring: SpringDefinition) -> list[tuple[str, str]]:
+def _wire_facts(wire: SpringDefinition) -> list[tuple[str, str]]:
     ends = [
-        f"{side} {end.kind}, {number(end.inactive_coils)} coils held, {number(end.ground_coils)} ground"
-        for side, end in (("lower", spring.lower_end), ("upper", spring.upper_end))
+        f"{side} {end.kind}, {number(end.inactive_coils)} coils inactive, {number(end.ground_coils)} ground"
+        for side, end in (("lower", wire.lower_end), ("upper", wire.upper_end))
     ]
     return [
-        ("spring", f"{spring.name}, {spring.hand}-handed"), ("wire diameter", value_words(spring.wire_diameter, "wire_diameter")),
-        ("mean coil diameter", value_words(spring.mean_diameter, "mean_diameter")), ("pitch", value_words(spring.pitch, "pitch")),
-        ("material", value_words(spring.material, "material")), ("end coils", "; ".join(ends)),
+        ("spring", f"{wire.name}, {wire.hand}-handed"), ("wire diameter", value_words(wire.wire_diameter, "wire_diameter")),
+        ("mean coil diameter", value_words(wire.mean_diameter, "mean_diameter")), ("pitch", value_words(wire.pitch, "pitch")),
+        ("material", value_words(wire.material, "material")), ("end coils", "; ".join(ends)),
     ]  # fmt: skip
 
 
-def lift_quantities(case: Case) -> dict[str, float]:
-    """Largest lift (m) and its cam angle (rad); empty without a lift law."""
-    if case.lift_law is None:
-        return {}
-    from valvetrain.cam.build import build_lift_law
+def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
+    """Named quantities (SI) of the springs of a case, of a nested pair with ``outer_`` and ``inner_`` in front, and of its lift."""
+    from valvetrain.quantities.design import design_quantities
 
-    law = build_lift_law(case.lift_law)
+    springs = case.springs or (case.train.spring_parts() if case.train is not None else ())
+    places = ("",) if len(springs) == 1 else ("outer_", "inner_")
+    found = {
+        place + name: value for place, spring in zip(places, springs, strict=False) for name, value in design_quantities(spring).items()
+    }
+    if problem is None or case.lift_law is None:
+        return found
     angle = np.linspace(0.0, 2 * np.pi, 7201)
-    lift = np.asarray(law.lift(angle))
+    lift = np.asarray(problem.valve_lift.lift(angle))
     top = int(np.argmax(lift))
-    return {"maximum_lift": float(lift[top]), "maximum_lift_cam_angle": float(angle[top])}
+    return found | {"maximum_lift": float(lift[top]), "maximum_lift_cam_angle": float(angle[top])}

@@ -10,7 +10,7 @@ from typing import Any
 
 from typer.core import TyperGroup
 
-from valvetrain.cli.outcome import tell
+from valvetrain.cli.outcome import complain, error_object, manner, set_manner
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError
 
 WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
@@ -30,6 +30,7 @@ class GuardedGroup(TyperGroup):
         for stream in (sys.stdout, sys.stderr):
             with contextlib.suppress(AttributeError, ValueError):
                 stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # a name may hold what the terminal cannot show
+        set_manner(sys.argv[1:] if args is None else list(args))
         try:
             result = super().main(args, prog_name, complete_var, False, windows_expand_args, **extra)
             code = result if isinstance(result, int) else 0
@@ -46,12 +47,15 @@ class GuardedGroup(TyperGroup):
 
 def interrupted() -> int:
     """Say that the user stopped the command; its exit code."""
-    tell(INTERRUPTED_SENTENCE)
+    complain(INTERRUPTED_SENTENCE)
+    _as_json(INTERRUPTED_SENTENCE, "", INTERRUPTED)
     return INTERRUPTED
 
 
 def _report(error: Exception) -> int:
-    if isinstance(error, (InputError, MissingExtraError)):
+    if isinstance(error, InputError):
+        return _say(error.reason, WRONG_INPUT, error.where)
+    if isinstance(error, MissingExtraError):
         return _say(str(error), WRONG_INPUT)
     if isinstance(error, RunFailedError):
         return _say(str(error), FAILED)
@@ -82,6 +86,16 @@ def _usage(error: Any) -> int:
     return _say(f"{message}{remedy}", WRONG_INPUT)
 
 
-def _say(sentence: str, code: int) -> int:
-    tell(f"error: {' '.join(sentence.split())}")
+def _say(sentence: str, code: int, where: str = "") -> int:
+    """The sentence on standard error, and under ``--json`` as an object on standard output."""
+    message = " ".join(sentence.split())
+    complain(f"error: {where}: {message}" if where else f"error: {message}")
+    _as_json(message, where, code)
     return code
+
+
+def _as_json(message: str, where: str, code: int) -> None:
+    if manner().json:
+        with contextlib.suppress(OSError, ValueError):
+            sys.stdout.write(error_object(message, where, code) + "\n")
+            sys.stdout.flush()

@@ -1,17 +1,19 @@
-"""The command line ``valvetrain``: a thin door on studies and report."""
+"""The command line ``valvetrain``: a thin interface to studies and report."""
 
 from __future__ import annotations
 
 import os
+import sys
 from typing import Annotated
 
 import typer
 
 from valvetrain.cli.guard import GuardedGroup
-from valvetrain.cli.registry import register_all
+from valvetrain.errors import InputError
+from valvetrain.registry import find, words
 
 app = typer.Typer(
-    cls=GuardedGroup, name="valvetrain", add_completion=False, pretty_exceptions_enable=False, invoke_without_command=True,
+    cls=GuardedGroup, name="valvetrain", pretty_exceptions_enable=False, invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Dynamics of valve springs and valvetrains, from the static curve to coil clash.",
     epilog="Exit codes: 0 done, 1 a run failed, 2 wrong input, 130 interrupted.",
@@ -36,7 +38,16 @@ def start(
         typer.echo(context.get_help())
 
 
-register_all(app)
+def _register_all() -> None:
+    """Add every registered command; one that an installed package brings and that cannot be loaded is left out with a sentence."""
+    for word in words("commands"):
+        try:
+            find("commands", word)(app)
+        except InputError as error:
+            sys.stderr.write(f"note: {error}\n")
+
+
+_register_all()
 
 
 def main() -> None:

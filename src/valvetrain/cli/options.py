@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -21,8 +22,11 @@ SetOption = Annotated[
         help="Change a value of the case, written as in its file: 'spring.wire_diameter=4.1 mm'. Nothing after '=' removes it. Repeatable.",
     ),
 ]  # fmt: skip
-ElementsOption = Annotated[int | None, typer.Option("--elements-per-coil", metavar="N", help="Rod elements per coil.", show_default=False)]
+ElementsOption = Annotated[
+    int | None, typer.Option("--elements-per-coil", metavar="N", help="Finite elements per coil.", show_default=False)
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output and nothing else there.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors; the exit code tells.")]
 SpeedOption = Annotated[
     str | None,
     typer.Option(
@@ -30,13 +34,37 @@ SpeedOption = Annotated[
         help="Crank speeds instead of the case's own: '4200, 5600 rpm' or '1000:9000:500 rpm'.",
     ),
 ]  # fmt: skip
-OutputOption = Annotated[Path | None, typer.Option("--output", metavar="FOLDER", help="Folder of the results (default: runs/<case>).")]
+OutputOption = Annotated[
+    Path | None, typer.Option("--output", metavar="FOLDER", help="Folder of the results (default: a new one, runs/CASE/DATE-TIME-DIGEST).")
+]
 WorkersOption = Annotated[
     int | None, typer.Option("--workers", metavar="N", help="Runs at a time (default: the cores there are, at most 4).")
 ]
+SpringOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--spring", metavar="MODELS", show_default=False,
+        help="Spring models, such as massless,multi-mass,wave-rod,finite-element; repeatable.",
+    ),
+]  # fmt: skip
+SpringSetOption = Annotated[
+    list[str] | None,
+    typer.Option("--spring-set", metavar="SETS", help="Spring sets of a train, such as stock,performance; repeatable.", show_default=False),
+]
+ReportOption = Annotated[bool, typer.Option("--report/--no-report", help="Write the report page.")]
+FiguresOption = Annotated[bool, typer.Option("--figures", help="Write every figure as an SVG file too.")]
+OpenOption = Annotated[bool, typer.Option("--open", help="Open the report page in a browser.")]
+LimitOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--limit", metavar="BOUND", show_default=False,
+        help="Let a request be larger than the default bounds of 10 min and 2 GB: '2 h', '8 GB'. Repeatable.",
+    ),
+]  # fmt: skip
+PublishedOption = Annotated[bool, typer.Option("--published", help="Print every published value beside the computed one, and findings.")]
 
-#: More speeds than this in one command are a slip of the pen.
-MOST_SPEEDS = 10_000
+#: More speeds than this in one command are a slip of the pen; fewer may still take too long (cli/limits.py).
+MOST_SPEEDS = 100_000
 _RANGE = re.compile(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s*:\s*([^:\s]+)(\s+[^:]*)?\Z")
 
 
@@ -90,24 +118,16 @@ def read_workers(value: int | None) -> int:
     return min(4, cores)
 
 
-def read_output(folder: Path | None, case_name: str) -> Path:
-    """Folder of the results, checked before the work rather than after it. Raises :class:`InputError` for one that cannot be written."""
-    chosen = folder or Path("runs") / (re.sub(r"[^\w.-]+", "-", case_name)[:80].strip(".-") or "case")
-    try:
-        there = next(path for path in (chosen.absolute(), *chosen.absolute().parents) if path.exists())
-    except (OSError, ValueError) as error:
-        raise InputError(f"'{chosen}' is no usable folder name ({error}); choose another", "--output") from None
-    if not there.is_dir():
-        raise InputError(f"'{there}' is a file, not a folder; choose another", "--output")
-    if not os.access(there, os.W_OK):
-        raise InputError(f"folder '{there}' may not be written to; choose another", "--output")
-    return chosen
+def read_words(texts: Sequence[str] | None) -> tuple[str, ...]:
+    """Words of a repeatable option whose values may be lists with commas, in order, each once."""
+    return tuple(dict.fromkeys(word.strip() for text in texts or () for word in text.split(",") if word.strip()))
 
 
-def make_folder(folder: Path) -> Path:
-    """Make the folder of the results before the work, not after it. Raises :class:`InputError` when that cannot be done."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"folder '{folder}' cannot be made ({error.strerror}); choose another", "--output") from None
-    return folder
+def read_models(texts: Sequence[str] | None) -> tuple[str, ...]:
+    """Words of spring models. Raises :class:`InputError` with the nearest one for a word that is none."""
+    from valvetrain.registry import find
+
+    models = read_words(texts)
+    for word in models:
+        find("springs", word, "--spring")
+    return models

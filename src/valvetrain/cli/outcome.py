@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,28 @@ from rich.console import Console
 
 #: Width of tables where the output is no terminal.
 PLAIN_WIDTH = 100
+
+
+@dataclass(frozen=True, slots=True)
+class Manner:
+    """How the command was asked to speak: one JSON object on standard output, and nothing but errors on standard error."""
+
+    json: bool = False
+    quiet: bool = False
+
+
+_USUAL = Manner()
+_MANNER: ContextVar[Manner] = ContextVar("manner", default=_USUAL)
+
+
+def set_manner(words: Sequence[str]) -> None:
+    """Read ``--json`` and ``--quiet`` from the words of the command line, so that errors of the parser obey them too."""
+    _MANNER.set(Manner("--json" in words, "--quiet" in words))
+
+
+def manner() -> Manner:
+    """How this command speaks."""
+    return _MANNER.get()
 
 
 @dataclass(frozen=True)
@@ -25,15 +48,15 @@ class Outcome:
     failures: tuple[str, ...] = ()
 
 
-def deliver(outcome: Outcome, as_json: bool) -> None:
+def deliver(outcome: Outcome) -> None:
     """Print an outcome on standard output, failures on standard error; exit code 1 where a run failed."""
-    if as_json:
+    if manner().json:
         sys.stdout.write(to_json(outcome.data) + "\n")
-    else:
+    elif not manner().quiet:
         outcome.show(output_console())
     sys.stdout.flush()
     for sentence in outcome.failures:
-        tell(f"failed: {sentence}")
+        complain(f"failed: {sentence}")
     if outcome.failures:
         raise typer.Exit(1)
 
@@ -45,10 +68,21 @@ def output_console() -> Console:
 
 
 def tell(sentence: str) -> None:
-    """One line on standard error, whatever the sentence holds."""
+    """One line on standard error, whatever the sentence holds; nothing under ``--quiet``."""
+    if not manner().quiet:
+        complain(sentence)
+
+
+def complain(sentence: str) -> None:
+    """One line on standard error that is an error, so that ``--quiet`` does not hold it back."""
     clean = "".join(char if char.isprintable() else "?" for char in sentence)
     sys.stderr.write(clean + "\n")
     sys.stderr.flush()
+
+
+def error_object(message: str, where: str, code: int) -> str:
+    """The JSON object of an error; ``code`` is the exit code."""
+    return to_json({"error": {"message": message, "where": where, "code": code}})
 
 
 def measured(value: float | None, unit: str) -> dict[str, Any]:
@@ -58,16 +92,17 @@ def measured(value: float | None, unit: str) -> dict[str, Any]:
 
 def to_json(data: Mapping[str, Any]) -> str:
     """One JSON object; what is no finite number becomes null, for JSON has no other word for it."""
-    return json.dumps(_plain(data), indent=2, allow_nan=False)
+    return json.dumps(plain(data), indent=2, allow_nan=False)
 
 
-def _plain(item: Any) -> Any:
+def plain(item: Any) -> Any:
+    """``item`` as JSON has it: numbers that are not finite are null, arrays lists, anything else its words."""
     if isinstance(item, Mapping):
-        return {str(key): _plain(value) for key, value in item.items()}
+        return {str(key): plain(value) for key, value in item.items()}
     if isinstance(item, (list, tuple)):
-        return [_plain(value) for value in item]
+        return [plain(value) for value in item]
     if hasattr(item, "tolist"):
-        return _plain(item.tolist())
+        return plain(item.tolist())
     if isinstance(item, float):
         return item if math.isfinite(item) else None
     if item is None or isinstance(item, (bool, int, str)):

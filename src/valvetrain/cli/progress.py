@@ -13,7 +13,7 @@ from contextlib import contextmanager, nullcontext
 from typing import Any
 
 from valvetrain.cli.guard import INTERRUPTED, interrupted
-from valvetrain.cli.outcome import tell
+from valvetrain.cli.outcome import manner, tell
 
 Report = Callable[[float, str], None]
 
@@ -25,7 +25,7 @@ def progress_bar(title: str, at_once: bool = True) -> Iterator[Report]:
     Ctrl-C ends the process at once with one sentence: compiled work in other threads would otherwise be waited for. Without ``at_once``
     it is an ordinary KeyboardInterrupt, for work that stops other programs and clears their files away.
     """
-    if not sys.stderr.isatty():
+    if manner().quiet or not sys.stderr.isatty():
         with _quick_interrupt(lambda: None) if at_once else nullcontext():
             yield lambda done, text: None
         return
@@ -79,7 +79,7 @@ def _quick_interrupt(clean: Callable[[], Any]) -> Iterator[None]:
 
 def busy(title: str) -> Any:
     """A spinner with ``title`` for work of seconds, on a terminal only."""
-    if not sys.stderr.isatty():
+    if manner().quiet or not sys.stderr.isatty():
         return nullcontext()
     from rich.console import Console
 

@@ -2,18 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from rich.table import Table
-
-from valvetrain.report.words import number
-
-#: SI unit -> unit of the field and the factor between.
-SHOWN: dict[str, tuple[str, float]] = {
-    "m": ("mm", 1e3), "rad": ("deg", 180 / math.pi), "s": ("ms", 1e3), "N/m": ("N/mm", 1e-3), "kg": ("g", 1e3), "Pa": ("MPa", 1e-6),
-    "rad/s": ("rpm", 30 / math.pi), "N s": ("mN s", 1e3), "1": ("", 1.0),
-}  # fmt: skip
 
 
 def plain_table(headers: Sequence[str], rows: Iterable[Sequence[str]], title: str = "", right: Sequence[int] = ()) -> Table:
@@ -29,15 +20,17 @@ def plain_table(headers: Sequence[str], rows: Iterable[Sequence[str]], title: st
     return table
 
 
-def shown(value: float | None, unit: str, digits: int = 5) -> tuple[str, str]:
-    """SI ``value`` as (number, unit) in the field's units."""
-    usual, factor = SHOWN.get(unit, (unit, 1.0))
-    return ("–", usual) if value is None else (number(value * factor, digits), usual)
+def shown_words(name: str, value: float | None, digits: int = 5) -> tuple[str, str]:
+    """SI ``value`` of quantity ``name`` as (number, unit) in the field's units."""
+    from valvetrain.parameters.words import number, unit_words
+    from valvetrain.solution.definition import definition_of, shown
+
+    unit = unit_words(definition_of(name).shown_unit)
+    return ("–" if value is None else number(float(shown(name, value)[0]), digits)), unit
 
 
-def quantity_rows(values: Mapping[str, float], words: Mapping[str, str] | None = None) -> list[tuple[str, str, str]]:
-    """(name, number, unit) of named SI quantities; ``words`` gives other names."""
-    from valvetrain.report.words import quantity_words
-    from valvetrain.solution.quantity import unit_of
+def quantity_rows(values: Mapping[str, float]) -> list[tuple[str, str, str]]:
+    """(name, number, unit) of named SI quantities."""
+    from valvetrain.solution.definition import label_of
 
-    return [((words or {}).get(name) or quantity_words(name), *shown(value, unit_of(name))) for name, value in values.items()]
+    return [(label_of(name)[:1].upper() + label_of(name)[1:], *shown_words(name, value)) for name, value in values.items()]

@@ -42,7 +42,8 @@ def compare(
 
 
 def _label(value: PublishedValue, counterparts: Mapping[str, str]) -> str:
-    return "" if value.engine_speed is None else counterparts.get(value.model, "")
+    """Label of ours for what produced a value; in a case that re-runs no study its ``model`` is the label itself."""
+    return "" if value.engine_speed is None else counterparts.get(value.model, "" if counterparts else value.model)
 
 
 def _of_run(value: PublishedValue, label: str, quantities: Mapping[Quantity, float]) -> dict[str, float]:

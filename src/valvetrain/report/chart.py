@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A curve; ``dash`` is solid, dash or dot; ``label`` is written beside its end where ``direct`` is set."""
+    """A curve; ``dash`` is solid, dash, dot or dashdot; ``direct`` is written beside its end."""
 
     x: Array
     y: Array
@@ -32,7 +32,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """Single points, published values or events, each with a text beside it (empty for none)."""
+    """Single points, published values or events, each with a text beside it (empty for none) and ``hints`` read on hover."""
 
     x: Array
     y: Array
@@ -43,11 +43,15 @@ class Marks:
     in_legend: bool = True
     filled: bool = False
     size: float = 9.0
+    hints: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class HeatMap:
-    """``z`` (y, x) as colour, from zero; the scale is drawn out at small values, the numbers stay as they are."""
+    """``z`` (y, x) as colour, from zero; the scale is drawn out at small values, the numbers stay as they are.
+
+    ``second`` (y, x) is read on hover too, in words such as ``{:.0f} Hz`` given by ``second_unit``.
+    """
 
     x: Array
     y: Array
@@ -55,6 +59,9 @@ class HeatMap:
     name: str
     unit: str
     power: float = 0.5
+    y_words: str = "coil"
+    second: Array | None = None
+    second_unit: str = ""
     colours: tuple[str, ...] = theme.SEQUENTIAL
 
 
@@ -82,7 +89,10 @@ class Rule:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One pair of axes. Ranges are (low, high) or None for what the data need; labels carry the unit. ``y_log``: y in decades."""
+    """One pair of axes. Ranges are (low, high) or None for what the data need; labels carry the unit. ``y_log``: y in decades.
+
+    ``y_words``: (value, words) in place of numbers along y.
+    """
 
     x_label: str
     y_label: str
@@ -94,6 +104,7 @@ class Panel:
     y_range: tuple[float, float] | None = None
     x_step: float | None = None
     y_log: bool = False
+    y_words: tuple[tuple[float, str], ...] = ()
 
 
 def rule_levels(panel: Panel) -> list[int]:
@@ -105,9 +116,10 @@ def rule_levels(panel: Panel) -> list[int]:
     return levels
 
 
-def shares_axis(chart: Chart) -> bool:
+def shares_axis(chart: Chart, columns: int | None = None) -> bool:
     """True when panels stand above each other over one x axis, which is then labelled once, at the bottom."""
-    return chart.columns == 1 and len(chart.panels) > 1 and len({panel.x_label for panel in chart.panels}) == 1
+    labels, ranges = ({getattr(panel, name) for panel in chart.panels} for name in ("x_label", "x_range"))
+    return (columns or chart.columns) == 1 and len(chart.panels) > 1 and len(labels) == 1 and len(ranges) == 1 and None not in ranges
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,3 +194,10 @@ def thin(x: Array, y: Array, limit: int = 2000) -> tuple[Array, Array]:
         keep.append(np.array([start + int(pick(y[start : start + size])) for start in full]))
     index = np.unique(np.concatenate(keep).astype(int))
     return x[index], y[index]
+
+
+def stems(x: Array, y: Array, base: float = 0.0) -> tuple[Array, Array]:
+    """Upright strokes from ``base`` to each ``y``, as one broken line; drawn wide they are bars."""
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    gap = np.full_like(x, np.nan)
+    return np.stack([x, x, gap], axis=1).ravel(), np.stack([np.full_like(y, base), y, gap], axis=1).ravel()

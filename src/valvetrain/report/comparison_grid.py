@@ -1,4 +1,4 @@
-"""The table computed / published / difference / role / verdict."""
+"""The table computed / given / difference / role / verdict, filtered by role, engine speed and origin."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ import numpy as np
 from valvetrain.report import theme
 from valvetrain.report.page import Cell, Grid
 from valvetrain.report.table import Table, table
-from valvetrain.report.words import in_unit, number, percent, quantity_words, speed_words, unit_words
+from valvetrain.report.words import in_unit, number, percent, rpm, speed_words, unit_words
 from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.definition import label_of
 
-HEADERS = ("quantity", "source", "published", "model", "computed", "difference", "", "unit", "role", "verdict")
+HEADERS = ("quantity", "engine speed", "given by", "given", "model", "computed", "difference", "", "unit", "role", "verdict")
 
 
 def comparison_table(rows: Sequence[Comparison]) -> Table:
@@ -26,9 +27,9 @@ def comparison_table(rows: Sequence[Comparison]) -> Table:
 
     return table(
         ("quantity", "", words([row.quantity for row in rows])),
-        ("engine speed", "rpm", words([None if row.engine_speed is None else float(speed_words(row.engine_speed)[:-4]) for row in rows])),
-        ("published by", "", words([row.origin for row in rows])),
-        ("published", "", words([shown(row.published, row.unit) for row in rows])),
+        ("engine speed", "rpm", words([None if row.engine_speed is None else rpm(row.engine_speed) for row in rows])),
+        ("given by", "", words([row.origin for row in rows])),
+        ("given", "", words([shown(row.published, row.unit) for row in rows])),
         ("computed by", "", words([row.model for row in rows])),
         ("computed", "", words([shown(row.computed, row.unit) for row in rows])),
         ("difference", "", words([shown(row.difference, row.unit) for row in rows])), ("unit", "", words([row.unit for row in rows])),
@@ -39,14 +40,13 @@ def comparison_table(rows: Sequence[Comparison]) -> Table:
 
 
 def comparison_grid(rows: Sequence[Comparison]) -> Grid:
-    """The same for the page, grouped by engine speed, statics and modes first."""
-    lines: list[tuple[tuple[Cell, ...], str]] = []
-    speeds = sorted({row.engine_speed for row in rows}, key=lambda speed: -1.0 if speed is None else speed)
-    for speed in speeds:
-        lines.append(((Cell("Statics and modes" if speed is None else f"Engine speed {speed_words(speed)}"),), ""))
-        lines += [(_cells(row), row.role) for row in rows if row.engine_speed == speed]
-    roles = tuple(dict.fromkeys(row.role for row in rows))
-    return Grid(HEADERS, tuple(lines), roles if len(roles) > 1 else ())
+    """The same for the page, in order of engine speed, what is at rest first."""
+    ordered = sorted(rows, key=lambda row: -1.0 if row.engine_speed is None else row.engine_speed)
+    return Grid(HEADERS, tuple((_cells(row), (row.role, _speed(row), row.origin)) for row in ordered), ("role", "engine speed", "given by"))
+
+
+def _speed(row: Comparison) -> str:
+    return "at rest" if row.engine_speed is None else speed_words(row.engine_speed)
 
 
 def _cells(row: Comparison) -> tuple[Cell, ...]:
@@ -56,8 +56,10 @@ def _cells(row: Comparison) -> tuple[Cell, ...]:
     share = "" if relative is None or wraps else percent(relative)
     exact = row.difference is not None and abs(row.difference) < 1e-9 * max(abs(row.published), abs(row.computed or 0.0))
     difference = "–" if row.difference is None else "0" if exact else _signed(in_unit(row.difference, row.unit))
+    label = label_of(row.quantity)
     return (
-        Cell(quantity_words(row.quantity), hint=row.quantity),
+        Cell(label[:1].upper() + label[1:], "long", row.quantity),
+        Cell(_speed(row), "quiet"),
         Cell(sign, "tag", words),
         Cell(_in(row.published, row.unit), "number"),
         Cell(theme.model_words(row.model) if row.model else "", "quiet", row.model),

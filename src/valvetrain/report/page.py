@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 from valvetrain.report import theme
-from valvetrain.report.chart import Chart
+from valvetrain.report.chart import Chart, legend_entries
+
+if TYPE_CHECKING:
+    from valvetrain.solution.study import Study
+
+
+P = ParamSpec("P")
+#: Dashes of a line in the key above a figure.
+_DASHES = {"solid": "", "dash": "6 4", "dot": "2 3", "dashdot": "8 3 2 3"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,22 +52,44 @@ class Cell:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """A table; a row is its cells and a word that filters may select by; a row of one cell is a heading across."""
+    """A table; a row is its cells and one word per filter that may select it; a row of one cell is a heading across.
+
+    ``filters``: what is chosen by, such as ``role``; its words are those that the rows carry.
+    """
 
     headers: tuple[str, ...]
-    rows: tuple[tuple[tuple[Cell, ...], str], ...]
+    rows: tuple[tuple[tuple[Cell, ...], tuple[str, ...]], ...]
     filters: tuple[str, ...] = ()
     caption: str = ""
 
     kind = "grid"
 
+    @property
+    def right(self) -> tuple[bool, ...]:
+        """Columns of numbers, whose heads stand at the right as their numbers do."""
+        cells = next((row for row, _ in self.rows if len(row) == len(self.headers)), ())
+        return tuple("number" in cell.tone for cell in cells) or (False,) * len(self.headers)
+
+    @property
+    def choices(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        """Filters that part the rows, each with its words in order of appearance."""
+        words = [tuple(dict.fromkeys(row[place] for _, row in self.rows if row)) for place in range(len(self.filters))]
+        return tuple((name, found) for name, found in zip(self.filters, words, strict=True))
+
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """A headline number with what it is compared to."""
+    """One answer: a small table under a title, ``lines`` of name and values, ``headers`` above the values."""
 
     title: str
-    lines: tuple[tuple[str, str, str], ...]
+    headers: tuple[str, ...]
+    lines: tuple[tuple[str, tuple[str, ...]], ...]
+
+    @property
+    def wide(self) -> bool:
+        """Whether the table needs the whole width of the page."""
+        columns = [max([len(line[1][place]) for line in self.lines] + [6]) for place in range(len(self.headers))]
+        return sum(columns) + max(len(name) for name, _ in self.lines) > 52 or len(self.headers) > 3
 
     kind = "card"
 
@@ -82,7 +113,35 @@ class Tabs:
     kind = "tabs"
 
 
-Block = Text | Figure | Grid | Cards | Tabs
+@dataclass(frozen=True, eq=False)
+class Details:
+    """Blocks that open when asked for."""
+
+    summary: str
+    blocks: tuple[Any, ...]
+
+    kind = "details"
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """Text as it stands in a file."""
+
+    words: str
+
+    kind = "listing"
+
+
+Block = Text | Figure | Grid | Cards | Tabs | Details | Listing
+
+
+@dataclass(frozen=True, slots=True)
+class SectionSpec:
+    """A section of the report as the registry lists it: ``blocks`` asks a study for what it has; nothing leaves the section out."""
+
+    key: str
+    title: str
+    blocks: Callable[[Study], tuple[Block, ...]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +170,26 @@ def text(words: str, tone: str = "") -> Text:
     return Text(escape(words), tone)
 
 
+def prose(paragraphs: Sequence[str], summary: str, tone: str = "note") -> tuple[Block, ...]:
+    """Paragraphs; more than three sentences stand behind a word to click."""
+    blocks = tuple(text(words, tone) for words in paragraphs)
+    return (Details(summary, blocks),) if sum(len(sentences(words)) for words in paragraphs) > 3 else blocks
+
+
+def sentences(words: str) -> list[str]:
+    """Sentences of a text, each with its closing sign."""
+    return [part for part in re.split(r"(?<=[.!?])\s+(?=[A-Z])", words.strip()) if part]
+
+
+def figure_or_gap(title: str, build: Callable[P, Chart | None], *args: P.args, **more: P.kwargs) -> tuple[Block, ...]:
+    """The figure that ``build`` gives, nothing for None, and a sentence in its place where it cannot be drawn."""
+    try:
+        chart = build(*args, **more)
+    except Exception as error:  # one figure must not cost the others
+        return (text(f"The figure '{title}' could not be drawn: {type(error).__name__}: {error}", "alert"),)
+    return () if chart is None else (Figure(chart),)
+
+
 def charts(page: Page) -> list[Chart]:
     """Every chart on a page, in order, those behind tabs included."""
     return [chart for section in page.sections for chart in _charts(section.blocks)]
@@ -121,6 +200,8 @@ def _charts(blocks: Sequence[Any]) -> list[Chart]:
     for block in blocks:
         if isinstance(block, Figure):
             found.append(block.chart)
+        elif isinstance(block, Details):
+            found += _charts(block.blocks)
         elif isinstance(block, Tabs):
             for _, inner in block.items:
                 found += _charts(inner)
@@ -131,14 +212,25 @@ def render(page: Page) -> str:
     """The page as one self-contained HTML document, Plotly and data included."""
     import jinja2
 
-    from valvetrain.report.plotly_chart import to_json
-
     loader = jinja2.FunctionLoader(_template)
     environment = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
-    drawn = {chart.key: to_json(chart) for chart in charts(page)}
+    drawn = {chart.key: _drawn(chart) for chart in charts(page)}
     style = _static("page.css").replace("FONT_STACK", theme.FONT)
     library = plotly_script() if drawn else ""
-    return environment.get_template("page.html.j2").render(page=page, drawn=drawn, style=style, script=_static("page.js"), plotly=library)
+    template = environment.get_template("page.html.j2")
+    return template.render(
+        page=page, drawn=drawn, style=style, script=_static("page.js"), plotly=library, legend=legend_entries, dashes=_DASHES
+    )
+
+
+def _drawn(chart: Chart) -> str:
+    """The figure as JSON, or the reason why it cannot be drawn, which the page then shows in its place."""
+    from valvetrain.report.plotly_chart import to_json
+
+    try:
+        return to_json(chart)
+    except Exception as error:  # one figure must not cost the page
+        return json.dumps({"gap": f"The figure could not be drawn: {type(error).__name__}: {error}"}).replace("</", "<\\/")
 
 
 def plotly_script() -> str:

@@ -21,7 +21,7 @@ WIDTH = 960
 _TITLE, _LEGEND, _LEFT, _RIGHT, _BOTTOM, _GAP_X, _GAP_Y = 30, 24, 64, 22, 46, 74, 66
 #: Side of a mark -> steps right and down in px, and the anchor of the words there.
 _BESIDE = {"top": (0, -9, "middle"), "right": (9, 4, "start"), "left": (-9, 4, "end"), "bottom": (0, 19, "middle")}
-_DASHES = {"solid": "", "dash": ' stroke-dasharray="6 4"', "dot": ' stroke-dasharray="2 3"'}
+_DASHES = {"solid": "", "dash": ' stroke-dasharray="6 4"', "dot": ' stroke-dasharray="2 3"', "dashdot": ' stroke-dasharray="8 3 2 3"'}
 
 
 class _Frame:
@@ -47,10 +47,11 @@ def svg(chart: Chart) -> str:
     """The chart as one SVG document without any outside reference."""
     height = chart.height + _TITLE
     maps = any(isinstance(layer, HeatMap) for panel in chart.panels for layer in panel.layers)
-    right = _RIGHT + (84 if maps else 0)
+    right = _RIGHT + (84 if maps else 0) + (44 if maps and _labelled(chart) else 0)
     top = _TITLE + (_LEGEND if chart.legend and legend_entries(chart) else 0) + 26
-    wide = (WIDTH - _LEFT - right - (chart.columns - 1) * _GAP_X) / chart.columns
-    gap = 34 if shares_axis(chart) else _GAP_Y
+    left = max(_LEFT, min(300, 14 + int(6.6 * max((len(words) for panel in chart.panels for _, words in panel.y_words), default=0))))
+    wide = (WIDTH - left - right - (chart.columns - 1) * _GAP_X) / chart.columns
+    gap = 54 if shares_axis(chart) else _GAP_Y
     high = (height - top - _BOTTOM - (chart.rows - 1) * gap) / chart.rows
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}" '
@@ -62,10 +63,14 @@ def svg(chart: Chart) -> str:
         parts.append(_legend(chart))
     for index, panel in enumerate(chart.panels):
         row, column = divmod(index, chart.columns)
-        frame = _Frame(panel, _LEFT + column * (wide + _GAP_X), top + row * (high + gap), wide, high)
+        frame = _Frame(panel, left + column * (wide + _GAP_X), top + row * (high + gap), wide, high)
         named = not shares_axis(chart) or index == len(chart.panels) - 1
         parts += _panel(frame, f"{chart.key}-{index}", named)
     return "\n".join([*parts, "</svg>\n"])
+
+
+def _labelled(chart: Chart) -> bool:
+    return any(isinstance(layer, Line) and layer.direct for panel in chart.panels for layer in panel.layers)
 
 
 def ticks(low: float, high: float, count: int = 6, step: float | None = None) -> tuple[Array, int]:
@@ -95,8 +100,10 @@ def _panel(frame: _Frame, name: str, x_named: bool) -> list[str]:
     parts += [_marks(frame, layer) for layer in panel.layers if isinstance(layer, Marks)]
     parts += [_direct(frame, layer) for layer in panel.layers if isinstance(layer, Line) and layer.direct and len(layer.x)]
     parts += [_colour_bar(frame, layer) for layer in panel.layers if isinstance(layer, HeatMap)]
+    level, across = frame.top - (20 if panel.bands else 7), frame.left - 20
     if panel.title:
-        parts.append(_text(frame.left, frame.top - (20 if panel.bands else 7), panel.title, size=12.5, weight=600))
+        parts.append(_text(across, level, panel.title, size=12.5, weight=600))
+    parts.append(_text(across + (7.2 * len(panel.title) + 14 if panel.title else 0), level, panel.y_label, colour=theme.MUTED, size=12))
     return parts
 
 
@@ -127,13 +134,13 @@ def _grid(frame: _Frame, x_named: bool) -> str:
     if x_named:
         middle = frame.left + frame.wide / 2
         parts.append(_text(middle, base + 36, frame.panel.x_label, colour=theme.MUTED, anchor="middle", size=12))
-    middle = frame.top + frame.high / 2
-    parts.append(_text(frame.left - 48, middle, frame.panel.y_label, colour=theme.MUTED, anchor="middle", size=12, turn=True))
     return "".join(parts)
 
 
 def _y_ticks(frame: _Frame) -> list[tuple[float, str]]:
     """Values and words of the ticks up the side; whole decades on a logarithmic axis."""
+    if frame.panel.y_words:
+        return list(frame.panel.y_words)
     if frame.panel.y_log:
         low, high = (round(float(np.log10(end))) for end in frame.y_range)
         return [(10.0**power, f"{10.0**power:g}") for power in range(low, high + 1)]
@@ -257,7 +264,7 @@ def png(pixels: NDArray[np.uint8]) -> bytes:
 
 
 def _colour_bar(frame: _Frame, heat: HeatMap) -> str:
-    left, count = frame.left + frame.wide + 14, 60
+    left, count = frame.left + frame.wide + (58 if heat.second is not None else 14), 60
     top = float(np.nanmax(heat.z, initial=0.0)) or 1.0
     shares = np.linspace(1, 0, count)
     link = "data:image/png;base64," + base64.b64encode(png(_coloured(shares[:, None], heat))).decode()

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from valvetrain.quantities.compare import same_speed
-from valvetrain.quantities.study import SpringStudy
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, text
 from valvetrain.report.table import Table, table
-from valvetrain.report.words import number, quantity_words, rpm, speed_words
-from valvetrain.solution.quantity import Quantity
+from valvetrain.report.words import number, rpm, speed_words
+from valvetrain.solution.definition import label_of
+from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.studies.uncertainty import Range, Uncertainty, UncertaintyStudy
-from valvetrain.studies.uncertainty_file import load_uncertainty, meshes_of
 
 #: SI unit -> unit shown and factor; the rest is shown as it is.
 _SHOWN = {"rad": ("deg", 57.29577951308232), "N s": ("mN s", 1e3), "Pa": ("MPa", 1e-6)}
@@ -20,19 +18,6 @@ _HEADERS = (
 )  # fmt: skip
 #: A stored row belongs to a computed value that differs from it by less than this share, or by less than its own uncertainty.
 SAME = 1e-3
-
-
-def uncertainty_blocks(study: SpringStudy) -> tuple[Block, ...]:
-    """Table of the uncertainty that ships with the study's case; nothing where none does or another version computed it."""
-    rows = load_uncertainty(study.case)
-    fresh = [row for row in rows if _belongs(row, study.quantities)]
-    if not fresh:
-        return ()
-    blocks: list[Block] = [text(lead(meshes_of(study.case)), "quiet"), uncertainty_grid(fresh)]
-    if len(fresh) < len(rows):
-        left = f"{len(rows) - len(fresh)} stored rows are left out: this run computes other values. 'valvetrain refine' computes them anew."
-        blocks.append(text(left, "note"))
-    return tuple(blocks)
 
 
 def lead(meshes: Sequence[int]) -> str:
@@ -47,10 +32,10 @@ def lead(meshes: Sequence[int]) -> str:
 
 def uncertainty_grid(rows: Sequence[Uncertainty]) -> Grid:
     """One line per quantity, grouped by engine speed."""
-    lines: list[tuple[tuple[Cell, ...], str]] = []
+    lines: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
     for speed in dict.fromkeys(row.engine_speed for row in rows):
-        lines.append(((Cell("Statics and modes" if speed is None else f"Engine speed {speed_words(speed)}"),), ""))
-        lines += [(_cells(row), "") for row in rows if row.engine_speed == speed]
+        lines.append(((Cell("Statics and modes" if speed is None else f"Engine speed {speed_words(speed)}"),), ()))
+        lines += [(_cells(row), ()) for row in rows if row.engine_speed == speed]
     return Grid(_HEADERS, tuple(lines))
 
 
@@ -82,7 +67,8 @@ def uncertainty_page(study: UncertaintyStudy) -> Page:
     return Page(f"{case.title or case.name}: uncertainty", "Refinement study", case.description, facts, (section,), footer)
 
 
-def _belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
+def belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
+    """Whether a stored row is about a number of this study: the same within its own uncertainty."""
     for key, value in quantities.items():
         if key.name == row.quantity and same_speed(key.engine_speed, row.engine_speed) and key.label in ("", "finite-element"):
             return abs(value - row.value) <= max(SAME * abs(row.value), row.numerical)
@@ -100,7 +86,7 @@ def _cells(row: Uncertainty) -> tuple[Cell, ...]:
         return low if low == high else f"{low} to {high}"
 
     return (
-        Cell(quantity_words(row.quantity), hint=row.quantity), Cell(number(row.value * factor, 5), "number"),
+        Cell(label_of(row.quantity), hint=row.quantity), Cell(number(row.value * factor, 5), "number"),
         Cell(number(row.numerical * factor, 2), "number"), Cell(share, "number quiet"), Cell(words, "quiet"), Cell(order, "number quiet"),
         Cell(number(row.extrapolated * factor, 5), "number"), Cell(between(row.contact_stiffness), "number"),
         Cell(between(row.contact_damping), "number"),

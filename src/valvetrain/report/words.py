@@ -17,7 +17,7 @@ def rpm(engine_speed: float) -> float:
 
 def speed_words(engine_speed: float) -> str:
     """An engine speed as text, such as ``5600 rpm``."""
-    return f"{rpm(engine_speed):g} rpm"
+    return f"{rpm(engine_speed):.10g} rpm"
 
 
 def percent(share: float) -> str:

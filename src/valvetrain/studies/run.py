@@ -27,6 +27,7 @@ from valvetrain.studies.engine import Progress, map_points
 from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
 from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
 from valvetrain.studies.spread import spread_sentences
+from valvetrain.studies.uncertainty_file import uncertainty_sentences
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.prescribed import PrescribedSpring
@@ -102,7 +103,8 @@ def beside_published(study: Study, problem: Problem) -> Study:
         return study
     compared = against_source(study)
     rows = tuple(row for row in compared.comparisons if row.engine_speed is None or any(same_speed(row.engine_speed, s) for s in ran))
-    notes = (*compared.notes, *study.record.remarks, *spread_sentences(study.record, ran)) if rows or compared.findings else compared.notes
+    firm = (*uncertainty_sentences(study.record, ran), *spread_sentences(study.record, ran))
+    notes = (*compared.notes, *study.record.remarks, *firm) if rows or compared.findings else compared.notes
     return replace(compared, comparisons=rows, notes=notes)
 
 

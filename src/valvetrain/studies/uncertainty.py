@@ -1,44 +1,46 @@
-"""Numbers with error bars: meshes and steps refined, contact constants varied, for the headline numbers of a spring case."""
+"""Numbers with error bars: meshes and steps refined, contact constants varied, for the headline numbers of springs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.evaluate import run_quantities
 from valvetrain.quantities.main_clash import ClashWindow, find_clash_window, main_clash_quantities
-from valvetrain.quantities.stages import stages_of
 from valvetrain.quantities.statics import modal_quantities
-from valvetrain.quantities.stress import stress_quantities
-from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.definition import pattern_of, tables
+from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.springs.stress import with_stress
+from valvetrain.studies.engine import Progress, map_points
 from valvetrain.studies.grid_convergence import TRUSTED, grid_convergence
-from valvetrain.studies.spring_runs import modal_result, run_finite_element
+from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
+from valvetrain.studies.rest import modal_result
+from valvetrain.system.build import build
+from valvetrain.system.prescribed import names_of
+from valvetrain.system.problem import Problem
 
 #: Elements per coil over those of the case.
 REFINEMENTS = (1.0, 1.5, 2.25)
 #: Contact stiffness over the case's (7e9 to 5e10 Pa for 2e10) and contact damping time over the case's (0 to 2 us for 1 us).
 STIFFNESS_FACTORS, DAMPING_FACTORS = (0.35, 2.5), (0.0, 2.0)
 
-#: Headline numbers; those that a case does not have are left out.
-STATIC_HEADLINES = ("preload", "mode_1_frequency", "mode_2_frequency", "mode_3_frequency")
-RUN_HEADLINES = (
-    "stage_1_minimum_force", "stage_1_maximum_force", "stage_2_peak_force", "stage_2_first_peak_force", "stage_2_valley_force",
-    "stage_2_second_peak_force", "stage_3_peak_force", "stage_3_below_20_khz_peak_force", "stage_3_below_10_khz_peak_force",
+#: Headline numbers of a run; those that a case does not have are left out. The forces of a source study's own table follow them.
+HEADLINES = (
+    "peak_spring_force", "minimum_spring_force", "below_20_khz_peak_spring_force", "below_10_khz_peak_spring_force",
     "main_clash_peak_force", "main_clash_below_20_khz_peak_force", "main_clash_below_10_khz_peak_force", "main_clash_cam_angle",
-    "main_clash_impulse", "peak_shear_stress",
+    "main_clash_impulse", "peak_shear_stress", "outer_peak_shear_stress", "inner_peak_shear_stress",
 )  # fmt: skip
 
-Progress = Callable[[float, str], None]
+#: The case's own mesh.
+OWN = "mesh 1"
 Range = tuple[float, float]
+Numbers = Mapping[str, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,107 +67,139 @@ class Uncertainty:
 class UncertaintyStudy:
     """All rows of one case with the meshes behind them; ``values`` holds every number by (variant, speed, quantity)."""
 
-    case: Case
+    record: CaseRecord
     elements_per_coil: tuple[int, ...]
     rows: tuple[Uncertainty, ...]
-    values: Mapping[str, Mapping[float | None, Mapping[str, float]]]
+    values: Mapping[str, Mapping[float | None, Numbers]]
     failures: tuple[str, ...] = ()
 
 
 def uncertainty_study(
-    case: Case, *, engine_speeds: Sequence[float] | None = None, refinements: Sequence[float] = REFINEMENTS, workers: int = 2,
+    case: Case, engine_speeds: Sequence[float] | None = None, *, refinements: Sequence[float] = REFINEMENTS, workers: int = 2,
     progress: Progress | None = None,
 ) -> UncertaintyStudy:  # fmt: skip
     """Refine meshes and step, vary the contact, and state the uncertainty of each headline number.
 
-    Runs go over ``workers`` threads. Raises :class:`InputError` for a case without spring or lift law, or other than three meshes.
+    ``engine_speeds`` in rad/s of the crank (None: the case's own). Runs go over ``workers`` threads. Raises :class:`InputError` for a
+    valvetrain, a case without wire or lift law, and other than three meshes.
     """
     if len(refinements) != 3 or list(refinements) != sorted(set(refinements)):
         raise InputError("three meshes are needed, coarse to fine, such as 1, 1.5 and 2.25 times the elements per coil")
-    if case.lift_law is None or case.spring is None:
-        raise InputError(f"case '{case.name}' needs a [spring] and a [lift_law] to be refined; give it both")
-    speeds = case.operation.engine_speeds if engine_speeds is None else tuple(engine_speeds)
-    variants = _variants(case, refinements)
+    if case.train is not None:
+        raise InputError(
+            f"case '{case.name}' is a valvetrain; refine states the uncertainty of springs under prescribed motion, so give a case with a "
+            "[spring] and a [lift_law] table"
+        )
+    if case.lift_law is None or not case.springs or any(spring.wire is None for spring in case.springs):
+        raise InputError(f"case '{case.name}' needs a [spring] with its wire and a [lift_law] to be refined; give it both")
+    problem = build(case, spring_models=("finite-element",))
+    speeds = problem.engine_speeds if engine_speeds is None else tuple(float(speed) for speed in engine_speeds)
+    plan = Plan(samples=round(2 * np.pi / problem.output_step), cycles=problem.cycles)
+    # the case's own mesh comes first: its surge frequency and its clash windows name the numbers of every variant
+    base, still = _prepare((problem, ()), problem.members[0].springs)
+    changed = _variants(base, refinements)
+    surge = base.frame.surge_frequencies
+    ready = map_points(_prepare, (problem, surge), tuple(changed.values()), workers, tell=_part(progress, 0.0, 0.05, "statics and modes"))
+    variants = {OWN: (base, still), **dict(zip(changed, ready, strict=True))}
+    points = [(base, speed) for speed in speeds]
+    own = dict(zip(speeds, map_points(_run, (problem, plan), points, workers, tell=_part(progress, 0.05, 0.1, "own mesh")), strict=True))
+    windows = {speed: _window(base, solution) for speed, solution in own.items()}
+
+    def one(shared: tuple[Problem, Plan], job: tuple[str, float]) -> tuple[Numbers, str]:
+        name, speed = job
+        solution = own[speed] if name == OWN else _run(shared, (variants[name][0], speed))
+        failed = "" if solution.status.completed else f"{name} at {speed * 30 / np.pi:.0f} rpm: {solution.status.sentence()}"
+        return _moving(solution, windows[speed], problem.record.study), failed
+
     jobs = [(name, speed) for speed in speeds for name in variants]
-    done, total = 0, 1 + len(variants) + len(jobs)
+    moving = map_points(one, (problem, plan), jobs, workers, tell=_part(progress, 0.1, 1.0, "variants"))
+    values: dict[str, dict[float | None, Numbers]] = {name: {None: numbers} for name, (_, numbers) in variants.items()}
+    for (name, speed), (numbers, _) in zip(jobs, moving, strict=True):
+        values[name][speed] = numbers
+    elements = tuple(_rods(variants[f"mesh {n}"][0])[0].elements_per_coil for n in (1, 2, 3))
+    return UncertaintyStudy(problem.record, elements, tuple(_rows(values, elements)), values, tuple(words for _, words in moving if words))
 
-    def tell(text: str) -> None:
-        nonlocal done
-        done += 1
+
+def _part(progress: Progress | None, begin: float, end: float, words: str) -> Callable[[int, int], None]:
+    """Reports a stage of the study as its share of the whole."""
+
+    def tell(done: int, total: int) -> None:
         if progress is not None:
-            progress(done / total, text)
+            progress(begin + (end - begin) * done / total, f"{words}, {done} of {total}")
 
-    values: dict[str, dict[float | None, dict[str, float]]] = {name: {} for name in variants}
-    failures: list[str] = []
-    with ThreadPoolExecutor(max(1, workers)) as pool:
-        for name, still in zip(variants, pool.map(_still, variants.values()), strict=True):
-            values[name][None] = still
-            tell(f"statics and modes, {name}")
-        surge = values["mesh 1"][None].get("mode_1_frequency")
-        bases = list(pool.map(lambda speed: _run(case, variants["mesh 1"], speed), speeds))
-        windows = {speed: _window(case, base, surge) for speed, base in zip(speeds, bases, strict=True)}
-        tell("runs on the case's own mesh")
-        own = dict(zip(speeds, bases, strict=True))
-
-        def job(item: tuple[str, float]) -> tuple[dict[str, float], str]:
-            name, speed = item
-            solution = own[speed] if name == "mesh 1" else _run(case, variants[name], speed)
-            failed = "" if solution.status.completed else f"{name} at {speed * 30 / np.pi:.0f} rpm: {solution.status.sentence()}"
-            return _moving(case, solution, surge, windows[speed]), failed
-
-        for (name, speed), (found, failed) in zip(jobs, pool.map(job, jobs), strict=True):
-            values[name][speed] = found
-            failures += [failed] if failed else []
-            tell(f"{name} at {speed * 30 / np.pi:.0f} rpm")
-    elements = tuple(variants[f"mesh {n}"].elements_per_coil for n in (1, 2, 3))
-    return UncertaintyStudy(case, elements, tuple(_rows(values, elements)), values, tuple(failures))
+    return tell
 
 
-def _variants(case: Case, refinements: Sequence[float]) -> dict[str, FiniteElementRod]:
-    base = FiniteElementRod.from_case(case)
-    own, dynamics = case.rod.elements_per_coil, base.dynamics
-    found = {f"mesh {n}": replace(base, elements_per_coil=round(own * ratio)) for n, ratio in enumerate(refinements, start=1)}
-    found["half step"] = base.with_time_step(0.5 * (base.time_step or base.stable_time_step()))
-    for n, factor in enumerate(STIFFNESS_FACTORS, start=1):
-        stiffer = replace(dynamics, contact_stiffness=factor * dynamics.contact_stiffness)
-        found[f"contact stiffness {n}"] = replace(base, dynamics=stiffer)
-    for n, factor in enumerate(DAMPING_FACTORS, start=1):
-        damped = replace(dynamics, contact_damping_time=factor * dynamics.contact_damping_time)
-        found[f"contact damping {n}"] = replace(base, dynamics=damped)
-    return found
+def _prepare(shared: tuple[Problem, tuple[float, ...]], springs: tuple[InstalledSpring, ...]) -> tuple[Ready, Numbers]:
+    """The member with other springs, ready to run and named by the surge frequencies given (none: its own), and its numbers at rest."""
+    problem, surge = shared
+    one = make_ready(problem, replace(problem.members[0], springs=springs), {}, problem.record.study)
+    rods = _rods(one)
+    if one.refusal or len(rods) != len(springs):
+        raise InputError(one.refusal or "springs that rub on each other cannot be refined; leave the rubbing out of the case")
+    found = [{"preload": float(rod.installed.retainer_force)} | modal_quantities(modal_result(rod)) for rod in rods]
+    surge = surge or tuple(numbers["mode_1_frequency"] for numbers in found if "mode_1_frequency" in numbers)
+    names = [f"{name}_" if len(rods) > 1 else "" for name in names_of(rods)]
+    still = {name + key: value for name, numbers in zip(names, found, strict=True) for key, value in numbers.items()}
+    return replace(one, frame=replace(one.frame, surge_frequencies=surge)), still
 
 
-def _still(model: FiniteElementRod) -> dict[str, float]:
-    model.stable_time_step()  # kept by the model, so that its runs need not ask for it one by one
-    found = {"preload": model.installed.retainer_force} | modal_quantities(modal_result(model))
-    return {name: float(found[name]) for name in STATIC_HEADLINES if name in found}
+def _rods(ready: Ready) -> tuple[FiniteElementRod, ...]:
+    return tuple(spring for spring in ready.system.springs if isinstance(spring, FiniteElementRod)) if ready.system is not None else ()
 
 
-def _run(case: Case, model: FiniteElementRod, engine_speed: float) -> Solution:
-    return run_finite_element(case, model, engine_speed, Provenance(case.name, model.name, engine_speed=engine_speed))
+def _run(shared: tuple[Problem, Plan], point: tuple[Ready, float]) -> Solution:
+    (problem, plan), (ready, speed) = shared, point
+    return judge(ready, integrate_point(ready, speed, plan, provenance_of(problem, ready.member, speed, "")), plan, {})
 
 
-def _window(case: Case, solution: Solution, surge_frequency: float | None) -> ClashWindow | None:
-    if surge_frequency is None or len(solution.time) < 3:
+def _variants(base: Ready, refinements: Sequence[float]) -> dict[str, tuple[InstalledSpring, ...]]:
+    """Installed springs of every variant but the case's own mesh."""
+    springs, rods = base.member.springs, _rods(base)
+
+    def refined(ratio: float) -> tuple[InstalledSpring, ...]:
+        pairs = zip(springs, rods, strict=True)
+        return tuple(one.with_options("finite-element", elements_per_coil=round(rod.elements_per_coil * ratio)) for one, rod in pairs)
+
+    def contacts(stiffness: float, damping: float) -> tuple[InstalledSpring, ...]:
+        return tuple(
+            replace(one, contact=replace(
+                one.contact, stiffness=stiffness * one.contact.stiffness, damping_time=damping * one.contact.damping_time
+            )) for one in springs
+        )  # fmt: skip
+
+    halves = (0.5 * (rod.time_step or rod.stable_time_step()) for rod in rods)
+    return (
+        {f"mesh {n}": refined(ratio) for n, ratio in enumerate(refinements, start=1) if n > 1}
+        | {"half step": tuple(one.with_options("finite-element", time_step=half) for one, half in zip(springs, halves, strict=True))}
+        | {f"contact stiffness {n}": contacts(factor, 1.0) for n, factor in enumerate(STIFFNESS_FACTORS, start=1)}
+        | {f"contact damping {n}": contacts(1.0, factor) for n, factor in enumerate(DAMPING_FACTORS, start=1)}
+    )
+
+
+def _window(base: Ready, solution: Solution) -> ClashWindow | None:
+    """The main clash of the case's own mesh: all variants are read within its window."""
+    surge, event = base.frame.surge_frequency, base.frame.lift_event
+    if surge is None or event is None or len(solution.time) < 3:
         return None
-    return find_clash_window(reported_cycle(solution), surge_frequency, stages_of(case.lift_law))
+    return find_clash_window(reported_cycle(solution), surge, event)
 
 
-def _moving(case: Case, solution: Solution, surge_frequency: float | None, window: ClashWindow | None) -> dict[str, float]:
+def _moving(solution: Solution, window: ClashWindow | None, study: str) -> dict[str, float]:
     if not solution.status.completed:
         return {}
-    stages = stages_of(case.lift_law)
-    found = {key.name: value for key, value in run_quantities(solution, surge_frequency=surge_frequency, stages=stages).items()}
+    found = dict(solution.quantities)
     if window is not None:
         found |= main_clash_quantities(reported_cycle(solution), window)
-    found |= stress_quantities(with_stress(solution, case.require_spring()))
-    return {name: float(found[name]) for name in RUN_HEADLINES if name in found}
+    patterns = [pattern_of(row.name) for row in tables().get(study, ()) if row.name.endswith("_force")]
+    sourced = (name for name in found if any(pattern.fullmatch(name) for pattern in patterns))
+    return {name: float(found[name]) for name in dict.fromkeys((*HEADLINES, *sourced)) if name in found}
 
 
-def _rows(values: Mapping[str, Mapping[float | None, Mapping[str, float]]], elements: tuple[int, ...]) -> list[Uncertainty]:
+def _rows(values: Mapping[str, Mapping[float | None, Numbers]], elements: tuple[int, ...]) -> list[Uncertainty]:
     sizes = (1 / elements[0], 1 / elements[1], 1 / elements[2])
     rows = []
-    for speed, base in values["mesh 1"].items():
+    for speed, base in values[OWN].items():
         for name, value in base.items():
 
             def of(variant: str, speed: float | None = speed, name: str = name) -> float | None:

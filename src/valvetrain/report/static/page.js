@@ -2,12 +2,46 @@
 (function () {
   const config = { displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "", displayModeBar: "hover",
     modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"], toImageButtonOptions: { format: "svg" } };
+  // Below this width (px) panels stand in one column; plotly_chart.py lays the two-column form out for no less.
+  const NARROW = 700;
+  const figures = new Map();
+  function isNarrow(box) {
+    // A figure behind a tab has no width yet; its section has.
+    return (box.clientWidth || box.closest("section, body").clientWidth) < NARROW;
+  }
+  function layoutOf(box, content) {
+    const layout = isNarrow(box) ? content.narrow : content.layout;
+    box.style.height = layout.height + "px";
+    return layout;
+  }
   function draw(box) {
     if (box.dataset.drawn || typeof Plotly === "undefined") { return; }
     box.dataset.drawn = "1";
     const content = JSON.parse(document.getElementById("data-" + box.dataset.chart).textContent);
-    Plotly.newPlot(box, content.data, content.layout, config);
+    if (content.gap) { box.textContent = content.gap; box.className = "gap"; box.style.height = "auto"; return; }
+    figures.set(box, { content: content, narrow: isNarrow(box) });
+    Plotly.newPlot(box, content.data, layoutOf(box, content), config);
   }
+  // A page that grows or shrinks past the limit changes between one column and several.
+  window.addEventListener("resize", function () {
+    figures.forEach(function (known, box) {
+      if (known.narrow !== isNarrow(box)) {
+        known.narrow = isNarrow(box);
+        Plotly.react(box, known.content.data, layoutOf(box, known.content), config);
+      }
+    });
+  });
+  document.querySelectorAll(".legend button").forEach(function (button) {
+    button.addEventListener("click", function () {
+      const shown = button.getAttribute("aria-pressed") !== "true";
+      button.setAttribute("aria-pressed", String(shown));
+      const box = button.closest("figure").querySelector(".plot");
+      draw(box);
+      const escaped = new Option(button.dataset.name).innerHTML;
+      const places = box.data.map(function (trace, place) { return trace.name === escaped ? place : -1; }).filter(function (place) { return place >= 0; });
+      Plotly.restyle(box, { visible: shown }, places);
+    });
+  });
   const boxes = Array.from(document.querySelectorAll(".plot"));
   // Figures are drawn when they come near the window: the page opens at once however many there are.
   const watcher = new IntersectionObserver(function (entries) {
@@ -30,15 +64,23 @@
   });
 
   document.querySelectorAll(".gridbox").forEach(function (box) {
-    const buttons = Array.from(box.querySelectorAll(".filters button"));
-    buttons.forEach(function (button) {
-      button.addEventListener("click", function () {
-        buttons.forEach(function (other) { other.setAttribute("aria-pressed", String(other === button)); });
-        box.querySelectorAll("tr[data-row]").forEach(function (row) {
-          row.classList.toggle("off", button.dataset.filter !== "" && row.dataset.row !== button.dataset.filter);
+    const groups = Array.from(box.querySelectorAll(".filters"));
+    groups.forEach(function (group) {
+      const buttons = Array.from(group.querySelectorAll("button"));
+      buttons.forEach(function (button) {
+        button.addEventListener("click", function () {
+          buttons.forEach(function (other) { other.setAttribute("aria-pressed", String(other === button)); });
+          const wanted = groups.map(function (one) { return [one.dataset.place, one.querySelector("[aria-pressed=true]").dataset.filter]; });
+          box.querySelectorAll("tr[data-row]").forEach(function (row) {
+            const fits = wanted.every(function (pair) { return pair[1] === "" || row.getAttribute("data-word-" + pair[0]) === pair[1]; });
+            row.classList.toggle("off", !fits);
+          });
         });
       });
     });
+  });
+  document.querySelectorAll("details").forEach(function (part) {
+    part.addEventListener("toggle", function () { part.querySelectorAll(".plot").forEach(function (box) { if (part.open) { draw(box); } }); });
   });
 
   const links = new Map(Array.from(document.querySelectorAll("nav a")).map(function (a) { return [a.getAttribute("href").slice(1), a]; }));

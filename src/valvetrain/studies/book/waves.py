@@ -105,11 +105,12 @@ def end_impact() -> list[Row]:
 @book_case()
 def energy_balance() -> list[Row]:
     """Work done on the spring less what is stored and lost, over runs with clash, relative to all work that crossed the retainer."""
+    from valvetrain.studies.spring_runs import retainer_motion
+
     from valvetrain.cam.build import build_lift_law
     from valvetrain.parameters.loading import load_case
     from valvetrain.springs.finite_element import FiniteElementRod
     from valvetrain.springs.finite_element_channels import rod_channels
-    from valvetrain.studies.spring_runs import retainer_motion
 
     rows = []
     for name in ("job-c", "gu2021-beehive"):

@@ -1,0 +1,226 @@
+"""The answer of a study in the terminal: what a user asks first, then published values where there are any, then where it all lies."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from valvetrain.cli.tables import plain_table
+from valvetrain.parameters.words import number
+from valvetrain.report.headlines import HeadlineColumn, HeadlineRow, clashes_of, headline_columns, headline_rows
+from valvetrain.report.words import rpm
+from valvetrain.solution.definition import label_of
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    from valvetrain.solution.comparison import Comparison
+    from valvetrain.solution.event import Event
+    from valvetrain.solution.study import Study
+
+#: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
+BESIDE, BELOW = 4, 24
+#: What a sweep answers: where control is lost, then the worst of each, with the engine speed but for :data:`NO_SPEED`.
+CONTROL = ("contact_loss_engine_speed", "float_engine_speed")
+SWEPT = (
+    *CONTROL, "rigid_contact_loss_engine_speed", "peak_spring_force", "minimum_spring_force", "coil_bind_clearance", "surge_frequency",
+    "surge_amplitude_force", "clash_count", "clash_energy", "seating_velocity", "bounce_count", "lift_loss_displacement",
+    "peak_shear_stress", "nominal_peak_shear_stress",
+)  # fmt: skip
+NO_SPEED = ("coil_bind_clearance", "surge_frequency")
+#: Of many runs, what is said once for all of them.
+OF_THE_CASE = (*NO_SPEED, "rigid_contact_loss_engine_speed")
+#: Answers of the page that the terminal leaves out: they stand in other rows, or decide nothing.
+ON_PAGE_ONLY = ("largest_clash_impulse", "nearest_lift_harmonic_lift")
+#: Of many runs, what is shown of each.
+BRIEF = (
+    "peak_spring_force", "minimum_spring_force", "clash_count", "clash_energy", "surge_amplitude_force", "seating_velocity", "bounce_count",
+    "loss_of_contact_duration", "peak_shear_stress", "nominal_peak_shear_stress",
+)  # fmt: skip
+
+
+def show_study(console: Console, study: Study, folder: Path, page: Path | None, published: bool = False) -> None:
+    """Print the answer of a study; with ``published`` every comparison, finding and note in full."""
+    console.print(study.record.title or study.record.name)
+    for table in _tables(study):
+        console.print()
+        console.print(table)
+    _show_published(console, study, published)
+    console.print(f"\nresults  {folder}", soft_wrap=True)
+    if page is not None:
+        console.print(f"report   {page}", soft_wrap=True)
+
+
+def _tables(study: Study) -> Iterator[Table]:
+    columns, rows = headline_columns(study), headline_rows(study)
+    if len(study.rest) > 1 or not study.solutions:
+        yield from _rest_tables(study)
+    if study.command == "sweep":
+        for first in range(0, len(columns), BESIDE):
+            yield _over_speeds(study, columns[first : first + BESIDE], rows, first)
+    elif len(columns) <= BESIDE:
+        if rows:
+            yield _side_by_side(study, columns, rows)
+    else:
+        same = [(row.words, row.unit, _range(row.values)) for row in rows if row.name in OF_THE_CASE]
+        if same:
+            yield plain_table(("", "", ""), same)
+        yield _by_run(columns, [row for row in rows if row.name in BRIEF], "run")
+
+
+def _side_by_side(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow]) -> Table:
+    """A row per question, a column per run; the largest clash of each run below the number of clashes."""
+    speeds = ("" if column.engine_speed is None else f"\n{rpm(column.engine_speed):g} rpm" for column in columns)
+    headers = ["", "", *(column.label + words for column, words in zip(columns, speeds, strict=True))]
+    table = plain_table(headers, (), right=range(2, len(headers)))
+    table.columns[0].no_wrap = table.columns[1].no_wrap = True
+    clashes = [_largest_clash(study, column) for column in columns]
+    for row in rows:
+        if row.name not in ON_PAGE_ONLY:
+            table.add_row(row.words, row.unit, *map(_words, row.values))
+        if row.name == "clash_count":
+            for words, unit, cells in _clash_rows(clashes):
+                table.add_row(words, unit, *cells)
+    return table
+
+
+def _over_speeds(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], first: int) -> Table:
+    """A row per question, a column per label with its worst value and the engine speed (rpm) where that stands; ``first``: its column."""
+    table = plain_table(("", "", *(column.label for column in columns)), (), right=range(2, 2 + len(columns)))
+    table.columns[0].no_wrap = table.columns[1].no_wrap = True
+    known = {row.name: row for row in rows}
+    trains = any("float_excess_lift" in run.quantities for run in study.solutions)
+    for name in SWEPT:
+        row = known.get(name)
+        if row is not None:
+            pairs = zip(row.values[first : first + len(columns)], row.engine_speeds[first : first + len(columns)], strict=True)
+            missing = "never" if name in CONTROL and trains else "–"
+            still = name in NO_SPEED
+            cells = [missing if value is None else _at_speed(value, None if still else speed) for value, speed in pairs]
+            table.add_row(row.words, row.unit, *cells)
+        elif name in CONTROL and trains:
+            table.add_row(label_of(name).capitalize(), "rpm", *("never" for _ in columns))
+    speeds = [study.runs(column.label) for column in columns]
+    unsettled = [sum(run.status.code == "not-converged" for run in runs) for runs in speeds]
+    table.add_row("Engine speeds run", "", *(str(len(runs)) for runs in speeds))
+    if any(unsettled):
+        table.add_row("  that did not settle", "", *map(str, unsettled))
+    return table
+
+
+def _by_run(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], noun: str) -> Table:
+    """A row per run, a column per question."""
+    timed = any(column.engine_speed is not None for column in columns)
+    headers = [noun, *(["rpm"] if timed else []), *(f"{row.words}{f' ({row.unit})' if row.unit else ''}" for row in rows)]
+    table = plain_table(headers, (), right=range(1, len(headers)))
+    for place in range(1 + timed):
+        table.columns[place].no_wrap = True
+    for place, column in enumerate(columns[:BELOW]):
+        speed = [] if not timed else [f"{rpm(column.engine_speed):g}" if column.engine_speed is not None else ""]
+        table.add_row(column.label, *speed, *(_at_speed(row.values[place], row.engine_speeds[place]) for row in rows))
+    if len(columns) > BELOW:
+        table.add_row(f"and {len(columns) - BELOW} more")
+    return table
+
+
+def _largest_clash(study: Study, column: HeadlineColumn) -> Event | None:
+    if column.engine_speed is None:
+        return None
+    return next(iter(clashes_of(study.solution(column.label, column.engine_speed))), None)
+
+
+def _clash_rows(clashes: Sequence[Event | None]) -> Iterator[tuple[str, str, list[str]]]:
+    """Coils, angle, impulse and energy of the largest clash of every run."""
+    if not any(clashes):
+        return
+    pairs = ["–" if one is None else f"{one.details.get('lower_coil', '?')}–{one.details.get('upper_coil', '?')}" for one in clashes]
+    yield "  largest: coils", "", pairs
+    yield "  at cam angle", "deg", ["–" if one is None else _words(one.cam_angle * 57.29577951308232 % 360) for one in clashes]
+    for name, unit, factor in (("impulse", "mN s", 1e3), ("energy", "mJ", 1e3)):
+        values = [None if one is None else one.details.get(name) for one in clashes]
+        if any(value is not None for value in values):
+            yield f"  {name}", unit, [_words(None if value is None else float(value) * factor) for value in values]
+
+
+def _rest_tables(study: Study) -> Iterator[Table]:
+    """Springs at rest by each model: force and rate as installed, first axial modes; with the difference from the first model."""
+    reference, several = study.rest[0] if study.rest else None, len({one.spring for one in study.rest})
+    rows = []
+    for one in study.rest:
+        force = rate = None
+        if one.curve is not None and one.curve.compression[0] <= one.precompression <= one.curve.compression[-1]:
+            force, rate = one.curve.force_at(one.precompression), one.curve.stiffness_at(one.precompression) * 1e-3
+        modes = [float(value) for value in one.modes.axial_frequencies[:3]] if one.modes is not None else []
+        cells = [force, rate, *modes, *[None] * (3 - len(modes))]
+        if one is reference:
+            first = cells
+        compared = (
+            [] if one is reference or one.spring != study.rest[0].spring else [_percent(*pair) for pair in zip(cells, first, strict=True)]
+        )
+        words = [_words(value) + (f" ({share})" if share else "") for value, share in zip(cells, compared or [""] * 5, strict=True)]
+        rows.append((one.model if several == 1 else f"{one.spring}, {one.model}", *words))
+    if rows:
+        table = plain_table(("at rest", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)"), rows, right=range(1, 6))
+        table.columns[0].no_wrap = True
+        yield table
+
+
+def _percent(value: float | None, reference: float | None) -> str:
+    from valvetrain.report.words import percent
+
+    return "" if value is None or not reference else percent(value / reference - 1)
+
+
+def _show_published(console: Console, study: Study, whole: bool) -> None:
+    """A line on published values, and one on findings and notes; or all of them."""
+    from valvetrain.cli.published import show_comparisons
+
+    if study.comparisons:
+        console.print(f"\n{published_words(study.comparisons)}", soft_wrap=True)
+    more = [
+        f"{len(found)} {noun}{'s' if len(found) > 1 else ''}"
+        for found, noun in ((study.findings, "finding"), (study.notes, "note"))
+        if found
+    ]
+    if not whole:
+        if study.comparisons or more:
+            console.print(f"{' and '.join(more) + ' in the report; ' if more else ''}--published prints all of it", soft_wrap=True)
+        return
+    if study.comparisons:
+        show_comparisons(console, study.comparisons)
+    for item in study.findings:
+        console.print(f"\n{item.place}: {item.statement}\n  computed: {item.computed}\n  verdict:  {item.verdict}", soft_wrap=True)
+    for note in study.notes:
+        console.print(f"\n{note}", soft_wrap=True)
+
+
+def published_words(rows: Sequence[Comparison]) -> str:
+    """One sentence: how many published values, the median and the largest difference, and how many stated tolerances are met."""
+    from valvetrain.report.words import percent, speed_words
+
+    known = [(abs(row.relative_difference), row) for row in rows if row.relative_difference is not None and row.unit != "deg"]
+    judged = [row for row in rows if row.verdict.startswith(("within", "misses"))]
+    met = sum(row.verdict.startswith("within") for row in judged)
+    text = f"{len(rows)} published value{'s' if len(rows) > 1 else ''}"
+    if known:
+        worst, row = max(known, key=lambda pair: pair[0])
+        place = "" if row.engine_speed is None else f" at {speed_words(row.engine_speed)}"
+        median = percent(statistics.median(share for share, _ in known)).lstrip("+")
+        text += f": median difference {median}, largest {percent(worst).lstrip('+')} ({label_of(row.quantity)}{place})"
+    return text + (f"; {met} of {len(judged)} stated tolerances met" if judged else "")
+
+
+def _at_speed(value: float | None, engine_speed: float | None) -> str:
+    return _words(value) + ("" if engine_speed is None else f" at {rpm(engine_speed):g}")
+
+
+def _range(values: Sequence[float | None]) -> str:
+    """One value, or the least and the largest of several."""
+    return " to ".join(dict.fromkeys(map(_words, (min(known), max(known)) if (known := [v for v in values if v is not None]) else (None,))))
+
+
+def _words(value: float | None) -> str:
+    return number(value, 4)

@@ -1,0 +1,88 @@
+"""``valvetrain modes``: natural frequencies about a compressed state."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from valvetrain.cli.options import (
+    CaseArgument,
+    ElementsOption,
+    JsonOption,
+    QuietOption,
+    SetOption,
+    SpringOption,
+    SpringSetOption,
+    read_count,
+    read_length,
+    read_models,
+    read_words,
+)
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from valvetrain.cli.outcome import Outcome
+    from valvetrain.parameters.case import Case
+    from valvetrain.solution.study import Study
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("modes")(modes)
+
+
+def modes(
+    case: CaseArgument,
+    count: Annotated[int, typer.Option("--count", metavar="N", help="Number of modes, lowest first.")] = 24,
+    compression: Annotated[
+        str | None, typer.Option("--compression", metavar="LENGTH", help="State they are about, such as '7 mm' (default: as installed).")
+    ] = None,
+    spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
+    as_json: JsonOption = False, quiet: QuietOption = False,
+) -> None:  # fmt: skip
+    """Natural frequencies about the installed state, both ends fixed, coils that touch kept together."""
+    from valvetrain.cli.case_choice import choose_case
+    from valvetrain.cli.outcome import deliver
+
+    chosen = choose_case(case, settings, elements_per_coil)
+    read_count(count, 1, 400, "--count")
+    deliver(compute_modes(chosen, read_models(spring), read_words(spring_set), count, read_length(compression, "--compression")))
+
+
+def compute_modes(
+    case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], count: int, compression: float | None = None
+) -> Outcome:  # fmt: skip
+    """The ``count`` lowest modes of every spring about ``compression`` (m from the free state; None: as installed)."""
+    from valvetrain.cli.outcome import Outcome
+    from valvetrain.cli.progress import announce_compilation, progress_bar
+    from valvetrain.report.json import study_json
+    from valvetrain.studies.rest_study import rest_study
+
+    announce_compilation("statics")
+    with progress_bar("modes") as report:
+        study = rest_study(
+            case, spring_models, spring_sets=spring_sets, command="modes", compression=compression, modes=count, progress=report
+        )  # fmt: skip
+    return Outcome(study_json(study), lambda console: _show(console, study), study.failures)
+
+
+def _show(console: Console, study: Study) -> None:
+    from valvetrain.cli.tables import plain_table
+    from valvetrain.parameters.words import number
+
+    console.print(study.record.title or study.record.name)
+    for one in study.rest:
+        console.print()
+        if one.modes is None:
+            console.print(f"{one.spring} by {one.model}: no inner motion, so no modes")
+            continue
+        names = {place: f"axial mode {index}" for index, place in enumerate(one.modes.axial_modes, start=1)}
+        shares = [f"{share:+.3f}".replace("-", "−") for share in one.modes.axial_transmission]
+        rows = [
+            (str(place + 1), number(float(frequency), 5), shares[place], names.get(place, ""))
+            for place, frequency in enumerate(one.modes.natural_frequency)
+        ]
+        title = f"{one.spring} by {one.model}, at {number(one.modes.compression * 1e3)} mm compression"
+        console.print(plain_table(("mode", "frequency (Hz)", "axial transmission", ""), rows, title, right=(0, 1, 2)))

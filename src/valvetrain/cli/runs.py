@@ -1,0 +1,91 @@
+"""``valvetrain runs`` lists the runs that were kept."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from valvetrain.cli.options import JsonOption, QuietOption
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from valvetrain.studies.run_store import KeptRun
+
+RootOption = Annotated[Path, typer.Option("--folder", metavar="FOLDER", help="Folder that runs are kept in.")]
+#: Numbers that stand for a run in the list: the first of them that it has, the largest where it has several.
+HEADLINES = ("peak_spring_force", "peak_retainer_force", "float_engine_speed", "preload")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("runs")(runs)
+
+
+def runs(
+    case: Annotated[str | None, typer.Argument(metavar="[CASE]", help="List the runs of this case only.", show_default=False)] = None,
+    folder: RootOption = Path("runs"), as_json: JsonOption = False, quiet: QuietOption = False,
+) -> None:  # fmt: skip
+    """List the runs that were kept, newest first."""
+    from valvetrain.cli.outcome import Outcome, deliver
+    from valvetrain.studies.run_store import kept_runs
+
+    found = kept_runs(case or "", folder)
+    data = {"command": "runs", "runs": [_run_object(run) for run in found]}
+    deliver(Outcome(data, lambda console: _show(console, found, folder)))
+
+
+def _run_object(run: KeptRun) -> dict[str, Any]:
+    choices = run.answer.get("choices", {})
+    return {
+        "created_at": run.created_at, "case": run.case, "digest": run.digest, "asked": run.answer.get("command"),
+        "spring_models": choices.get("spring_models", []), "engine_speeds": {"values": choices.get("engine_speeds", []), "unit": "rpm"},
+        "completed": run.answer.get("completed"), "headline": headline(run.answer), "folder": str(run.folder),
+    }  # fmt: skip
+
+
+def headline(answer: Any) -> dict[str, Any] | None:
+    """The number that stands for a run: ``quantity``, ``value`` and ``unit`` (SI); None where it has none of :data:`HEADLINES`."""
+    still = (answer.get("quantities", {}), *answer.get("quantities_by_label", {}).values())
+    sets = (*(run.get("quantities", {}) for run in answer.get("runs", ())), *still)
+    for name in HEADLINES:
+        values = [found[name] for found in sets if isinstance(found, dict) and isinstance(found.get(name), dict)]
+        values = [item for item in values if isinstance(item.get("value"), (int, float))]
+        if values:
+            return {"quantity": name, **max(values, key=lambda item: item["value"])}
+    return None
+
+
+def _show(console: Console, found: tuple[KeptRun, ...], folder: Path) -> None:
+    from valvetrain.cli.tables import plain_table
+
+    if not found:
+        console.print(f"no runs under '{folder}'; 'valvetrain run CASE' makes one")
+        return
+    headers = ("time (UTC)", "case", "digest", "asked", "models", "rpm", "ended", "headline")
+    table = plain_table(headers, map(_row, found))
+    for place in range(4):
+        table.columns[place].no_wrap = True
+    console.print(table)
+    console.print("\n'valvetrain compare-runs A B' compares two by digest or folder; 'valvetrain run FOLDER' repeats one.", soft_wrap=True)
+
+
+def _row(run: KeptRun) -> tuple[str, ...]:
+    from valvetrain.parameters.words import number
+    from valvetrain.solution.definition import label_of, shown
+
+    choices, best = run.answer.get("choices", {}), headline(run.answer)
+    speeds = choices.get("engine_speeds", [])
+    words = "–" if not speeds else f"{speeds[0]:g}" if len(speeds) == 1 else f"{speeds[0]:g} to {speeds[-1]:g} ({len(speeds)})"
+    models = choices.get("spring_models", [])
+    told = ""
+    if best is not None:
+        value, unit = shown(best["quantity"], best["value"])
+        told = f"{label_of(best['quantity'])} {number(value)} {unit}".strip()
+    return (
+        run.created_at[5:16].replace("T", " "), run.case, run.digest, str(run.answer.get("command", "")),
+        ", ".join(models[:2]) + (f" +{len(models) - 2}" if len(models) > 2 else ""), words,
+        "completed" if run.answer.get("completed") else "failed", told,
+    )  # fmt: skip

@@ -1,0 +1,116 @@
+"""The answers a user asks for first, in their order: one table that the terminal, JSON readers and the page's first screen share."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from valvetrain.report.words import speed_words
+from valvetrain.solution.definition import definition_of, label_of, shown
+from valvetrain.solution.event import Event
+from valvetrain.solution.result import Solution
+from valvetrain.solution.study import Study
+
+#: Topic -> quantities in the order in which they are answered.
+TOPICS: dict[str, tuple[str, ...]] = {
+    "Spring force and coil bind": (
+        "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force",
+        "coil_bind_clearance", "outer_coil_bind_clearance", "inner_coil_bind_clearance",
+    ),
+    "Surge": (
+        "surge_frequency", "outer_surge_frequency", "inner_surge_frequency", "surge_cam_order", "nearest_lift_harmonic_order",
+        "nearest_lift_harmonic_lift", "surge_amplitude_force",
+    ),
+    "Coil clash": ("clash_count", "clash_energy", "largest_clash_impulse"),
+    "Seating and contact": (
+        "seating_velocity", "bounce_height", "bounce_count", "loft_gap", "loss_of_contact_duration", "lift_loss_displacement",
+    ),
+    "Wire stress": ("peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress"),
+    "Loss of control": ("contact_loss_engine_speed", "float_engine_speed", "rigid_contact_loss_engine_speed"),
+}  # fmt: skip
+#: Numbers that belong to one engine speed and have no worst value over several.
+OF_ONE_SPEED = ("surge_cam_order", "nearest_lift_harmonic_order", "nearest_lift_harmonic_lift")
+#: Clashes that are named one by one, per run.
+NAMED_CLASHES = 5
+
+
+@dataclass(frozen=True, slots=True)
+class HeadlineColumn:
+    """A run, or, in a sweep, all runs of a label (``engine_speed`` None)."""
+
+    label: str
+    engine_speed: float | None = None
+
+    @property
+    def words(self) -> str:
+        """Label and engine speed."""
+        return self.label if self.engine_speed is None else f"{self.label}, {speed_words(self.engine_speed)}"
+
+
+@dataclass(frozen=True, slots=True)
+class HeadlineRow:
+    """One quantity over the columns: ``values`` in ``unit`` (None where not given).
+
+    ``engine_speeds`` (rad/s): where a sweep has the worst value of each column, None where that does not apply.
+    """
+
+    topic: str
+    name: str
+    words: str
+    unit: str
+    values: tuple[float | None, ...]
+    engine_speeds: tuple[float | None, ...]
+
+
+def headline_columns(study: Study) -> tuple[HeadlineColumn, ...]:
+    """Runs by label and engine speed; in a sweep labels only; without runs the labels of what was found at rest."""
+    if not study.solutions:
+        return tuple(HeadlineColumn(label) for label in study.still)
+    if study.command == "sweep":
+        return tuple(HeadlineColumn(label) for label in study.labels)
+    return tuple(HeadlineColumn(label, run.engine_speed) for label in study.labels for run in study.runs(label))
+
+
+def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
+    """What a user asks first, topic by topic; a sweep gives the worst value of each label and the engine speed where it stands."""
+    columns = headline_columns(study)
+    rows = []
+    for topic, names in TOPICS.items():
+        for name in names:
+            found = [_value(study, column, name) for column in columns]
+            if name.startswith("nominal_"):
+                better = [_value(study, column, name.removeprefix("nominal_"))[0] for column in columns]
+                found = [one if known is None else (None, None) for one, known in zip(found, better, strict=True)]
+            if any(value is not None for value, _ in found):
+                values, speeds = zip(*found, strict=True)
+                words, unit = label_of(name), definition_of(name).shown_unit
+                rows.append(HeadlineRow(topic, name, words[:1].upper() + words[1:], unit, values, speeds))
+    return tuple(rows)
+
+
+def clashes_of(run: Solution) -> tuple[Event, ...]:
+    """All coil clashes of a run, the one of most energy (or else the hardest) first."""
+    mine = (event for event in run.events if event.kind == "clash")
+    return tuple(sorted(mine, key=lambda event: (-_detail(event, "energy"), -_detail(event, "impulse"), event.time)))
+
+
+def _detail(event: Event, name: str) -> float:
+    value = event.details.get(name, 0.0)
+    return float(value) if isinstance(value, (int, float)) else 0.0
+
+
+def _value(study: Study, column: HeadlineColumn, name: str) -> tuple[float | None, float | None]:
+    """A quantity of a column in its shown unit and, in a sweep, the engine speed of its worst value."""
+    runs = [run for run in study.runs(column.label) if column.engine_speed in (None, run.engine_speed)]
+    known = [(run.quantities[name], run.engine_speed) for run in runs if math.isfinite(run.quantities.get(name, math.nan))]
+    if known:
+        least = definition_of(name).sense == "larger is better"
+        value, speed = (min if least else max)(known, key=lambda pair: pair[0])
+        several = column.engine_speed is None and len({one for one, _ in known}) > 1
+        return (None, None) if several and name in OF_ONE_SPEED else (float(shown(name, value)[0]), speed if several else None)
+    models = (run.model for run in runs)
+    for label in dict.fromkeys((column.label, *models, "")):
+        value = study.still.get(label, {}).get(name, math.nan)
+        if math.isfinite(value):
+            return float(shown(name, value)[0]), None
+    return None, None

@@ -1,0 +1,120 @@
+"""A study as one JSON shape, whatever was studied: numbers as value and unit, SI but the engine speed (rpm of the crank)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from valvetrain.report.words import rpm
+from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.definition import definition_of
+from valvetrain.solution.event import Event
+from valvetrain.solution.quantity import unit_of
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.status import Status
+from valvetrain.solution.study import Study
+
+#: Units of an event's details.
+_DETAIL_UNITS = {"impulse": "N s", "energy": "J", "peak_cam_angle": "rad", "upper_coil": "1", "lower_coil": "1"}
+
+
+def measured(value: float | None, unit: str) -> dict[str, Any]:
+    """``{"value", "unit"}``; null for what could not be computed."""
+    return {"value": None if value is None or not math.isfinite(value) else float(value), "unit": unit}
+
+
+def quantities_object(values: Mapping[str, float]) -> dict[str, Any]:
+    """Named SI quantities by name."""
+    return {name: measured(value, definition_of(name).si_unit) for name, value in values.items()}
+
+
+def engine_speed_object(engine_speed: float | None) -> dict[str, Any] | None:
+    """A crank speed (rad/s) as rpm, null where none applies."""
+    return None if engine_speed is None else measured(rpm(engine_speed), "rpm")
+
+
+def status_object(status: Status) -> dict[str, Any]:
+    """How something ended."""
+    if status.completed:
+        return {"code": status.code}
+    words = {"message": status.message, "where": status.where, "remedy": status.remedy}
+    return {"code": status.code, "time": measured(status.time, "s"), **words}
+
+
+def comparison_object(row: Comparison) -> dict[str, Any]:
+    """Computed beside given."""
+    unit = unit_of(row.quantity)
+    values = {name: getattr(row, name) for name in ("published", "computed", "difference", "tolerance")}
+    return {
+        "quantity": row.quantity, "engine_speed": engine_speed_object(row.engine_speed), "model": row.model, "published_by": row.origin,
+        "role": row.role, **{name: None if value is None else measured(value, unit) for name, value in values.items()},
+        "verdict": row.verdict, "source": row.source,
+    }  # fmt: skip
+
+
+def study_json(study: Study) -> dict[str, Any]:
+    """The study as plain dictionaries and lists, keys as in docs/quantities.md."""
+    still = {label: quantities_object(values) for label, values in study.still.items()}
+    return {
+        "command": study.command, "case": study.record.name, "title": study.record.title, "digest": study.record.digest,
+        "changed": list(study.record.changed), "completed": not study.failures, "failures": list(study.failures),
+        "quantities": still.pop("", {}), "quantities_by_label": still, "springs_at_rest": [_rest_object(one) for one in study.rest],
+        "runs": [_run_object(run) for run in study.solutions], "comparisons": [comparison_object(row) for row in study.comparisons],
+        "findings": [{name: getattr(one, name) for name in ("place", "statement", "computed", "verdict")} for one in study.findings],
+        "notes": list(study.notes), "cite": list(dict.fromkeys((*study.record.citations, *study.provenance.citations, *_cited(study)))),
+    }  # fmt: skip
+
+
+def _cited(study: Study) -> tuple[str, ...]:
+    return tuple(reference for run in study.solutions for reference in run.cite())
+
+
+def _run_object(run: Solution) -> dict[str, Any]:
+    return {
+        "label": run.label, "model": run.model, "spring_set": run.spring_set, "engine_speed": engine_speed_object(run.engine_speed),
+        "status": status_object(run.status), "quantities": quantities_object(run.quantities),
+        "clash_count": measured(run.quantities.get("clash_count", sum(event.kind == "clash" for event in run.events)), "1"),
+        "events": [_event_object(event) for event in run.events],
+        "options": {name: _plain(value) for name, value in run.provenance.options.items()},
+        "statistics": {name: _plain(value) for name, value in run.statistics.items()},
+    }  # fmt: skip
+
+
+def _event_object(event: Event) -> dict[str, Any]:
+    details = {
+        name: measured(float(value), _DETAIL_UNITS[name]) if name in _DETAIL_UNITS and not isinstance(value, str) else _plain(value)
+        for name, value in event.details.items()
+    }
+    return {
+        "kind": event.kind, "where": event.where, "cam_angle": measured(event.cam_angle, "rad"), "time": measured(event.time, "s"),
+        "duration": measured(event.duration, "s"), "size": measured(event.size, event.unit), "details": details,
+    }  # fmt: skip
+
+
+def _rest_object(one: SpringAtRest) -> dict[str, Any]:
+    found: dict[str, Any] = {"spring": one.spring, "model": one.model, "precompression": measured(one.precompression, "m")}
+    if one.curve is not None:
+        curve = {"compression": (one.curve.compression, "m"), "force": (one.curve.force, "N"), "stiffness": (one.curve.stiffness, "N/m")}
+        found["static_curve"] = {"status": status_object(one.curve.status)} | {
+            name: {"values": np.asarray(values, dtype=float).tolist(), "unit": unit} for name, (values, unit) in curve.items()
+        }
+    if one.modes is not None:
+        axial = {mode: place for place, mode in enumerate(one.modes.axial_modes, start=1)}
+        found["modes"] = {"status": status_object(one.modes.status), "compression": measured(one.modes.compression, "m")} | {
+            "modes": [
+                {"mode": place + 1, "natural_frequency": measured(float(value), "Hz"), "axial": axial.get(place),
+                 "axial_transmission_ratio": measured(float(one.modes.axial_transmission[place]), "1")}
+                for place, value in enumerate(one.modes.natural_frequency)
+            ]
+        }  # fmt: skip
+    return found
+
+
+def _plain(value: object) -> Any:
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value

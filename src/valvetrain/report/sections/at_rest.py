@@ -1,0 +1,141 @@
+"""Springs at rest by every model: static curve with installed, open and bind marked, natural frequencies and modes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from valvetrain.report import theme
+from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule, thin
+from valvetrain.report.page import Block, Cell, Grid, SectionSpec, figure_or_gap, text
+from valvetrain.report.words import number
+from valvetrain.solution.static import SpringAtRest, StaticCurve
+from valvetrain.solution.study import Study
+
+MOST_SHAPES, MOST_MODES = 4, 6
+_COMPRESSION = "compression from the free length (mm)"
+
+
+def blocks(study: Study) -> tuple[Block, ...]:
+    """Per spring: curves of all models, their frequencies side by side, mode shapes."""
+    found: list[Block] = []
+    springs = tuple(dict.fromkeys(one.spring for one in study.rest))
+    for place, spring in enumerate(springs, start=1):
+        mine = [one for one in study.rest if one.spring == spring]
+        whose = f", {spring} spring" if len(springs) > 1 else ""
+        found += figure_or_gap(f"Static curve{whose}", static_chart, study, mine, f"static-{place}", f"Static curve{whose}")
+        found += frequency_grid(mine, whose)
+        found += figure_or_gap(f"Natural modes{whose}", modes_chart, mine, f"modes-{place}", f"Natural modes{whose}")
+        for one in mine:
+            for word, part in (("static curve", one.curve), ("modes", one.modes)):
+                if part is not None and not part.status.completed:
+                    found.append(text(f"{theme.model_words(one.model)}{whose}, {word}: {part.status.sentence()}", "note"))
+    return tuple(found)
+
+
+def marked_compressions(study: Study, rest: SpringAtRest) -> dict[str, float]:
+    """Compressions (m) of the installed state, at the largest lift and at coil bind, those that are known."""
+    found = {"installed": rest.precompression} if rest.precompression else {}
+    lifts = [float(np.max(run.channel("valve_lift"))) for run in study.solutions if run.has("valve_lift") and run.channels.sizes["sample"]]
+    lifts += [value for key, value in study.quantities.items() if key.name in ("maximum_lift", "rigid_maximum_valve_lift")]
+    if lifts:
+        found["open"] = rest.precompression + max(lifts)
+    names = (f"{rest.spring}_coil_bind_lift", "coil_bind_lift")
+    bind = next((value for name in names for key, value in study.quantities.items() if key.name == name and np.isfinite(value)), None)
+    return found if bind is None else found | {"bind": rest.precompression + bind}
+
+
+def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str) -> Chart | None:
+    """Force and tangent stiffness by model, and, of several models, the difference in force from the first."""
+    known = [(one, one.curve) for one in members if one.curve is not None and len(one.curve.compression) > 1]
+    if not known:
+        return None
+    force: list[Layer] = []
+    stiffness: list[Layer] = []
+    apart: list[Layer] = []
+    for one, curve in known:
+        words, colour = theme.model_words(one.model), theme.model_colour(one.model)
+        force.append(Line(*thin(curve.compression * 1e3, curve.force), words, colour))
+        stiffness.append(Line(*thin(curve.compression * 1e3, curve.stiffness * 1e-3), words, colour, in_legend=False))
+        if one is not known[0][0]:
+            apart.append(Line(curve.compression * 1e3, difference(curve, known[0][1]), words, colour, in_legend=False))
+    rules = tuple(Rule("x", value * 1e3, word) for word, value in marked_compressions(study, known[0][0]).items())
+    every = np.concatenate([np.asarray(curve.stiffness, dtype=float) for _, curve in known]) * 1e-3
+    # The wall of the solid spring would flatten all else.
+    top = 1.08 * min(float(every.max()), 4 * float(np.median(every)))
+    panels = [
+        Panel(_COMPRESSION, "force (N)", tuple(force), "Force", rules=rules),
+        Panel(_COMPRESSION, "tangent stiffness (N/mm)", tuple(stiffness), "Stiffness", rules=rules, y_range=(0.0, top or 1.0)),
+    ]
+    if apart:
+        against = f"from the {theme.model_words(known[0][0].model)} (%)"
+        panels.append(Panel(_COMPRESSION, against, tuple(apart), "Difference in force", rules=rules))
+    caption = "Static compression from the free length. The stiffness rises where coils come to lie on the ones below."
+    return Chart(key, title, caption, tuple(panels), 2, 350 * (-(-len(panels) // 2)) + 20, len(known) > 1)
+
+
+def difference(curve: StaticCurve, reference: StaticCurve) -> np.ndarray:
+    """Difference (%) of the force from that of ``reference`` at the same compression; nan where that has none."""
+    base = np.interp(curve.compression, reference.compression, reference.force, left=np.nan, right=np.nan)
+    return 100 * (np.asarray(curve.force) / np.where(base > 0, base, np.nan) - 1)
+
+
+def frequency_grid(members: list[SpringAtRest], whose: str = "") -> tuple[Block, ...]:
+    """Axial natural frequencies (Hz) by model, with the difference (%) from the first."""
+    known = [(one.model, one.modes.axial_frequencies) for one in members if one.modes is not None and len(one.modes.axial_modes)]
+    if not known:
+        return ()
+    headers, rows = ["axial mode", f"{theme.model_words(known[0][0])} (Hz)"], []
+    for model, _ in known[1:]:
+        headers += [f"{theme.model_words(model)} (Hz)", "difference (%)"]
+    for place in range(min(max(len(values) for _, values in known), MOST_MODES)):
+        given = [float(values[place]) if place < len(values) else None for _, values in known]
+        cells = [Cell(str(place + 1)), Cell(number(given[0]), "number")]
+        for value in given[1:]:
+            apart = None if given[0] is None or value is None else 100 * (value / given[0] - 1)
+            cells += [Cell(number(value), "number"), Cell(number(apart, 2), "number quiet")]
+        rows.append((tuple(cells), ()))
+    return (Grid(tuple(headers), tuple(rows), caption=f"Axial natural frequencies about the installed state, both ends held{whose}."),)
+
+
+def modes_chart(members: list[SpringAtRest], key: str, title: str) -> Chart | None:
+    """Axial mode shapes of each model that gives them, and how much axial force each mode carries from end to end."""
+    panels = []
+    for one in members:
+        result, lines = one.modes, []
+        if result is None or not len(result.natural_frequency):
+            continue
+        words = theme.model_words(one.model)
+        for place, (mode, colour) in enumerate(zip(result.axial_modes[:MOST_SHAPES], theme.SERIES, strict=False), start=1):
+            shape = np.asarray(result.shape)[mode, :, 2]
+            largest = shape[np.argmax(np.abs(shape))] if len(shape) else 0.0
+            if largest:
+                lines.append(Line(*thin(np.asarray(result.coil_number), shape / largest), f"mode {place}", colour))
+        if lines:
+            x_label = "coil number (turns from the lower end)"
+            panels.append(Panel(x_label, "axial part, largest 1", tuple(lines), f"Shapes, {words}", y_range=(-1.15, 1.15)))
+        panels.append(_carried(one, words))
+    caption = (
+        "Modes about the installed state, both ends held. Axial modes carry force from end to end, found by the residue of the axial force "
+        "transmission."
+    )
+    return Chart(key, title, caption, tuple(panels), 2, 300 * (-(-len(panels) // 2)) + 20) if panels else None
+
+
+def _carried(one: SpringAtRest, words: str) -> Panel:
+    result = one.modes
+    assert result is not None
+    share = np.abs(np.asarray(result.axial_transmission, dtype=float))
+    share = share / max(float(share.max(initial=0.0)), 1e-300)
+    axial, found = np.isin(np.arange(len(share)), result.axial_modes), np.asarray(result.natural_frequency, dtype=float)
+    layers: list[Layer] = []
+    for name, mine, colour in (("other mode", ~axial, theme.MUTED), ("axial mode", axial, theme.SERIES[0])):
+        if np.any(mine):
+            hints = tuple(f"{number(value)} Hz, {name}" for value in found[mine])
+            layers.append(Marks(found[mine], share[mine], name, colour, size=8, filled=True, hints=hints))
+    top = float((found[axial] if np.any(axial) else found).max()) * 1.12
+    return Panel(
+        "natural frequency (Hz)", "force carried, largest 1", tuple(layers), f"Modes, {words}", x_range=(0, top), y_range=(0, 1.15)
+    )
+
+
+SPEC = SectionSpec("at-rest", "Spring at rest", blocks)

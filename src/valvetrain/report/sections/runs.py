@@ -1,0 +1,54 @@
+"""How everything was computed: status, options and statistics of each run, springs at rest, versions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from valvetrain.report import theme
+from valvetrain.report.figures.common import looks
+from valvetrain.report.page import Block, Cell, Details, Grid, SectionSpec, text
+from valvetrain.report.words import number, speed_words
+from valvetrain.solution.study import Study
+
+#: Rows up to which the table stands open.
+OPEN_ROWS = 12
+
+
+def blocks(study: Study) -> tuple[Block, ...]:
+    """A row per run and per spring at rest, then the versions behind them."""
+    known, rows = looks(study), []
+    for run in study.solutions:
+        state = Cell(run.status.sentence(), "good" if run.status.completed else "bad")
+        options = Cell(_facts({**run.provenance.options, **run.statistics}), "quiet long")
+        rows.append(((Cell(known[run.label].words), Cell(speed_words(run.engine_speed), "number"), state, options), ()))
+    for one in study.rest:
+        parts = [part.status for part in (one.curve, one.modes) if part is not None]
+        ended = next((status for status in parts if not status.completed), parts[0] if parts else None)
+        state = Cell("" if ended is None else ended.sentence(), "good" if ended is None or ended.completed else "bad")
+        facts = {**one.facts, "wall time (s)": one.wall_time} if one.wall_time else one.facts
+        rows.append(
+            ((Cell(theme.model_words(one.model)), Cell(f"at rest, {one.spring}", "number"), state, Cell(_facts(facts), "quiet long")), ())
+        )
+    source = next((run.provenance for run in study.solutions), study.provenance)
+    versions = {"valvetrain": source.package_version, "Python": source.python_version, **source.dependencies}
+    listed = ", ".join(f"{name} {version}" for name, version in versions.items() if version) or "not recorded"
+    digest = study.record.digest if study.record.text else source.case_digest
+    words = (
+        f"Versions: {listed}."
+        + (f" Case digest {digest}." if digest else "")
+        + (f" Computed {source.created_at}." if source.created_at else "")
+    )
+    grid = Grid(("run", "engine speed", "ended", "options and statistics"), tuple(rows))
+    shown: tuple[Block, ...] = (grid,) if len(rows) <= OPEN_ROWS else (Details(f"Options and statistics of {len(rows)} runs", (grid,)),)
+    return (*(shown if rows else ()), text(words, "quiet"))
+
+
+def _facts(facts: Mapping[str, float | int | str | bool | None]) -> str:
+    return ", ".join(f"{key.replace('_', ' ')} {_plain(value)}" for key, value in facts.items() if value is not None)
+
+
+def _plain(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else number(value) if isinstance(value, float) else str(value)
+
+
+SPEC = SectionSpec("runs", "How it was computed", blocks)

@@ -1,0 +1,104 @@
+"""The springs of a case at rest, by one model or several: what ``valvetrain static`` and ``valvetrain modes`` show."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.statics import rest_quantities
+from valvetrain.solution.provenance import collect_provenance
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.study import Study
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.spec import spring_model
+from valvetrain.studies.engine import Progress
+from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
+from valvetrain.system.build import build
+from valvetrain.system.problem import Problem
+
+#: What computes a spring at rest where nothing else is asked for: of a wire, of a card with and without a mass.
+WIRE, CARD, BARE = "finite-element", "modal-uniform", "massless"
+
+
+def rest_study(
+    case: Case, spring_models: Sequence[str] = (), *, spring_sets: Sequence[str] = (), command: str = "static",
+    largest_compression: float | None = None, compression: float | None = None, steps: int = 24, modes: int = 0,
+    progress: Progress | None = None,
+) -> Study:  # fmt: skip
+    """Static curve and natural frequencies of every spring of a case by each of ``spring_models`` (empty: the one that knows it best).
+
+    ``largest_compression`` (m from the free state): end of the curve, None for a little beyond full lift. ``compression`` (m): state that
+    the ``modes`` lowest modes are about, None for the installed one. Raises :class:`InputError` for a compression beyond coil bind and
+    for a model that cannot stand for a spring.
+    """
+    begun = time.perf_counter()
+    problem = build(case, spring_sets=spring_sets)
+    lift = _largest_lift(problem)
+    found: list[SpringAtRest] = []
+    for installed in problem.springs:
+        spring = installed if compression is None else _compressed(installed, compression)
+        reach = _reach(spring, lift, largest_compression)
+        words = tuple(spring_models) or (WIRE if spring.wire else CARD if spring.card and spring.card.mass else BARE,)
+        rest = None
+        for word in words:
+            spec = spring_model(word, "--spring")
+            if reason := spec.why_not(spring):
+                raise InputError(reason, "--spring")
+            if spec.needs_rest and rest is None:
+                rest = _by_rod(spring, reach, steps, max(modes, 8))
+            one = _by_rod(spring, reach, steps, modes) if word == WIRE else rest_by_model(
+                spring, word, np.linspace(0.0, reach, steps + 1), rest, modes
+            )  # fmt: skip
+            found.append(one)
+            if progress is not None:
+                progress(len(found) / (len(problem.springs) * len(words)), f"{spring.name} by {word}")
+    still = {"" if len(found) == 1 else f"{one.spring}, {one.model}": rest_quantities(one) for one in found}
+    record = problem.record
+    origin = collect_provenance(record.name, ", ".join(dict.fromkeys(one.model for one in found)), citations=record.citations)
+    return Study(record, command, (), tuple(found), still, provenance=origin, wall_time=time.perf_counter() - begun)
+
+
+def _by_rod(spring: InstalledSpring, reach: float, steps: int, modes: int) -> SpringAtRest:
+    rod = spring_model(WIRE).build(spring)
+    assert isinstance(rod, FiniteElementRod)
+    return at_rest(rod, reach, steps, modes)
+
+
+def _largest_lift(problem: Problem) -> float:
+    """Largest valve lift (m): of the rigid train, or of the law that drives the spring."""
+    lifts = [float(member.gear.mechanism.kinematics.maximum_lift) for member in problem.members if member.gear is not None]
+    return max(lifts, default=float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721)))))
+
+
+def _compressed(spring: InstalledSpring, compression: float) -> InstalledSpring:
+    if spring.wire is None:
+        raise InputError(
+            f"spring '{spring.name}' is known by its card, so only its installed state is; leave the option out", "--compression"
+        )
+    _check_room(spring, compression, "--compression")
+    return replace(spring, precompression=compression)
+
+
+def _reach(spring: InstalledSpring, lift: float, wanted: float | None) -> float:
+    if wanted is not None:
+        if not wanted > 0:
+            raise InputError(f"a static curve needs a positive compression; it is {wanted * 1e3:g} mm", "--to")
+        if spring.wire is not None:
+            _check_room(spring, wanted, "--to")
+        return wanted
+    return reach_of(spring, lift) if spring.wire is not None else spring.precompression + max(1.06 * lift, 0.2 * spring.precompression)
+
+
+def _check_room(spring: InstalledSpring, compression: float, where: str) -> None:
+    assert spring.wire is not None
+    room = spring.wire.free_length - spring.wire.solid_height
+    if compression >= room:
+        raise InputError(
+            f"{compression * 1e3:g} mm is too much for '{spring.name}', which is solid at {room * 1e3:.4g} mm; give less", where
+        )

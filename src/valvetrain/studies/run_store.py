@@ -1,0 +1,245 @@
+"""Runs are kept: each in a folder of its own with its inputs whole, listed, found again and compared. Nothing is printed here.
+
+``runs/CASE/DATE-TIME-DIGEST`` holds ``inputs/case.toml`` (the resolved case, from which the run is repeated), the files the case
+names, ``run.json`` (answer, versions, options) and whatever the study wrote. A folder counts as a run once its ``run.json`` is there.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from valvetrain.errors import InputError
+from valvetrain.solution.atomic import write_bytes, write_text
+
+ROOT, LATEST, CASE_FILE, ANSWER = Path("runs"), "latest", Path("inputs") / "case.toml", "run.json"
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """What a run was made from: name of the case, its resolved file (TOML), the files it names, and the choices made beside it."""
+
+    case: str
+    text: str
+    side_files: Mapping[str, bytes] = field(default_factory=dict)
+    choices: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def digest(self) -> str:
+        """Eight hexadecimal digits, the same for the same inputs."""
+        found = hashlib.sha256(self.text.encode())
+        for name, content in sorted(self.side_files.items()):
+            found.update(f"\0{name}\0".encode() + content)
+        found.update(json.dumps(self.choices, sort_keys=True, default=str).encode())
+        return found.hexdigest()[:8]
+
+
+@dataclass(frozen=True)
+class KeptRun:
+    """A run on disk: its folder and its ``run.json``."""
+
+    folder: Path
+    answer: Mapping[str, Any]
+
+    @property
+    def created_at(self) -> str:
+        """UTC time of the run, ISO 8601."""
+        return str(self.answer.get("created_at", ""))
+
+    @property
+    def digest(self) -> str:
+        """Digest of the inputs."""
+        return str(self.answer.get("digest", ""))
+
+    @property
+    def case(self) -> str:
+        """Name of the case."""
+        return str(self.answer.get("case", ""))
+
+    @property
+    def case_file(self) -> Path:
+        """The resolved case file, from which the run is repeated."""
+        return self.folder / CASE_FILE
+
+
+def collect_inputs(case: str, text: str, folder: Path, choices: Mapping[str, Any]) -> Inputs:
+    """The inputs of a run whose case file lay in ``folder``; files it names are taken along and named by their last part.
+
+    Raises :class:`InputError` when one of them can no longer be read.
+    """
+    import tomlkit
+
+    if "name" not in tomllib.loads(text):  # read again, the case keeps its name
+        text = f"name = {json.dumps(case)}\n{text}"
+    document = tomlkit.parse(text)
+    side_files: dict[str, bytes] = {}
+    for table in _tables(document):
+        name = table.get("file")
+        named = name.get("value") if isinstance(name, dict) else name
+        if not isinstance(named, str):
+            continue
+        try:
+            content = (folder / named).read_bytes()
+        except (OSError, ValueError) as error:
+            raise InputError(f"the file '{named}' that case '{case}' names cannot be read; put it back", case) from error
+        short = _free_name(Path(named).name, content, side_files)
+        side_files[short] = content
+        if short != named:
+            (name if isinstance(name, dict) else table)["value" if isinstance(name, dict) else "file"] = short
+    return Inputs(case, tomlkit.dumps(document), side_files, choices)
+
+
+def new_folder(inputs: Inputs, created_at: datetime, root: Path = ROOT) -> Path:
+    """Make the folder of a new run, ``root/CASE/DATE-TIME-DIGEST``; one that is there already is never taken.
+
+    Raises :class:`InputError` when it cannot be made.
+    """
+    stem = f"{created_at.astimezone(UTC):%Y%m%d-%H%M%S}-{inputs.digest}"
+    home = root / safe_name(inputs.case)
+    for count in range(1, 1000):
+        folder = home / (stem if count == 1 else f"{stem}-{count}")
+        try:
+            folder.mkdir(parents=True)
+            return folder
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise InputError(f"folder '{folder}' cannot be made ({error.strerror}); choose another", "--output") from None
+    raise InputError(f"'{home}' holds a thousand runs of this second; tidy it up", "--output")
+
+
+def check_folder(folder: Path, kept: bool = False) -> None:
+    """Refuse, with an :class:`InputError`, a folder that cannot be written, or, unless runs are ``kept`` in it, one that holds something
+    else than an earlier run."""
+    try:
+        there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+        foreign = not kept and folder.is_dir() and not (folder / ANSWER).is_file() and any(folder.iterdir())
+    except (OSError, ValueError) as error:
+        raise InputError(f"'{folder}' is no usable folder name ({error}); choose another", "--output") from None
+    if not there.is_dir():
+        raise InputError(f"'{there}' is a file, not a folder; choose another", "--output")
+    if not os.access(there, os.W_OK):
+        raise InputError(f"folder '{there}' may not be written to; choose another", "--output")
+    if foreign:
+        raise InputError(f"folder '{folder}' holds files that no run wrote; choose an empty or a new one", "--output")
+
+
+def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> KeptRun:
+    """Write inputs and ``run.json`` (last: it makes the folder a run); files that an earlier run left here and this one did not
+    write again are removed. ``answer["files"]`` are paths relative to the folder."""
+    earlier = _read_answer(folder)
+    for name, content in inputs.side_files.items():
+        write_bytes(folder / CASE_FILE.parent / name, content)
+    write_text(folder / CASE_FILE, inputs.text)
+    written = [f"{CASE_FILE.parent.as_posix()}/{name}" for name in ("case.toml", *inputs.side_files)]
+    files = [*dict.fromkeys((*answer.get("files", ()), *written))]
+    whole = {**answer, "digest": inputs.digest, "choices": dict(inputs.choices), "files": files}
+    _remove(folder, set(map(str, earlier.get("files", ()))) - set(map(str, files)))
+    write_text(folder / ANSWER, json.dumps(whole, indent=2, allow_nan=False, default=str) + "\n")
+    return KeptRun(folder, whole)
+
+
+def link_latest(folder: Path) -> None:
+    """Point ``latest`` beside ``folder`` to it: a link, or where links are not possible a text file with the folder's name."""
+    link, new = folder.parent / LATEST, folder.parent / f".{LATEST}.{os.getpid()}"
+    with suppress(OSError):
+        new.unlink(missing_ok=True)
+        os.symlink(folder.name, new, target_is_directory=True)
+        os.replace(new, link)
+        return
+    write_text(link, folder.name + "\n")
+
+
+def kept_runs(case: str = "", root: Path = ROOT) -> tuple[KeptRun, ...]:
+    """Every run under ``root``, newest first, of one ``case`` where given. Folders without a readable ``run.json`` are left out."""
+    found = []
+    homes = [root / safe_name(case)] if case else sorted(path for path in root.glob("*") if path.is_dir() and not path.is_symlink())
+    for home in homes:
+        for folder in home.glob("*"):
+            if not folder.is_symlink() and (answer := _read_answer(folder)):
+                found.append(KeptRun(folder, answer))
+    return tuple(sorted(found, key=lambda run: (run.created_at, run.folder.name), reverse=True))
+
+
+def find_run(name: str, root: Path = ROOT) -> KeptRun:
+    """The run called ``name``: its folder (or a file in it), its digest or the begin of it, ``CASE/latest``, a case, or ``latest``.
+
+    Raises :class:`InputError` when none fits.
+    """
+    if not name.strip() or "\0" in name:
+        raise InputError("a run is called by its folder, its digest, a case or 'latest'; give one")
+    if run := run_of_path(Path(name)):
+        return run
+    runs = kept_runs(root=root)
+    case, _, last = name.partition("/")
+    if name == LATEST and runs:
+        return runs[0]
+    if last in ("", LATEST) and (mine := [run for run in runs if run.case == case]):
+        return mine[0]
+    fits = [run for run in runs if run.folder.name == name or (len(name) >= 4 and run.digest.startswith(name))]
+    if not fits:
+        raise InputError(f"there is no run '{name[:80]}' under '{root}'; 'valvetrain runs' lists those there are")
+    return fits[0]
+
+
+def run_of_path(path: Path) -> KeptRun | None:
+    """The run that a folder, its ``run.json`` or its case file belongs to; None where there is none."""
+    try:
+        places = (path, path.parent) if path.name == ANSWER else (path, path.parent.parent) if path.name == CASE_FILE.name else (path,)
+        for folder in places:
+            if folder.name == LATEST and folder.is_file():  # where links are not possible
+                folder = folder.parent / folder.read_text("utf-8").strip()
+            if folder.is_dir() and (answer := _read_answer(folder)):
+                return KeptRun(folder, answer)
+    except (OSError, ValueError):
+        return None
+    return None
+
+
+def safe_name(text: str) -> str:
+    """A name as a folder may bear it."""
+    return re.sub(r"[^\w.-]+", "-", text)[:80].strip(".-") or "case"
+
+
+def _tables(item: Any) -> Iterator[Any]:
+    if isinstance(item, dict):
+        yield item
+        for value in item.values():
+            yield from _tables(value)
+    elif isinstance(item, list):
+        for value in item:
+            yield from _tables(value)
+
+
+def _free_name(name: str, content: bytes, taken: Mapping[str, bytes]) -> str:
+    stem, suffix, count = Path(name).stem, Path(name).suffix, 1
+    while name == CASE_FILE.name or taken.get(name, content) != content:
+        count += 1
+        name = f"{stem}-{count}{suffix}"
+    return name
+
+
+def _read_answer(folder: Path) -> dict[str, Any]:
+    """The ``run.json`` of a folder; empty where there is none that can be read."""
+    try:
+        found = json.loads((folder / ANSWER).read_text("utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) and "created_at" in found else {}
+
+
+def _remove(folder: Path, names: Iterable[str]) -> None:
+    base = folder.resolve()
+    for name in names:
+        path = (base / name).resolve()
+        if path.is_relative_to(base) and path.is_file():
+            path.unlink()

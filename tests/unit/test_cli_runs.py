@@ -1,0 +1,216 @@
+"""``run``, ``compare`` and ``sweep`` of a spring alone: the answer, the folder that is kept, and what a list of runs tells."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from unit.cli_parts import PUBLISHED, SMALL, call, sentence
+from valvetrain.cli.new import KINDS
+
+QUICK = ("--workers", "1", "--no-report")
+RANGE = ("--engine-speed", "1000:9000:100 rpm")
+#: Words that only the papers of the library use.
+PAPERS = ("Stage", "Node", "Gu ", "beehive", "published", "valley", "rebound")
+
+
+@pytest.fixture
+def small(tmp_path, monkeypatch):
+    """The small case, with what a source said of it, in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.toml").write_text(SMALL)
+    (tmp_path / "told.toml").write_text(SMALL + PUBLISHED)
+    return tmp_path
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_template_runs_as_it_stands_and_answers_within_40_lines(tmp_path, monkeypatch, kind):
+    monkeypatch.chdir(tmp_path)
+    made = call("new", "mine", "--kind", kind)
+    assert made.exit_code == 0 and made.stdout.startswith(f"mine.toml: {KINDS[kind]}")
+    assert "is there already" in sentence(call("new", "mine.toml", "--kind", kind))
+    checked = call("check", "mine.toml")
+    assert checked.exit_code == 0, checked.stderr
+    models = ("--spring", "massless,multi-mass") if kind != "direct" else ()
+    result = call("run", "mine.toml", *models, *QUICK)
+    assert result.exit_code == 0, result.stderr
+    lines = result.stdout.splitlines()
+    assert len(lines) < 40 and max(map(len, lines)) <= 100
+    assert not [word for word in PAPERS if word in result.stdout]
+    order = ["Peak spring force", "Clearance to coil bind", "Surge frequency", "Coil clashes", "Seating velocity", "Peak shear stress"]
+    shown = [next((place for place, line in enumerate(lines) if line.startswith(words)), None) for words in order]
+    known = [place for place in shown if place is not None]
+    assert known == sorted(known) and len(known) == (5 if kind == "spring" else 6)
+    assert re.match(r"results  runs.mine.\d{8}-\d{6}-[0-9a-f]{8}$", lines[-1])
+
+
+def test_a_run_is_kept_whole_and_repeated_from_its_folder(small):
+    result = call("run", "small.toml", "--set", "spring.damping.ratio=0.03", "--workers", "1", "--json")
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    folder = Path(found["folder"])
+    assert (small / "runs" / "small" / "latest").resolve() == (small / folder).resolve()
+    names = {path.relative_to(folder).as_posix() for path in map(Path, found["files"])}
+    assert {"inputs/case.toml", "run.json", "report.html"} <= names and all((folder / name).is_file() for name in names)
+    kept = json.loads((folder / "run.json").read_text())
+    assert kept["versions"]["valvetrain"] and kept["command_line"][0] == "valvetrain" and kept["completed"] is True
+    assert "0.03" in (folder / "inputs" / "case.toml").read_text()
+    again = json.loads(call("run", str(folder), *QUICK, "--json").stdout)
+    assert Path(again["folder"]).parent == folder.parent and again["folder"] != found["folder"]
+    assert [run["quantities"] for run in again["runs"]] == [run["quantities"] for run in found["runs"]]
+    assert Path(again["folder"]).name.split("-")[2] == folder.name.split("-")[2]  # the same inputs, the same digest
+
+
+def test_runs_are_listed_and_compared(small):
+    assert "no runs under 'runs'" in call("runs").stdout
+    for value in ("4 mm", "3.9 mm"):
+        words = ("--set", f"lift_law.maximum_lift={value}", "--spring", "massless", *QUICK)
+        assert call("run", "small.toml", *words).exit_code == 0
+    call("sweep", "told.toml", "--engine-speed", "7000:8000:500", "--spring", "massless", *QUICK)
+    listed = call("runs").stdout
+    assert len([line for line in listed.splitlines() if " completed " in line]) == 3 and "7000 to 8000 (3)" in listed
+    data = json.loads(call("runs", "small", "--json").stdout)["runs"]
+    assert [run["spring_models"] for run in data] == [["massless"]] * 2 and data[0]["headline"]["quantity"] == "peak_spring_force"
+    compared = call("compare-runs", data[1]["digest"], "small/latest")
+    assert compared.exit_code == 0, compared.stderr
+    assert re.search(r"lift_law.maximum_lift +4 mm +3.9 mm", compared.stdout) and "peak spring force" in compared.stdout
+    found = json.loads(call("compare-runs", data[1]["folder"], data[0]["folder"], "--json").stdout)
+    assert [row["key"] for row in found["inputs"]] == ["lift_law.maximum_lift"]
+    peak = next(row for row in found["results"] if row["quantity"] == "peak_spring_force")
+    assert peak["difference"]["value"] == pytest.approx(peak["b"]["value"] - peak["a"]["value"]) and peak["difference"]["value"] < 0
+    assert "the inputs are the same" in call("compare-runs", "small", "small").stdout
+
+
+def test_a_folder_of_ones_own_is_written_directly_and_a_foreign_one_refused(small):
+    (small / "notes").mkdir()
+    (small / "notes" / "mine.txt").write_text("kept")
+    refused = call("run", "small.toml", "--output", "notes", *QUICK)
+    assert refused.exit_code == 2 and "holds files that no run wrote" in sentence(refused)
+    words = ("--spring", "massless", "--output", "here", *QUICK)
+    assert call("run", "small.toml", *words, "--engine-speed", "7000 rpm").exit_code == 0
+    first = {path.name for path in (small / "here").iterdir()}
+    assert call("run", "small.toml", *words, "--engine-speed", "9000 rpm").exit_code == 0
+    second = {path.name for path in (small / "here").iterdir()}
+    assert "massless-7000rpm.nc" in first - second and "massless-9000rpm.nc" in second - first and not (small / "runs").exists()
+
+
+def test_published_values_stand_behind_one_line(small):
+    brief = call("run", "told.toml", *QUICK)
+    assert brief.exit_code == 0, brief.stderr
+    assert "published values: median difference" in brief.stdout and "--published prints" in brief.stdout
+    whole = call("run", "told.toml", "--published", *QUICK).stdout
+    lines = r"preload +FE +130 N .*within tolerance", r"peak spring force +\S+ +1 N .*misses", r"seating velocity.*not computed"
+    for line in lines:
+        assert re.search(line, whole, re.IGNORECASE), line
+    assert max(map(len, whole.splitlines())) <= 100
+    assert "published" not in call("run", "told.toml", "--set", "spring.damping.ratio=0.03", *QUICK).stdout
+
+
+def test_run_options_change_speeds_models_folder_and_values(small):
+    result = call(
+        "run", "small.toml", "--engine-speed", "7000, 9000 rpm", "--spring", "modal-varied", "--output", "here", *QUICK,
+        "--set", "spring.total_coils=4", "--set", "lift_law.maximum_lift=3 mm", "--json",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    assert [(run["model"], run["engine_speed"]["value"]) for run in found["runs"]] == [("modal-varied", 7000.0), ("modal-varied", 9000.0)]
+    assert found["page"] is None and not (small / "here" / "report.html").exists()
+    from valvetrain.solution.netcdf import load_netcdf
+
+    assert float(load_netcdf(small / "here" / "modal-varied-7000rpm.nc").channel("valve_lift").max()) == pytest.approx(3e-3, rel=1e-6)
+
+
+def test_a_run_without_speeds_gives_statics_and_modes(small):
+    result = call("run", "uniform-spring", "--elements-per-coil", "8", *QUICK)
+    assert result.exit_code == 0 and "statics and modes only" in result.stderr
+    assert re.search(r"finite-element +\S+ +\S+ +546", result.stdout)
+
+
+def test_compare_shows_every_model_at_rest_and_in_motion(small):
+    result = call("compare", "small.toml", *QUICK)
+    assert result.exit_code == 0, result.stderr
+    for model in ("massless", "multi-mass", "modal-varied", "wave-rod", "wave-rod-clash", "finite-element"):
+        assert len(re.findall(rf"^{model} ", result.stdout, re.MULTILINE)) == 2, model
+    assert len(result.stdout.splitlines()) < 40
+
+
+def test_a_sweep_tells_the_worst_and_its_speed(small):
+    result = call("sweep", "small.toml", "--engine-speed", "6000:9000:1000", "--spring", "massless,multi-mass", *QUICK)
+    assert result.exit_code == 0, result.stderr
+    assert re.search(r"Surge amplitude +N +\S+ at \d000 +\S+ at \d000", result.stdout)
+    assert re.search(r"Engine speeds run +4 +4", result.stdout)
+
+
+def test_quiet_prints_nothing_but_errors(small):
+    result = call("run", "small.toml", "--spring", "massless", "--quiet", *QUICK)
+    assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
+    result = call("run", "nothing.toml", "--quiet")
+    assert result.exit_code == 2 and result.stdout == "" and "there is no file" in sentence(result)
+
+
+def test_errors_are_an_object_under_json_with_the_same_exit_codes(small):
+    for arguments, where, words in (
+        (("run", "small.toml", "--set", "spring.pitch=1 N"), "--set spring.pitch", "but a length is needed"),
+        (("run", "small.toml", "--steps", "3"), "", "no such option"),
+        (("rum",), "", "did you mean 'run'?"),
+    ):
+        result = call(*arguments, "--json")
+        found = json.loads(result.stdout)["error"]
+        assert result.exit_code == 2 and found["code"] == 2 and found["where"] == where and words in found["message"]
+        assert len(result.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("run", "--engine-speed", "1:9000:1 rpm"), "h and "),
+        (("sweep", "--engine-speed", "1:9000:1"), "beyond the bound of 10 min"),
+        (("run", "--set", "operation.cycles=10000"), "--limit"),
+        (("run", "--spring", "multi-mass", "--set", "spring.options.multi-mass.masses_per_coil=2000", *RANGE), "beyond the bound"),
+        (("run", "--spring", "finite-element", "--elements-per-coil", "1000", "--limit", "1 h", *RANGE), "GB"),
+    ],
+)
+def test_a_request_beyond_the_bound_is_refused_with_its_numbers_and_the_option(small, arguments, words):
+    command, *rest = arguments
+    result = call(command, "small.toml", *rest)
+    assert result.exit_code == 2
+    text = sentence(result)
+    assert words in text and "this request will take about" in text and "--limit '" in text
+
+
+def test_options_that_no_computer_holds_are_refused_by_the_case(small):
+    for value in ("spring.options.multi-mass.masses_per_coil=1000000", "spring.options.modal-uniform.modes=3000"):
+        assert call("run", "small.toml", "--set", value).exit_code == 2
+
+
+def test_a_large_request_says_what_it_will_take_and_a_bound_can_be_raised(small, monkeypatch):
+    from valvetrain.cli import run
+
+    monkeypatch.setattr(run, "answer_study", lambda *_, **__: None)
+    words = ("run", "small.toml", "--set", "operation.cycles=3000")
+    result = call(*words, "--limit", "1 d, 1 TB")
+    assert result.exit_code == 0 and re.match(r"this will take about .* and .*\n", result.stderr)
+    assert call(*words, "--limit", "1 d, 1 TB", "--quiet").stderr == ""
+
+
+def test_open_shows_the_page_in_a_browser(small, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    result = call("run", "small.toml", "--spring", "massless", "--workers", "1", "--open", "--json")
+    assert opened == [(small / json.loads(result.stdout)["page"]).resolve().as_uri()]
+
+
+def test_a_run_that_diverges_writes_what_it_has_and_ends_with_1(small):
+    words = ("run", "small.toml", "--set", "spring.options.finite-element.time_step=2e-5 s", "--output", "out")
+    result = call(*words, "--json")
+    assert result.exit_code == 1, result.stderr
+    (line,) = [line for line in result.stderr.splitlines() if line.startswith("failed: ")]
+    assert "finite-element at 9000 rpm: diverged" in line and "give a smaller time_step" in line
+    found = json.loads(result.stdout)
+    assert found["completed"] is False and [run["status"]["code"] for run in found["runs"]] == ["diverged", "completed"]
+    assert (small / "out" / "finite-element-9000rpm.nc").exists() and (small / "out" / "report.html").exists()
+    listed = call("runs", "--folder", ".").stdout
+    assert "failed" in listed or "no runs" in listed

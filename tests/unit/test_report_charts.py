@@ -1,0 +1,131 @@
+"""Charts in both renderers: the numbers given are the numbers drawn, words are escaped, narrow pages get one column."""
+
+from __future__ import annotations
+
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from valvetrain.errors import InputError
+from valvetrain.report.chart import Chart, HeatMap, Line, Marks, Panel, Rule, rule_levels, stems, thin, visible_range
+from valvetrain.report.plotly_chart import figure, packed, to_json, unpacked
+from valvetrain.report.svg_chart import png, svg, ticks
+from valvetrain.report.table import quoted, table
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def _chart(*layers, **more) -> Chart:
+    return Chart("key", "title", "caption", (Panel("x (mm)", "y (N)", layers, **more),))
+
+
+def test_plotly_figure_holds_the_chart_numbers():
+    x, y = np.linspace(0, 360, 50), np.linspace(1, 1234.5, 50)
+    traces = figure(_chart(Line(x, y, "a", "#000000"), Marks(x[:2], y[:2], "b", "#000000", labels=("p", "q"))))["data"]
+    np.testing.assert_allclose(unpacked(traces[0]["x"]), x, rtol=1e-6)
+    np.testing.assert_allclose(unpacked(traces[0]["y"]), y, rtol=1e-6)
+    assert traces[1]["text"] == ["p", "q"]
+    heat = figure(_chart(HeatMap(x[:3], y[:2], np.arange(6.0).reshape(2, 3), "force", "N")))["data"][0]
+    np.testing.assert_array_equal(unpacked(heat["z"]), np.arange(6.0).reshape(2, 3))
+    assert packed(np.zeros((2, 3)))["shape"] == "2, 3"
+
+
+def test_plotly_json_cannot_end_its_script_element():
+    assert "</" not in to_json(_chart(Line(np.zeros(2), np.zeros(2), "</script><b>", "#000000")))
+
+
+def test_svg_draws_the_numbers_where_they_belong():
+    line = Line(np.array([0.0, 5.0, 10.0]), np.array([0.0, 50.0, 100.0]), "a", "#123456")
+    tree = ElementTree.fromstring(svg(_chart(line, x_range=(0, 10), y_range=(0, 100))))
+    path = next(item.get("d") for item in tree.iter(f"{SVG}path") if item.get("stroke") == "#123456" and "L" in item.get("d"))
+    points = np.array([[float(part) for part in pair.split()] for pair in re.split("[ML]", path)[1:]])
+    clip = next(tree.iter(f"{SVG}clipPath"))[0]
+    left, top, wide, high = (float(clip.get(key)) for key in ("x", "y", "width", "height"))
+    np.testing.assert_allclose(points, [[left, top + high], [left + wide / 2, top + high / 2], [left + wide, top]], atol=0.1)
+
+
+def test_svg_breaks_lines_at_gaps_and_escapes_words():
+    text = svg(_chart(Line(np.arange(4.0), np.array([0, 1, np.nan, 2.0]), "<a & b>", "#123456")))
+    ElementTree.fromstring(text)
+    assert "&lt;a &amp; b&gt;" in text
+    assert any(item.get("d", "").count("M") == 2 for item in ElementTree.fromstring(text).iter(f"{SVG}path"))
+
+
+def test_png_is_read_back_by_another_reader(tmp_path):
+    from PIL import Image
+
+    pixels = np.random.default_rng(1).integers(0, 256, (5, 7, 3), dtype=np.uint8)
+    (tmp_path / "a.png").write_bytes(png(pixels))
+    with Image.open(tmp_path / "a.png") as image:
+        np.testing.assert_array_equal(np.asarray(image.convert("RGB")), pixels)
+
+
+@pytest.mark.parametrize(("low", "high", "count"), [(0, 1, 5), (-3.2, 871, 6), (1e-6, 4e-6, 4), (225, 320, 8)])
+def test_ticks_are_round_and_inside(low, high, count):
+    values, decimals = ticks(low, high, count)
+    assert 2 <= len(values) <= count + 1 and values[0] >= low - 1e-12 and values[-1] <= high * (1 + 1e-12)
+    np.testing.assert_allclose(np.round(values, decimals), values, rtol=1e-9, atol=1e-15)
+
+
+def test_thinning_keeps_every_spike_and_the_ends():
+    x = np.arange(100_000.0)
+    y = np.sin(x / 1000)
+    y[54_321], y[7] = 99.0, -99.0
+    few_x, few_y = thin(x, y, 1000)
+    assert len(few_x) < 1100 and few_y.max() == 99.0 and few_y.min() == -99.0
+    assert (few_x[0], few_x[-1]) == (0, 99_999)
+    np.testing.assert_array_equal(y[few_x.astype(int)], few_y)
+
+
+def test_ranges_follow_what_is_shown():
+    line = Line(np.arange(10.0), np.array([0, 1, 2, 3, 4, 50, 0, 0, 0, 0.0]), "a", "#000000")
+    (_, (low, high)) = visible_range(Panel("x", "y", (line,), x_range=(0, 4)))
+    assert low < 0 < 4 < high < 5
+    (_, (low, high)) = visible_range(Panel("x", "y", (Line(np.arange(3.0), np.full(3, 7.0), "a", "#000000"),)))
+    assert low < 7 < high
+
+
+def test_words_of_near_rules_stand_on_different_lines():
+    rules = (Rule("x", 5.0, "b"), Rule("x", 4.5, "a"), Rule("x", 9.5, "c"))
+    line = Line(np.array([0.0, 10.0]), np.zeros(2), "", "#000000")
+    assert rule_levels(Panel("x", "y", (line,), rules=rules)) == [1, 0, 0]
+
+
+def test_tables_write_units_and_quote():
+    text = table(("a", "mm", [1.0, 0.1]), ("b, c", "", np.array(["x", 'say "y"'], dtype=object))).csv()
+    assert text == 'a [mm],"b, c"\n1.0,x\n0.1,"say ""y"""\n'
+    assert quoted(None) == ""
+    with pytest.raises(InputError, match="length"):
+        table(("a", "", [1.0]), ("b", "", [1.0, 2.0]))
+
+
+def test_lines_keep_every_vertex():
+    traces = figure(_chart(Line(np.arange(5.0), np.arange(5.0), "a", "#000000")))["data"]
+    assert traces[0]["line"]["simplify"] is False
+
+
+def test_a_narrow_page_has_all_panels_in_one_column_and_room_for_ticks():
+    line = Line(np.arange(3.0), np.arange(3.0), "a", "#000000")
+    drawn = figure(Chart("key", "t", "c", tuple(Panel("x", f"y{n}", (line,)) for n in range(4)), columns=2, height=500))
+    wide, narrow = drawn["layout"], drawn["narrow"]
+    assert wide["xaxis"]["domain"][1] < wide["xaxis2"]["domain"][0]
+    assert all(narrow[f"xaxis{n}"]["domain"] == [0.0, 1.0] for n in ("", "2", "3", "4"))
+    tops = [narrow[f"yaxis{n}"]["domain"][1] for n in ("", "2", "3", "4")]
+    assert tops == sorted(tops, reverse=True) and narrow["height"] > wide["height"]
+    assert wide["margin"]["l"] >= 50 and narrow["margin"]["l"] >= 50
+
+
+def test_words_from_outside_are_no_markup_in_a_figure():
+    mark = Marks(np.ones(1), np.ones(1), "<!--<script>", "#000000", labels=("<b>x</b>",), hints=("<i>h</i>",))
+    drawn = figure(_chart(mark, title="<img src=x>"))
+    assert drawn["data"][0]["name"] == "&lt;!--&lt;script&gt;" and drawn["data"][0]["text"] == ["&lt;b&gt;x&lt;/b&gt;"]
+    assert drawn["data"][0]["customdata"] == ["&lt;i&gt;h&lt;/i&gt;"]
+    assert any("&lt;img" in note["text"] for note in drawn["layout"]["annotations"])
+
+
+def test_stems_reach_from_their_base_to_the_value():
+    x, y = stems(np.array([1.0, 2.0]), np.array([5.0, -3.0]))
+    np.testing.assert_array_equal(x, [1, 1, np.nan, 2, 2, np.nan])
+    np.testing.assert_array_equal(y, [0, 5, np.nan, 0, -3, np.nan])

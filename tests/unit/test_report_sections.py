@@ -1,0 +1,286 @@
+"""Every figure of the page carries the series, unit and sign that it names: distinct known numbers are drawn and read back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from synthetic_study import EVENT, SPEED, at_rest, modal_run, own_study, published_study, rod_run, sweep_study, train_run, train_study
+from valvetrain.registry import find
+from valvetrain.report.build import study_page
+from valvetrain.report.chart import Chart, HeatMap, Line, Marks
+from valvetrain.report.headlines import headline_columns, headline_rows
+from valvetrain.report.page import Details, Figure, Grid, charts
+from valvetrain.report.sections import coils, published, sweep
+from valvetrain.report.uncertainty_section import uncertainty_grid, uncertainty_table
+from valvetrain.solution.study import Study
+from valvetrain.studies.uncertainty_file import shipped_rows
+
+DEGREES = np.arange(720) / 2
+LIFT = 9e-3 * np.where(np.abs(DEGREES - 180) < 53, np.cos(np.pi * (DEGREES - 180) / 106) ** 2, 0.0)
+
+
+def drawn(study: Study) -> dict[str, Chart]:
+    return {chart.key: chart for chart in charts(study_page(study))}
+
+
+def lines(chart: Chart, panel: int = 0) -> dict[str, Line]:
+    return {layer.name: layer for layer in chart.panels[panel].layers if isinstance(layer, Line)}
+
+
+@pytest.fixture(scope="module")
+def own() -> dict[str, Chart]:
+    return drawn(own_study())
+
+
+@pytest.fixture(scope="module")
+def train() -> dict[str, Chart]:
+    return drawn(train_study())
+
+
+@pytest.mark.parametrize(
+    ("key", "channel", "words"), [("force-seat", "seat_force", "cylinder head"), ("force-retainer", "retainer_force", "retainer")]
+)
+def test_spring_force_by_speed_and_model_with_rest_dashed(own, key, channel, words):
+    chart = own[key]
+    assert [panel.title for panel in chart.panels] == ["4200 rpm", "5600 rpm"]
+    assert all(panel.y_label == f"force on the {words} (N)" and "cam degrees" in panel.x_label for panel in chart.panels)
+    mine = lines(chart, 1)
+    np.testing.assert_array_equal(mine["finite-element rod"].y, rod_run().channel(channel)[-720:])
+    np.testing.assert_array_equal(mine["modal model with varied stiffness"].y, modal_run().channel(channel)[-720:])
+    still = mine["at rest, same lift"]
+    assert still.dash == "dash"
+    np.testing.assert_allclose(still.y, 300 + 40e3 * LIFT, atol=1e-6)
+    band = chart.panels[0].bands[0]
+    assert (band.first, band.last) == pytest.approx(tuple(np.degrees((EVENT.start, EVENT.end))))
+
+
+def test_a_clash_map_is_where_and_as_hard_as_the_clash(own):
+    heat = own["clash-coils-2-1-spring"].panels[0].layers[0]
+    assert isinstance(heat, HeatMap) and (heat.name, heat.unit) == ("contact force", "N")
+    row, column = np.unravel_index(np.argmax(heat.z), heat.z.shape)
+    assert heat.z[row, column] == pytest.approx(200.0) and heat.x[column] == pytest.approx(250.0) and heat.y[row] < 2.6
+    assert np.all(heat.z[heat.y > 2.6] == 0)
+
+
+def test_clash_map_thins_by_the_largest_force():
+    force_map = np.zeros((400, 1500))
+    force_map[123, 777] = 9.0
+    thinned = coils._largest(coils._largest(force_map, 1, 720), 0, 160)
+    assert thinned.shape[0] <= 160 and thinned.shape[1] <= 720 and thinned.max() == 9.0
+
+
+def test_coil_positions_are_millimetres_of_the_wire(own):
+    mine = lines(own["coil-coils-2-1-spring"])
+    np.testing.assert_allclose(mine["coil number 7"].y, 1e3 * rod_run().channel("axial_position")[-720:, -1])
+    assert "(mm)" in own["coil-coils-2-1-spring"].panels[0].y_label
+
+
+def test_motion_is_told_once_and_in_its_units(own):
+    chart = own["motion-2"]
+    assert [panel.y_label for panel in chart.panels] == [
+        "valve lift (mm)", "velocity, opening positive (m/s)", "acceleration, opening positive (m/s²)",
+    ]  # fmt: skip
+    assert [len(panel.layers) for panel in chart.panels] == [1, 1, 1]
+    np.testing.assert_allclose(chart.panels[0].layers[0].y, 1e3 * LIFT, atol=1e-9)
+    np.testing.assert_array_equal(chart.panels[2].layers[0].y, rod_run().channel("retainer_acceleration")[-720:])
+
+
+def test_every_train_channel_stands_under_its_own_name(train):
+    run = train_run()
+    shown = {
+        panel.y_label: panel for chart in train.values() for panel in chart.panels if chart.key.startswith(("train", "motion", "force"))
+    }
+    for label, channel, factor in (
+        ("cam contact force (N)", "cam_contact_force", 1.0), ("valve tip contact force (N)", "valve_tip_contact_force", 1.0),
+        ("seat contact force (N)", "seat_contact_force", 1.0), ("support force (N)", "support_force", 1.0),
+        ("cam torque (N m)", "cam_torque", 1.0), ("lever speed (deg/s)", "lever_speed", 180 / np.pi),
+        ("piston clearance (mm)", "piston_clearance", 1e3), ("force on the cylinder head (N)", "seat_force", 1.0),
+        ("force on the retainer (N)", "retainer_force", 1.0), ("valve lift (mm)", "valve_lift", 1e3),
+    ):  # fmt: skip
+        line = next(layer for layer in shown[label].layers if layer.name == "stock, multi-mass")
+        np.testing.assert_allclose(line.y, factor * run.channel(channel), err_msg=label)
+    rigid = next(layer for layer in shown["cam contact force (N)"].layers if layer.name == "rigid parts")
+    np.testing.assert_array_equal(rigid.y, run.channel("rigid_contact_force"))
+    assert not {"outer retainer force (N)", "inner retainer force (N)", "static retainer force (N)"} & set(shown)
+
+
+def test_colour_is_the_model_and_dash_the_variant(train):
+    mine = lines(train["motion-1"])
+    assert mine["stock, multi-mass"].colour == mine["race, multi-mass"].colour
+    assert mine["stock, multi-mass"].dash != mine["race, multi-mass"].dash
+
+
+def test_springs_of_a_pair_show_their_own_coils(train):
+    outer, inner = (lines(train[f"coil-coils-1-1-{spring}"])["coil number 3"].y for spring in ("outer", "inner"))
+    np.testing.assert_allclose(outer, 2 * inner)
+
+
+def test_rigid_channels_stand_under_kinematics(train):
+    shown = {panel.y_label: panel.layers[0].y for panel in train["kinematics-1"].panels}
+    np.testing.assert_allclose(shown["hertz pressure (MPa)"], 660.0)
+    np.testing.assert_allclose(shown["valve lift (mm)"], 1e3 * train_run().channel("rigid_valve_lift"))
+
+
+def test_no_panel_holds_more_than_four_lines():
+    runs = tuple(train_run(label=f"set {n}", spring_set=f"set {n}") for n in range(7))
+    for chart in drawn(replace(train_study(), solutions=runs)).values():
+        if not chart.key.startswith("coil-"):
+            assert all(
+                len([layer for layer in panel.layers if layer.dash != "dash" or "rest" not in layer.name]) <= 5 for panel in chart.panels
+            )
+
+
+def test_static_curves_by_model_with_their_marks(own):
+    chart, curve = own["static-1"], at_rest()[0].curve
+    force, stiffness, apart = (lines(chart, place) for place in range(3))
+    np.testing.assert_array_equal(force["finite-element rod"].y, curve.force)
+    np.testing.assert_allclose(force["multi-mass chain"].x, 1e3 * curve.compression)
+    np.testing.assert_allclose(stiffness["finite-element rod"].y, 41.0)
+    np.testing.assert_allclose(apart["multi-mass chain"].y[1:], -2.0)
+    rules = {rule.words: rule.value for rule in chart.panels[0].rules}
+    assert rules == pytest.approx({"installed": 7.0, "open": 16.0, "bind": 17.25})
+
+
+def test_modes_and_frequencies_side_by_side(own):
+    chart = own["modes-1"]
+    shape = at_rest()[0].modes.shape[2, :, 2]
+    np.testing.assert_allclose(lines(chart)["mode 2"].y, shape / shape[np.argmax(np.abs(shape))])
+    axial = next(layer for layer in chart.panels[1].layers if layer.name == "axial mode")
+    np.testing.assert_array_equal(axial.x, [631, 1120, 1639])
+    grid = next(block for block in find("sections", "at-rest").blocks(own_study()) if isinstance(block, Grid))
+    assert [cell.words for cell in grid.rows[0][0]] == ["1", "631", "620", "−1.7"]
+
+
+def test_orders_are_bars_of_their_amplitude_with_the_surge_marked(train):
+    panel = train["orders"].panels[0]
+    bars = next(layer for layer in panel.layers if layer.name == "stock, multi-mass")
+    np.testing.assert_allclose(bars.y[1::3], 30.0 / np.arange(1, 25))
+    assert [rule.value for rule in panel.rules] == pytest.approx([560 * 4 * np.pi / SPEED]) and panel.rules[0].words == "surge 560 Hz"
+
+
+def test_orders_without_named_ones_come_from_the_channel():
+    panel = drawn(own_study())["orders"].panels[1]
+    bars = next(layer for layer in panel.layers if layer.name == "finite-element rod")
+    thirteen = int(np.argmin(np.abs(bars.x[::3] - 13)))
+    assert bars.y[1::3][thirteen] == pytest.approx(12.0, rel=0.2)
+
+
+def test_stress_along_the_wire_and_over_the_cycle(own):
+    chart, shear = own["stress-2-1-spring"], 1e-6 * rod_run().channel("inner_fibre_shear_stress")[-720:]
+    np.testing.assert_allclose(lines(chart)["largest"].y, shear.max(axis=0))
+    np.testing.assert_allclose(lines(chart)["least"].y, shear.min(axis=0))
+    np.testing.assert_allclose(lines(chart, 1)["largest"].y, shear[:, 7])
+    np.testing.assert_allclose(lines(chart, 1)["static curve at the same lift"].y, 41e3 * (7e-3 + LIFT), rtol=1e-6)
+
+
+def test_energy_balance_is_millijoules_and_signed(own):
+    run, chart = rod_run(), own["energy-2-1"]
+    np.testing.assert_allclose(
+        lines(chart)["work done"].y[[0, -1]], 1e3 * (run.channel("work_done")[[0, -1]] - run.channel("work_done")[0])
+    )
+    missing = chart.panels[1].layers[0]
+    expected = 1e3 * (run.channel("elastic_energy") - run.channel("work_done"))
+    assert missing.y.min() == pytest.approx((expected - expected[0]).min()) and missing.y.min() < 0
+
+
+def test_sweep_curves_and_order_map():
+    study = sweep_study()
+    shown = drawn(study)
+    panels = {panel.y_label: panel for panel in shown["sweep"].panels}
+    speeds, values = study.series("stock", "clash_energy")
+    line = next(layer for layer in panels["clash energy (mJ)"].layers if layer.name == "stock")
+    np.testing.assert_allclose(line.x, speeds * 30 / np.pi, atol=1e-6)
+    np.testing.assert_allclose(line.y, 1e3 * values)
+    restless = [layer for layer in panels["clash energy (mJ)"].layers if isinstance(layer, Marks)]
+    assert [layer.x.tolist() for layer in restless] == [[8000.0], [8000.0]]
+    heat = shown["order-map-1"].panels[0].layers[0]
+    speeds, _, sizes = sweep.order_table(study, "stock")
+    np.testing.assert_array_equal(heat.z, sizes)
+    np.testing.assert_allclose(heat.second[7], 8 * speeds / (4 * np.pi))
+    surge = next(layer for layer in shown["order-map-1"].panels[0].layers if layer.name == "surge")
+    np.testing.assert_allclose(surge.y * surge.x / 120, 560.0)
+    assert any(layer.name.endswith(" Hz") for layer in shown["order-map-1"].panels[0].layers)
+
+
+def test_answers_come_in_the_order_in_which_they_are_asked():
+    study = own_study()
+    rows = headline_rows(study)
+    assert [row.name for row in rows] == [
+        "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force", "coil_bind_clearance",
+        "surge_frequency", "surge_cam_order", "nearest_lift_harmonic_order", "nearest_lift_harmonic_lift", "surge_amplitude_force",
+        "clash_count", "clash_energy", "largest_clash_impulse", "peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress",
+        "nominal_minimum_shear_stress",
+    ]  # fmt: skip
+    assert [(one.label, round(one.engine_speed * 30 / np.pi)) for one in headline_columns(study)] == [
+        ("finite-element", 4200), ("finite-element", 5600), ("modal-varied", 4200), ("modal-varied", 5600),
+    ]  # fmt: skip
+    by_name = {row.name: row for row in rows}
+    assert by_name["coil_bind_clearance"].values == (1.25, 1.25, None, None) and by_name["coil_bind_clearance"].unit == "mm"
+    assert by_name["nominal_peak_shear_stress"].values[:2] == (None, None)
+    assert by_name["nominal_peak_shear_stress"].values[2] == pytest.approx(533.0)
+
+
+def test_a_sweep_answers_with_the_worst_value_and_its_speed():
+    rows = {row.name: row for row in headline_rows(sweep_study())}
+    assert rows["peak_spring_force"].values[0] == pytest.approx(820.0)
+    assert rows["minimum_spring_force"].values[0] == pytest.approx(181.0)
+    assert rows["minimum_spring_force"].engine_speeds[0] * 30 / np.pi == pytest.approx(8000)
+    assert rows["surge_frequency"].engine_speeds == (None, None) and rows["float_engine_speed"].values[0] == pytest.approx(701 * 30 / np.pi)
+
+
+def test_the_five_largest_clashes_are_named_and_all_are_counted():
+    grid = next(block for block in find("sections", "answers").blocks(own_study()) if isinstance(block, Grid))
+    assert "5 of 7 clashes" in grid.rows[0][0][0].words and len(grid.rows) == 6
+    assert [cell.words for cell in grid.rows[1][0]] == ["1–2", "251", "31", "17", "345"]
+
+
+def test_published_values_are_one_dot_plot_and_one_table_with_three_filters():
+    study = published_study()
+    blocks = published.SPEC.blocks(study)
+    assert [type(block) for block in blocks] == [Figure, Grid, Grid, Details]
+    panel = blocks[0].chart.panels[0]
+    marks = [layer for layer in panel.layers if isinstance(layer, Marks)]
+    assert sorted(float(x) for layer in marks for x in layer.x) == pytest.approx([0.93, 1.02, 1.5])
+    assert any("ratio 1.910" in hint and "gu2021, table 3" in hint for layer in marks for hint in layer.hints)
+    allowed = next(layer for layer in panel.layers if layer.name == "stated tolerance")
+    np.testing.assert_allclose(allowed.x[:2], [1 - 20 / 790, 1 + 20 / 790])
+    assert [name for name, _ in blocks[1].choices] == ["role", "engine speed", "given by"]
+    assert dict(blocks[1].choices)["engine speed"] == ("at rest", "5600 rpm")
+
+
+def test_figures_of_a_source_are_drawn_for_its_case_only():
+    source = find("sections", "gu2021")
+    assert source.blocks(own_study()) == ()
+    shown = drawn(published_study())
+    assert {"gu2021-2-force", "gu2021-2-spikes", "gu2021-2-nodes-1"} <= set(shown)
+    marks = [layer for layer in shown["gu2021-2-force"].panels[0].layers if isinstance(layer, Marks)]
+    assert [(layer.x.tolist(), layer.y.tolist()) for layer in marks] == [([pytest.approx(np.degrees(3.1))], [790.0])]
+    assert [band.words for band in shown["gu2021-2-force"].panels[0].bands] == ["Stage I", "Stage II", "Stage III"]
+    spikes = lines(shown["gu2021-2-spikes"])["finite-element rod"]
+    assert spikes.x[[0, -1]] == pytest.approx([225, 320], abs=0.6) and len(spikes.x) > 4 * 180
+
+
+def test_uncertainty_stands_beside_the_values_it_belongs_to():
+    rows, section = shipped_rows("gu2021-beehive"), find("sections", "uncertainty")
+    values = {row.quantity: row.value for row in rows if row.engine_speed is None}
+    study = replace(published_study(), solutions=(), still={"": values})
+    grid = section.blocks(study)[0]
+    assert isinstance(grid, Grid) and sum(len(cells) > 1 for cells, _ in grid.rows) == len(values)
+    assert section.blocks(replace(study, still={"": {name: 2 * value for name, value in values.items()}})) == ()
+    assert section.blocks(replace(study, record=replace(study.record, changed=("spring.pitch",)))) == ()
+    assert uncertainty_table(rows)["value"].tolist() == [row.value for row in rows]
+    assert len(uncertainty_grid(rows).rows) > len(rows)
+
+
+@pytest.mark.parametrize("make", [own_study, published_study, train_study, sweep_study])
+def test_every_axis_says_its_unit_and_every_figure_what_it_is(make):
+    for chart in drawn(make()).values():
+        assert chart.caption and chart.title
+        for panel in chart.panels:
+            assert "(" in panel.x_label or "coil number" in panel.x_label, panel.x_label
+            if "angle" in panel.x_label:
+                assert "cam degrees" in panel.x_label
+            assert any(word in panel.y_label for word in ("(", "order", "coil number", "largest 1", "one row")), panel.y_label

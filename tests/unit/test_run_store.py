@@ -1,0 +1,183 @@
+"""Runs on disk: never overwritten, with their inputs whole, found again and compared; and what a request costs."""
+
+from __future__ import annotations
+
+import json
+import os
+import tomllib
+from datetime import UTC, datetime, timedelta
+
+import pytest
+
+from valvetrain.errors import InputError
+from valvetrain.studies.cost import estimate
+from valvetrain.studies.run_differences import input_differences, result_differences
+from valvetrain.studies.run_store import (
+    ANSWER,
+    Inputs,
+    check_folder,
+    collect_inputs,
+    find_run,
+    keep,
+    kept_runs,
+    link_latest,
+    new_folder,
+    run_of_path,
+)
+
+TEXT = '# a remark\n[spring]\nwire_diameter = { value = "4 mm", status = "measured" }\n[lift_law]\nkind = "table"\nfile = "lifts/a.csv"\n'
+NOON = datetime(2026, 5, 1, 12, 0, 0, tzinfo=UTC)
+
+
+def answer(peak: float = 900.0, **more):
+    runs = [{
+        "label": "massless", "engine_speed": {"value": 4000.0, "unit": "rpm"},
+        "quantities": {"peak_spring_force": {"value": peak, "unit": "N"}, "bounce_count": {"value": None, "unit": "1"}},
+    }]  # fmt: skip
+    still = {"preload": {"value": 250.0, "unit": "N"}}
+    return {"command": "run", "case": "mine", "created_at": NOON.isoformat(), "completed": True, "runs": runs, "quantities": still} | more
+
+
+@pytest.fixture
+def source(tmp_path):
+    (tmp_path / "lifts").mkdir()
+    (tmp_path / "lifts" / "a.csv").write_text("0,0\n1,1\n")
+    return tmp_path
+
+
+def made(root, inputs, found, moment=NOON):
+    folder = new_folder(inputs, moment, root)
+    run = keep(folder, inputs, found | {"created_at": moment.isoformat()})
+    link_latest(folder)
+    return run
+
+
+def test_inputs_are_whole_and_read_again_from_their_folder(source):
+    inputs = collect_inputs("mine", TEXT, source, {"command": "run"})
+    run = made(source / "runs", inputs, answer(files=["table.csv"]))
+    assert run.folder.parent.name == "mine" and run.folder.name == f"20260501-120000-{inputs.digest}" and len(inputs.digest) == 8
+    tree = tomllib.loads(run.case_file.read_text())
+    assert tree["name"] == "mine" and tree["lift_law"]["file"] == "a.csv" and "# a remark" in run.case_file.read_text()
+    assert (run.case_file.parent / "a.csv").read_text() == "0,0\n1,1\n"
+    kept = json.loads((run.folder / ANSWER).read_text())
+    assert kept["files"] == ["table.csv", "inputs/case.toml", "inputs/a.csv"] and kept["digest"] == inputs.digest
+    again = collect_inputs("mine", run.case_file.read_text(), run.case_file.parent, {"command": "run"})
+    assert again.digest == inputs.digest  # the repeated run is the same run
+
+
+def test_the_digest_tells_inputs_apart(source):
+    one = collect_inputs("mine", TEXT, source, {"command": "run"})
+    (source / "lifts" / "a.csv").write_text("0,0\n1,2\n")
+    others = collect_inputs("mine", TEXT, source, {"command": "run"}), collect_inputs("mine", TEXT + "# b", source, {"command": "sweep"})
+    assert len({one.digest, *(other.digest for other in others)}) == 3
+
+
+def test_two_files_of_one_name_both_stay(source):
+    (source / "b").mkdir()
+    (source / "b" / "a.csv").write_text("other")
+    inputs = collect_inputs("mine", TEXT + '[train.cam]\nfile = { value = "b/a.csv" }\n', source, {})
+    assert set(inputs.side_files) == {"a.csv", "a-2.csv"}
+    assert tomllib.loads(inputs.text)["train"]["cam"]["file"] == {"value": "a-2.csv"}
+
+
+def test_a_file_that_is_gone_is_a_sentence(source):
+    with pytest.raises(InputError, match=r"the file 'lifts/a\.csv' that case 'mine' names cannot be read"):
+        collect_inputs("mine", TEXT, source / "lifts", {})
+
+
+def test_nothing_is_overwritten_and_the_newest_is_linked(tmp_path):
+    inputs = Inputs("a b/c", "x = 1")
+    runs = [made(tmp_path, inputs, answer(), NOON) for _ in range(3)]
+    assert [run.folder.name[24:] for run in runs] == ["", "-2", "-3"] and runs[0].folder.parent.name == "a-b-c"
+    later = made(tmp_path, inputs, answer(), NOON + timedelta(days=1))
+    link = tmp_path / "a-b-c" / "latest"
+    assert link.is_symlink() and os.readlink(link) == later.folder.name
+    assert [run.folder.name for run in kept_runs(root=tmp_path)] == [run.folder.name for run in (later, *reversed(runs))]
+    assert run_of_path(link).answer == later.answer
+
+
+def test_where_links_are_not_possible_a_text_file_says_which_is_newest(tmp_path, monkeypatch):
+    def refused(*_, **__):
+        raise OSError("no links here")
+
+    monkeypatch.setattr(os, "symlink", refused)
+    run = made(tmp_path, Inputs("mine", "x = 1"), answer())
+    assert (tmp_path / "mine" / "latest").read_text() == run.folder.name + "\n"
+    assert run_of_path(tmp_path / "mine" / "latest").folder == run.folder
+
+
+def test_runs_are_found_by_folder_digest_case_and_latest(tmp_path):
+    one = made(tmp_path, Inputs("mine", "x = 1"), answer())
+    two = made(tmp_path, Inputs("other", "x = 2"), answer(case="other"), NOON + timedelta(hours=1))
+    names = (
+        str(one.folder),
+        str(one.case_file),
+        str(one.folder / ANSWER),
+        one.digest,
+        one.digest[:5],
+        one.folder.name,
+        "mine",
+        "mine/latest",
+    )
+    assert {find_run(name, tmp_path).folder for name in names} == {one.folder}
+    assert find_run("latest", tmp_path).folder == two.folder
+    assert [run.case for run in kept_runs("other", tmp_path)] == ["other"]
+    for name in ("zzzz", "", "a\0b", "nowhere/latest"):
+        with pytest.raises(InputError):
+            find_run(name, tmp_path)
+
+
+def test_a_folder_of_something_else_is_refused_and_one_of_a_run_is_renewed(tmp_path):
+    folder = tmp_path / "out"
+    check_folder(folder)
+    folder.mkdir()
+    check_folder(folder)
+    (folder / "old.csv").write_text("1")
+    (folder / "mine.csv").write_text("1")
+    with pytest.raises(InputError, match="holds files that no run wrote"):
+        check_folder(folder)
+    keep(folder, Inputs("mine", "x = 1"), answer(files=["old.csv"]))
+    check_folder(folder)
+    (folder / "new.csv").write_text("2")
+    keep(folder, Inputs("mine", "x = 2"), answer(files=["new.csv", "../outside"]))
+    assert {path.name for path in folder.iterdir()} == {"new.csv", "mine.csv", "inputs", ANSWER}
+
+
+def test_a_list_of_files_never_reaches_outside_its_folder(tmp_path):
+    (tmp_path / "precious.txt").write_text("kept")
+    keep(tmp_path / "out", Inputs("mine", "x = 1"), answer(files=["../precious.txt"]))
+    keep(tmp_path / "out", Inputs("mine", "x = 1"), answer())
+    assert (tmp_path / "precious.txt").read_text() == "kept"
+
+
+def test_damaged_runs_are_left_out_of_the_list(tmp_path):
+    made(tmp_path, Inputs("mine", "x = 1"), answer())
+    for name, text in (("empty", ""), ("list", "[]"), ("foreign", "{}")):
+        (tmp_path / "mine" / name).mkdir()
+        (tmp_path / "mine" / name / ANSWER).write_text(text)
+    assert len(kept_runs(root=tmp_path)) == 1
+    assert kept_runs(root=tmp_path / "nowhere") == ()
+
+
+def test_differences_of_inputs_and_results(tmp_path):
+    one = made(tmp_path, Inputs("mine", '[spring]\nd = "4 mm"\nk = [{ a = 1 }, { a = 2 }]\n', choices={"spring_models": ["a"]}), answer())
+    changed = '[spring]\nd = { value = "5 mm", source = "x" }\nk = [{ a = 1 }, { a = 3 }]\nnew = 1\n'
+    two = made(tmp_path, Inputs("mine", changed, choices={"spring_models": ["a"]}), answer(990.0, quantities={}))
+    assert input_differences(one, two) == (("spring.d", "4 mm", "5 mm"), ("spring.k.1.a", 2, 3), ("spring.new", None, 1))
+    rows = result_differences(one, two)
+    assert [(row.quantity, row.run, row.unit, row.a, row.b) for row in rows] == [
+        ("peak_spring_force", "massless at 4000 rpm", "N", 900.0, 990.0), ("preload", "", "N", 250.0, None),
+    ]  # fmt: skip
+    assert rows[0].difference == 90.0 and rows[0].relative == pytest.approx(0.1) and rows[1].difference is None
+    assert not input_differences(one, one) and not result_differences(one, one)
+
+
+def test_cost_grows_as_the_work_does():
+    usual = {"runs": 10, "simulated_time": 3.0, "processor_time": 10.0, "samples": 720.0, "channels": 100.0}
+    cost = estimate(**usual)
+    assert cost.seconds == pytest.approx(30.0, rel=0.05)
+    assert estimate(**usual, workers=2).seconds == pytest.approx(cost.seconds / 2)
+    assert estimate(**usual, refinement=3.0).seconds == pytest.approx(9 * cost.seconds, rel=0.05)
+    assert cost.bytes == pytest.approx(12 * 8 * 720 * 100)
+    assert estimate(**usual, whole=False).bytes < cost.bytes / 3
+    assert (cost + cost).seconds == 2 * cost.seconds
