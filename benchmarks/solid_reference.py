@@ -188,7 +188,9 @@ def run_ride() -> dict:
     contact = SolidContact(stiffness=1e13)
     model = SolidSpring(beehive(), MeshOptions(12, 1, 1, ends="bonded"), contact, time_limit=480.0)
     speed = 8000 * 2 * np.pi / 60
-    job = TransientJob(build_lift_law(case.lift_law), speed, 7e-3, np.radians(85), np.radians(265), 4e-5, case.springs[0].damping.mass_damping)
+    job = TransientJob(
+        build_lift_law(case.lift_law), speed, 7e-3, np.radians(85), np.radians(265), 4e-5, case.springs[0].damping.mass_damping
+    )
     solution = run_transient(model, job, case.name)
     solution_file = STORE / "ride.nc"
     save_netcdf(solution, solution_file)

@@ -166,18 +166,17 @@ def test_run_up_goes_from_speed_to_speed_and_passes_through_the_steady_states():
 
 
 def test_nested_springs_that_rub_take_more_energy():
-    from dataclasses import replace
-
     from valvetrain.parameters.loading import load_case
-    from valvetrain.parameters.train import TrainVariant
-    from valvetrain.studies.train_study import RunJob, run_job
+    from valvetrain.studies.run import run_study
 
-    case = load_case("vaz-ohc")
-    variant = TrainVariant("cards", "nested-cards", "multi-mass")
-    job = RunJob(case, case.operation.engine_speeds[0], variant, TrainOptions(samples=720))
-    free = run_job(job)
-    rubbing = run_job(replace(job, spring_options={"rubbing_coefficient": 0.15, "rubbing_force": 60.0}))
-    taken = [run.quantities["spring_dissipated_energy"] for run in (free, rubbing)]
+    taken = []
+    for rubbing in ({}, {"train.rubbing": {"coefficient": 0.15, "normal_force": "60 N"}}):
+        case = load_case("vaz-ohc", rubbing)
+        study = run_study(
+            case, engine_speeds=case.operation.engine_speeds[:1], spring_models=["multi-mass"], spring_sets=["nested-cards"], workers=1
+        )
+        assert not study.failures
+        taken.append(study.solutions[0].quantities["spring_dissipated_energy"])
     # twice the lift's mean slip times the friction force bounds what rubbing can take per cycle
     assert 0.0 < taken[1] - taken[0] < 0.15 * 60.0 * 2 * 9.7e-3 * 4
 

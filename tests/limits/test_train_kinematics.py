@@ -14,7 +14,7 @@ from valvetrain.mechanism.crank import piston_clearance, piston_travel
 from valvetrain.mechanism.lumped import equivalent_mass
 from valvetrain.mechanism.rigid import RatioCurve
 from valvetrain.parameters.train import CamParameters, CrankParameters, FollowerParameters
-from valvetrain.quantities.kinematics import contact_loss_cam_speed, rigid_table
+from valvetrain.quantities.kinematics import rigid_motion, rigid_table
 from valvetrain.system.train_forces import gap_state
 
 RADIUS, OFFSET, ROLLER = 0.02, 0.004, 0.01  # an eccentric circle as a cam: everything is known of it
@@ -97,7 +97,7 @@ def test_direct_train_obeys_newton_and_loses_contact_where_the_closed_form_says(
     lift, bend = LAW.lift(fine), LAW.lift(fine, 2)
     risky = bend < 0
     squares = (300.0 + 30e3 * lift[risky] - weight) / (-mass * bend[risky])
-    cam_speed, where = contact_loss_cam_speed(built, 4320)
+    cam_speed, where = rigid_motion(built, samples=4320).contact_loss()
     assert cam_speed == pytest.approx(math.sqrt(squares.min()), rel=1e-5)
     assert where == pytest.approx(fine[risky][np.argmin(squares)], abs=math.radians(0.2))
 

@@ -66,7 +66,9 @@ def test_clash_of_job_c_changes_by_less_than_4_percent(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("rpm", [5600, 8000])
 def test_stated_uncertainty_covers_a_mesh_three_times_as_fine(rpm):
-    rows = {row.quantity: row for row in load_uncertainty(load_case("gu2021-beehive").record()) if row.engine_speed == pytest.approx(rpm * RPM)}
+    rows = {
+        row.quantity: row for row in load_uncertainty(load_case("gu2021-beehive").record()) if row.engine_speed == pytest.approx(rpm * RPM)
+    }
     fine = clash("gu2021-beehive", rpm, 72)
     assert len(fine) == 5
     for name, value in fine.items():
@@ -79,6 +81,8 @@ def test_stated_uncertainty_covers_a_mesh_three_times_as_fine(rpm):
 @pytest.mark.parametrize("rpm", [5600, 8000])
 def test_shipped_values_are_those_of_this_version(rpm):
     """Fails when rod or contact have changed since scripts/write_uncertainty.py was run; run it again then."""
-    rows = {row.quantity: row for row in load_uncertainty(load_case("gu2021-beehive").record()) if row.engine_speed == pytest.approx(rpm * RPM)}
+    rows = {
+        row.quantity: row for row in load_uncertainty(load_case("gu2021-beehive").record()) if row.engine_speed == pytest.approx(rpm * RPM)
+    }
     for name in HEIGHTS:
         assert clash("gu2021-beehive", rpm, 24)[name] == pytest.approx(rows[name].value, rel=1e-4)

@@ -3,63 +3,115 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
+from valvetrain.parameters.train import TrainParameters
 from valvetrain.studies.batch import available_cores, map_cases
-from valvetrain.studies.sweep import run_sweep
+from valvetrain.studies.engine import map_points
+from valvetrain.studies.run import run_study
+from valvetrain.studies.sweep import sweep_study
+
+RPM = math.pi / 30
 
 
 def square(value: float) -> float:
     return value * value
 
 
+def scaled(factor: float, value: float) -> float:
+    return factor * value * value
+
+
 def test_results_keep_their_order_and_progress_counts_up():
     seen = []
     for workers in (1, 2, None):
         assert map_cases(square, range(7), workers, lambda done, total: seen.append((done, total))) == tuple(n * n for n in range(7))
-    assert seen == [(n, 7) for n in range(1, 8)] * 3
-    assert map_cases(square, (), 4) == ()
+    for processes in (False, True):
+        for workers in (1, 2, None):
+            found = map_points(scaled, 3.0, range(7), workers, processes, lambda done, total: seen.append((done, total)))
+            assert found == tuple(3.0 * n * n for n in range(7))
+    assert seen == [(n, 7) for n in range(1, 8)] * 9
+    assert map_cases(square, (), 4) == map_points(scaled, 3.0, (), 4) == ()
     assert available_cores() >= 1
 
 
 def test_no_worker_is_refused():
     with pytest.raises(InputError, match="workers must be 1 or more"):
         map_cases(square, (1,), 0)
+    with pytest.raises(InputError, match="workers must be 1 or more"):
+        map_points(scaled, 3.0, (1,), 0)
+    with pytest.raises(InputError, match="workers must be 1 or more"):
+        run_study(load_case("job-t"), workers=0)
+
+
+def same_bits(one, two) -> None:
+    """Every channel, number, event and status of two studies, to the bit."""
+    assert [run.label for run in one.solutions] == [run.label for run in two.solutions]
+    for first, second in zip(one.solutions, two.solutions, strict=True):
+        assert first.channels.identical(second.channels)
+        assert first.events == second.events and first.status == second.status
+        assert set(first.quantities) == set(second.quantities)
+        for name, value in first.quantities.items():
+            assert np.array_equal(value, second.quantities[name], equal_nan=True), name
+    assert one.still == two.still
+    for first, second in zip(one.rest, two.rest, strict=True):
+        assert np.array_equal(first.curve.force, second.curve.force)
 
 
 def test_a_sweep_is_the_same_to_the_bit_for_any_number_of_workers():
-    case = load_case("tdi-pushrod")
-    speeds = [speed * math.pi / 30 for speed in (3000, 5000, 7600)]
-    one, two = (run_sweep(case, speeds, spring_sets=("stock",), workers=workers, cycles=12) for workers in (1, 2))
-    for name, values in one.series[0].columns.items():
-        assert np.array_equal(values, two.series[0].columns[name], equal_nan=True), name
-    assert np.array_equal(one.series[0].orders, two.series[0].orders)
+    case = load_case("tdi-pushrod", {"train.cycles": 12})
+    speeds = [speed * RPM for speed in (3000, 5000, 7600)]
+    one, two, three = (sweep_study(case, speeds, spring_sets=["stock"], workers=workers) for workers in (1, 2, 3))
+    same_bits(one, two)
+    same_bits(one, three)
+    assert len({run.quantities["peak_retainer_force"] for run in one.solutions}) == 3
+
+
+def test_runs_of_a_spring_and_of_a_train_are_the_same_to_the_bit_for_any_number_of_workers():
+    spring, train = load_case("job-c"), load_case("tdi-pushrod", {"train.cycles": 2})
+    for case, speeds, models in (
+        (spring, [2000 * RPM, 5000 * RPM], ["multi-mass", "modal-varied", "wave-rod-clash"]),
+        (train, [3000 * RPM], ["multi-mass", "massless"]),
+    ):
+        one, two, three = (run_study(case, engine_speeds=speeds, spring_models=models, workers=workers) for workers in (1, 2, 3))
+        same_bits(one, two)
+        same_bits(one, three)
 
 
 def test_a_sweep_needs_a_speed():
     with pytest.raises(InputError, match="at least one engine speed"):
-        run_sweep(load_case("tdi-pushrod"), [])
+        sweep_study(load_case("tdi-pushrod"), [])
 
 
 def test_a_sweep_survives_one_bad_speed_and_names_it(monkeypatch):
-    from valvetrain.errors import InputError as Refused
-    from valvetrain.studies import sweep
+    from valvetrain.integrate.train_leapfrog import TrainLeapfrog
 
-    real = sweep.run_job
+    real = TrainLeapfrog.run
 
-    def picky(job):
-        if job.engine_speed > 400:
-            raise Refused("the spring finds no equilibrium")
-        return real(job)
+    def picky(self, system, cam_speed, *rest):
+        if cam_speed > 200:
+            raise InputError("the spring finds no equilibrium")
+        return real(self, system, cam_speed, *rest)
 
-    monkeypatch.setattr(sweep, "run_job", picky)
+    monkeypatch.setattr(TrainLeapfrog, "run", picky)
     case = load_case("tdi-pushrod")
-    found = run_sweep(case, [300.0, 500.0], spring_sets=("stock",), spring_models=("massless",), workers=1)
+    found = sweep_study(case, [300.0, 500.0], spring_sets=("stock",), spring_models=("massless",), workers=1)
     (sentence,) = found.failures
-    assert "stock, massless at 4775 rpm" in sentence and "no equilibrium" in sentence
-    series = found.series[0]
-    assert np.isfinite(series.columns["seating_velocity"][0]) and np.isnan(series.columns["seating_velocity"][1])
+    assert "massless at 4774.65 rpm" in sentence and "no equilibrium" in sentence
+    _, velocity = found.series(found.labels[0], "seating_velocity")
+    assert np.isfinite(velocity[0]) and np.isnan(velocity[1])
+
+
+def test_variants_of_one_train_share_its_mechanism_and_equal_springs_share_nothing_else():
+    from valvetrain.system.build import build
+
+    train = load_case("vaz-ohc").train
+    assert isinstance(train, TrainParameters)
+    members = build(load_case("vaz-ohc")).members
+    gears = {id(member.gear) for member in members}
+    assert len(gears) == len({replace(variant, label="", spring_set="", spring_model="", note="") for variant in train.variants})

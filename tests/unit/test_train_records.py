@@ -6,24 +6,28 @@ import numpy as np
 import pytest
 
 from valvetrain.integrate import train_run
+from valvetrain.integrate.train_channels import spring_outputs
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.loading import load_case
-from valvetrain.quantities.valvetrain_quantities import spring_outputs
-from valvetrain.system.build_train import build_train
+from valvetrain.system.build import build
+from valvetrain.system.train_system import TrainSystem
+
+COARSE = {f"train.springs.nested.{place}.options.finite-element.elements_per_coil": 8 for place in (0, 1)}
 
 
 def test_the_recorded_head_of_a_large_state_is_enough(monkeypatch):
-    case = load_case("vaz-ohc")
-    built = build_train(case, spring_model="finite-element", spring_set="nested", elements_per_coil=8)
+    problem = build(load_case("vaz-ohc", COARSE), spring_models=["finite-element"], spring_sets=["nested"])
+    built = problem.members[0].system()
+    assert isinstance(built, TrainSystem) and {spring.elements_per_coil for spring in built.springs} == {8}
     found = []
     for entries in (None, len(built.springs[1].initial_state(0.0))):
         if entries is not None:
             monkeypatch.setattr(train_run, "recorded_entries", lambda spring, size=entries: size)
-        ready = runner(built, case.operation.cam_speeds[0], TrainOptions(samples=36, record_springs=True))
+        ready = runner(built, problem.engine_speeds[0] / 2, TrainOptions(samples=36, record_springs=True))
         steady = steady_train(ready, "repeat", cycles=1)
         assert (steady.record.spring_states[1].shape[1] == entries) is (entries is not None)
-        found.append(spring_outputs(steady, 1))
+        found.append(spring_outputs(steady.runner.springs[1], steady.record, steady.start.springs[1], 1, built.arrays.retainer))
     for head, whole in zip(*found, strict=True):
         assert head.axial_displacement == pytest.approx(whole.axial_displacement, abs=1e-12)
         assert head.coil_contact_force == pytest.approx(whole.coil_contact_force, abs=1e-6)

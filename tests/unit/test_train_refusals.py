@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import pytest
-from valvetrain.system.build_train import build_train
 
 from train_parts import LAW, STIFF, contacts, direct, finger, pushrod, rocker, system
 from valvetrain.errors import InputError
@@ -24,8 +23,13 @@ from valvetrain.parameters.train import (
     ValveParameters,
 )
 from valvetrain.springs.massless import MasslessSpring
+from valvetrain.system.build import build
 
 ROUGH = ContactParameters("linear", STIFF.values, 0.1)
+
+
+def vaz_with_contact_stiffness(value: str):
+    return build(load_case("vaz-ohc", {"train.contacts.cam.contact_stiffness": value})).members[0].system()
 
 
 @pytest.mark.parametrize(
@@ -73,10 +77,10 @@ ROUGH = ContactParameters("linear", STIFF.values, 0.1)
         (lambda: runner(system(direct()), 0.0), "cam speed must be positive"),
         (lambda: runner(system(direct()), -10.0), "cam speed must be positive"),
         (lambda: runner(system(direct()), 200.0, TrainOptions(time_step=1e-3)), "cannot resolve the stiffest contact"),
-        (lambda: runner(build_train(load_case("vaz-ohc", {"train.contacts.cam.contact_stiffness": "2e13 N/mm"})), 200.0), "100 kN/mm"),
-        (lambda: build_train(load_case("vaz-ohc", {"train.springs.nested.0.installed_height": "26 mm"})),
-         "spring 'outer' binds: 26 mm"),
-        (lambda: build_train(load_case("tdi-pushrod", {"train.springs.stock.0.installed_height": "40 mm",
+        (lambda: runner(vaz_with_contact_stiffness("2e13 N/mm"), 200.0), "100 kN/mm"),
+        (lambda: build(load_case("vaz-ohc", {"train.springs.nested.0.installed_height": "26 mm"})),
+         "spring 'outer' reaches coil bind: 26 mm"),
+        (lambda: build(load_case("tdi-pushrod", {"train.springs.stock.0.installed_height": "40 mm",
                                                        "train.springs.stock.0.solid_height": "33 mm"})), "solid at 33 mm"),
     ],
 )  # fmt: skip
@@ -104,12 +108,16 @@ def test_a_step_too_long_for_the_force_that_came_is_reported_as_a_status():
 
 def test_unknown_spring_words_name_the_nearest():
     case = load_case("tdi-pushrod")
-    with pytest.raises(InputError, match="did you mean 'massless'"):
-        build_train(case, spring_model="masless")
+    with pytest.raises(InputError, match="did you mean massless"):
+        build(case, spring_models=["masless"])
+    with pytest.raises(InputError, match="did you mean massless"):
+        build(load_case("tdi-pushrod", {"train.spring_model": "masless"}))
     with pytest.raises(InputError, match="stock, performance"):
-        build_train(case, spring_set="racing")
+        build(case, spring_sets=["racing"])
+    (member,) = build(case, spring_models=["wave-rod-clash"], spring_sets=["stock"]).members
+    assert "needs the coil gaps of its wire" in member.refusal
     with pytest.raises(InputError, match="needs the coil gaps of its wire"):
-        build_train(case, spring_model="wave-rod-clash")
+        member.system()
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal, Protocol, runtime_checkable
 
+from valvetrain.errors import InputError
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest
+
+#: Longest run-up that is taken for meant.
+MOST_TURNS = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +39,16 @@ class RunUp:
 
     last_cam_speed: float
     cam_acceleration: float
+
+    def duration(self, first_cam_speed: float) -> float:
+        """Time (s) from ``first_cam_speed`` (rad/s) to the last. Raises :class:`InputError` for an acceleration that does not lead there
+        or takes beyond :data:`MOST_TURNS` cam turns."""
+        change = self.last_cam_speed - first_cam_speed
+        if not (math.isfinite(self.cam_acceleration) and change * self.cam_acceleration > 0 and self.last_cam_speed > 0):
+            raise InputError("the cam acceleration of a run-up must lead from its first to its last speed; change its sign or the speeds")
+        if change / self.cam_acceleration * first_cam_speed > MOST_TURNS * 2 * math.pi:
+            raise InputError(f"a run-up of more than {MOST_TURNS} cam turns is a slip of the pen; raise the acceleration")
+        return change / self.cam_acceleration
 
 
 Until = Cycles | Periodic | RunUp

@@ -54,7 +54,7 @@ class Leapfrog:
         acceleration, turns, tolerance = 0.0, 1, 0.0
         if isinstance(until, RunUp):
             acceleration = until.cam_acceleration
-            turns = max(1, int(np.ceil((until.last_cam_speed - cam_speed) / acceleration * cam_speed / TURN)))
+            turns = max(1, int(np.ceil(until.duration(cam_speed) * cam_speed / TURN)))
         elif isinstance(until, Cycles):
             turns = until.count
         else:

@@ -25,7 +25,9 @@ def run(
     """
     if not (math.isfinite(cam_speed) and cam_speed > 0):
         raise InputError(f"the cam speed must be positive; it is {cam_speed:g} rad/s")
-    origin = provenance or Provenance(system.name, system.springs[0].name if system.springs else "", engine_speed=2 * cam_speed)
+    origin = provenance or Provenance(
+        system.name, system.springs[0].name if system.springs else "", 2 * cam_speed, system=system.kind, springs=system.spring_names
+    )
     if isinstance(system, PrescribedSpring) and len(system.springs) > 1:
         parts = tuple(run(member, cam_speed, until, options, origin) for member in system.members())
         return joined(parts, system.spring_names, origin)

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
-from valvetrain.errors import InputError
+from valvetrain.integrate.contract import RunUp
 from valvetrain.integrate.train_run import CycleRecord, TrainOptions, TrainState, runner
 from valvetrain.system.train_rest import TrainRest
 from valvetrain.system.train_system import TrainSystem
-
-TURN = 2 * math.pi
-MOST_TURNS = 10_000
 
 
 def run_up(
@@ -25,11 +21,8 @@ def run_up(
     that of the first speed throughout, so that wave rods keep their grid. Raises :class:`InputError` for an acceleration that does not
     lead there.
     """
-    if cam_acceleration == 0 or (last_cam_speed - first_cam_speed) * cam_acceleration <= 0:
-        raise InputError("the cam acceleration of a run-up must lead from its first to its last speed; change its sign or the speeds")
+    RunUp(last_cam_speed, cam_acceleration).duration(first_cam_speed)
     ready = runner(system, first_cam_speed, options, cam_acceleration, rest)
-    if (last_cam_speed - first_cam_speed) / cam_acceleration > MOST_TURNS * TURN / first_cam_speed:
-        raise InputError(f"a run-up of more than {MOST_TURNS} cam turns is a slip of the pen; raise the acceleration")
     step, state, records = ready.time_step, start or ready.initial_state(), []
     cam_speed = first_cam_speed
     while (last_cam_speed - cam_speed) * cam_acceleration > 0:

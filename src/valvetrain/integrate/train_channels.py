@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,8 @@ def force_name(interaction: str) -> str:
 
 
 def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[CycleRecord], start: TrainState | None = None) -> xarray.Dataset:
-    """Consecutive records as one dataset; ``start`` is the state that the (only) record began from, for the springs' inner motion."""
+    """Records as one dataset: of one closed turn with the state ``start`` that it began from, for the springs' inner motion, or of a
+    run-up without one."""
     import xarray
 
     mechanism, arrays = system.mechanism, system.arrays
@@ -41,10 +42,9 @@ def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[Cycle
 
     q, v, a, forces, gaps, ends = (all_of(name) for name in ("q", "v", "a", "forces", "gaps", "spring_forces"))
     first = records[0]
-    if len(records) > 1:  # a run-up: the true angle, unwrapped
+    if start is None:  # a run-up: the true angle, unwrapped; every stretch takes the time of the first
         angle = all_of("cam_angle")
-        starts = np.cumsum([0.0] + [len(record.q) * _interval(record) for record in records[:-1]])
-        time = np.concatenate([begin + np.arange(len(record.q)) * _interval(record) for begin, record in zip(starts, records, strict=True)])
+        time = np.arange(len(angle)) * (2 * np.pi / first.cam_speed / len(first.q))
         speed = np.gradient(angle, time) if len(angle) > 2 else np.full(len(angle), first.cam_speed)
     else:
         angle = np.arange(len(q)) * 2 * np.pi / len(q)
@@ -69,7 +69,7 @@ def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[Cycle
         if name in CONTACTS:
             table[f"{name.replace(' ', '_')}_gap"] = (gaps[:, k], "m", f"gap at {name}, open positive")
     variables = {name: (("sample",), values, {"units": unit, "long_name": words}) for name, (values, unit, words) in table.items()}
-    coords: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {
+    coords: dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, str]]] = {
         "time": (("sample",), time, {"units": "s", "long_name": "time"}),
         "cam_angle": (("sample",), angle, {"units": "rad", "long_name": "cam angle, unwrapped"}),
     }
@@ -83,14 +83,9 @@ def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[Cycle
                     ends[:, place, side],
                     {"units": "N", "long_name": f"{word} spring: force {words}"},
                 )
-        if start is not None and len(records) == 1 and first.spring_states[place].shape[1]:
+        if start is not None and first.spring_states[place].shape[1]:
             _add_sections(variables, coords, prefix, spring_outputs(spring, first, start.springs[place], place, retainer))
     return xarray.Dataset(variables, coords)
-
-
-def _interval(record: CycleRecord) -> float:
-    """Time (s) between the samples of a record of one nominal turn."""
-    return 2 * np.pi / record.cam_speed / len(record.q)
 
 
 def _add_sections(variables: dict, coords: dict, prefix: str, shown: list[SpringOutputs]) -> None:  # type: ignore[type-arg]

@@ -104,8 +104,10 @@ def _force(cycle: Cycle) -> _Force | None:
     parts = {bandwidth: values[mine] for bandwidth, values in filtered.items()}
     within = angle[mine] - begin
     lift = np.interp(within, cycle.cam_angle, cycle.channel("valve_lift"))
-    base = float(np.mean(raw[mine][lift <= 1e-3 * float(np.max(lift))]))
-    return _Force(time[mine], within, raw[mine], parts, base)
+    closed = lift <= 1e-3 * float(np.max(lift))
+    if not np.any(closed):  # a valve that floats all the way has no base circle
+        return None
+    return _Force(time[mine], within, raw[mine], parts, float(np.mean(raw[mine][closed])))
 
 
 def _vertex(angle: Array, values: Array, inside: Index) -> float:

@@ -63,6 +63,9 @@ def run_problem(
     speeds = tuple(float(speed) for speed in engine_speeds)
     if any(not (np.isfinite(speed) and speed > 0) for speed in speeds):
         raise InputError("every engine speed must be positive; give it as '4200 rpm'", "--engine-speed")
+    if speeds and not problem.moves:
+        remedy = "add a [lift_law] table, or leave the engine speed out for its statics and modes"
+        raise InputError(f"case '{problem.record.name}' holds no lift law, so its spring does not move; {remedy}", "--engine-speed")
     refusals = [member.refusal for member in problem.members]
     if problem.members and all(refusals):
         raise InputError(refusals[0], "--spring")

@@ -40,7 +40,7 @@ def build(case: Case, *, spring_models: Sequence[str] = (), spring_sets: Sequenc
     operation, event = case.operation, find_lift_event(law if case.lift_law is not None else None, case.lift_law)
     return Problem(
         case.record(), members, law, event, operation.engine_speeds, operation.cycles, operation.output_step,
-        case.train.cycles if case.train is not None else None,
+        case.train.cycles if case.train is not None else None, case.lift_law is not None,
     )  # fmt: skip
 
 

@@ -75,7 +75,8 @@ class Member:
 @dataclass(frozen=True, eq=False)
 class Problem:
     """All parts of a case, built once. ``engine_speeds`` in rad/s of the crank; ``cycles`` cam turns of prescribed motion, the last is
-    reported; ``output_step`` (cam rad) between its samples; ``cycles_to_settle`` bounds the search for a train's periodic state."""
+    reported; ``output_step`` (cam rad) between its samples; ``cycles_to_settle`` bounds the search for a train's periodic state;
+    ``moves``: whether there is a lift law."""
 
     record: CaseRecord
     members: tuple[Member, ...]
@@ -85,6 +86,7 @@ class Problem:
     cycles: int
     output_step: float
     cycles_to_settle: int | None = None
+    moves: bool = True
 
     @property
     def kind(self) -> str:

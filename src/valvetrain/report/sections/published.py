@@ -16,7 +16,7 @@ from valvetrain.solution.definition import label_of
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.study import Study
 from valvetrain.studies.uncertainty import Uncertainty
-from valvetrain.studies.uncertainty_file import shipped_rows
+from valvetrain.studies.uncertainty_file import load_uncertainty
 
 #: Ends of the ratio axis; what lies beyond stands at the end as a triangle, its number on hover.
 AXIS = (0.5, 1.5)
@@ -48,8 +48,7 @@ def ratio_chart(study: Study) -> Chart | None:
     if not known:
         return None
     height = np.arange(len(known), dtype=float)
-    stored = shipped_rows(study.record.name) if study.record.study and not study.record.changed else ()
-    unsure = {(row.quantity, round(row.engine_speed or 0.0, 3)): row for row in stored}
+    unsure = {(row.quantity, round(row.engine_speed or 0.0, 3)): row for row in load_uncertainty(study.record)}
     allowed = [None if row.tolerance is None else row.tolerance / abs(row.published) for row, _ in known]
     layers: list[Layer] = [
         *_spans("stated tolerance", theme.RULE, 5.0, [(1.0, half) for half in allowed]),

@@ -5,20 +5,18 @@ from __future__ import annotations
 from valvetrain.report.page import Block, SectionSpec, text
 from valvetrain.report.uncertainty_section import belongs, lead, uncertainty_grid
 from valvetrain.solution.study import Study
-from valvetrain.studies.uncertainty_file import shipped_meshes, shipped_rows
+from valvetrain.studies.uncertainty_file import load_uncertainty, meshes_of
 
 
 def blocks(study: Study) -> tuple[Block, ...]:
     """Nothing for a case that was changed, one of one's own, or numbers that another version computed."""
-    if not study.record.study or study.record.changed:
-        return ()
-    rows, found = shipped_rows(study.record.name), study.quantities
+    rows, found = load_uncertainty(study.record), study.quantities
     fresh = [row for row in rows if belongs(row, found)]
     if not fresh:
         return ()
     left = f"{len(rows) - len(fresh)} stored rows are left out: this run computes other values or other speeds."
     notes = (text(left, "note"),) if len(fresh) < len(rows) else ()
-    return (uncertainty_grid(fresh), text(lead(shipped_meshes(study.record.name)), "quiet"), *notes)
+    return (uncertainty_grid(fresh), text(lead(meshes_of(study.record)), "quiet"), *notes)
 
 
 SPEC = SectionSpec("uncertainty", "Numbers with error bars", blocks)

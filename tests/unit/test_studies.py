@@ -1,0 +1,256 @@
+"""Studies on the one pipeline: parts built once, failures as statuses, every model in every system, results that travel."""
+
+from __future__ import annotations
+
+import pickle
+import warnings
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from valvetrain import registry
+from valvetrain.errors import InputError
+from valvetrain.parameters.loading import load_case, parse_case
+from valvetrain.springs.spec import SpringModelSpec, spring_model
+from valvetrain.studies.compare import compare_study
+from valvetrain.studies.ready import make_ready
+from valvetrain.studies.run import run_study
+from valvetrain.studies.sweep import sweep_study
+from valvetrain.system.build import build
+
+RPM = np.pi / 30
+COARSE = {"spring.options.finite-element.elements_per_coil": 8}
+MOVING = tuple(word for word in registry.words("springs") if not spring_model(word).no_motion)
+CARD_MODELS = tuple(word for word in MOVING if not spring_model(word).wire_only)
+
+LAW = """
+[lift_law]
+kind = "sine-power"
+maximum_lift = "7 mm"
+opening_start = "120 deg"
+closing_end = "240 deg"
+power = 4
+[operation]
+engine_speeds = "4000 rpm"
+cycles = 1
+output_step = "1 deg"
+"""
+OUTER = """
+[[spring]]
+name = "big"
+wire_diameter = "4 mm"
+mean_diameter = "28 mm"
+pitch = "7.5 mm"
+total_coils = 6
+ends = "open"
+material = "OTEVA 90 SC"
+precompression = "7 mm"
+seats = "clamps"
+options = { finite-element = { elements_per_coil = 8 } }
+"""
+INNER = (
+    OUTER.replace('"big"', '"small"').replace('"4 mm"', '"2.8 mm"').replace('"28 mm"', '"19 mm"').replace('"7.5 mm"', '"5.6 mm"')
+).replace("total_coils = 6", "total_coils = 8")
+NESTED = OUTER + INNER
+CARD = '[spring]\nname = "card"\nrate = "30 N/mm"\npreload = "250 N"\nmass = "40 g"\n' + (
+    "options = { finite-element = { elements_per_coil = 8 } }\n[spring.damping]\nmass_damping = '100 1/s'\n"
+)
+
+
+def counted(monkeypatch, place, name: str, counts: Counter[str], key: str = ""):
+    """Count the calls of a function or the making of a class, which goes on as before."""
+    real = getattr(place, name)
+
+    def counting(*args, **kwargs):
+        counts[key or name] += 1
+        return real(*args, **kwargs)
+
+    monkeypatch.setattr(place, name, counting)
+
+
+@pytest.fixture
+def counts(monkeypatch) -> Counter[str]:
+    """How often each part was made."""
+    from valvetrain.mechanism import build as mechanisms
+    from valvetrain.mechanism import parts
+    from valvetrain.springs import finite_element
+    from valvetrain.studies import ready
+    from valvetrain.system import build as building
+
+    found: Counter[str] = Counter()
+    counted(monkeypatch, building, "build_lift_law", found)
+    counted(monkeypatch, building, "build_mechanism", found)
+    counted(monkeypatch, finite_element, "mesh_spring", found)
+    counted(monkeypatch, ready, "rest_of", found)
+    counted(monkeypatch, ready, "rigid_motion", found)
+    for module in (mechanisms, parts):
+        for name in ("build_contact_law",):
+            if hasattr(module, name):
+                counted(monkeypatch, module, name, found)
+    real = SpringModelSpec.build
+
+    def building_spring(self, spring, rest=None):
+        found[f"spring {self.word} {spring.name}"] += 1
+        return real(self, spring, rest)
+
+    monkeypatch.setattr(SpringModelSpec, "build", building_spring)
+    return found
+
+
+def test_every_part_of_a_spring_study_is_built_once(counts):
+    study = run_study(load_case("gu2021-beehive", COARSE), engine_speeds=[4000 * RPM], workers=1)
+    assert not study.failures
+    name = study.rest[0].spring
+    assert counts == {"build_lift_law": 1, "mesh_spring": 1, f"spring finite-element {name}": 1, f"spring modal-varied {name}": 1}
+
+
+def test_every_part_of_a_spring_study_is_built_once_for_any_number_of_speeds(counts):
+    run_study(load_case("job-c", COARSE), engine_speeds=[2000 * RPM, 3000 * RPM], spring_models=["multi-mass", "finite-element"], workers=2)
+    assert set(counts.values()) == {1} and counts["mesh_spring"] == 1
+
+
+def test_parts_of_a_train_and_its_variants_are_built_once(counts):
+    case = load_case("tdi-pushrod", {"train.cycles": 1})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)  # a valve that never closes included
+        study = run_study(case, workers=1)
+    variants = case.train.variants
+    assert len(study.solutions) == len(variants) > 3
+    assert counts["build_lift_law"] == 1
+    # a mechanism per train that differs in more than its springs, as a damper on the valve
+    bare = {(variant.lash, variant.valve_damping) for variant in variants}
+    assert counts["build_mechanism"] == len(bare)
+    assert counts["build_contact_law"] == counts["build_mechanism"] * len(case.train.contacts)
+    # one model per variant, whose springs differ, and a massless one per spring set for what rigid theory says of it
+    sets = {variant.spring_set or case.train.spring_set for variant in variants}
+    assert sum(count for key, count in counts.items() if key.startswith("spring ")) == len(variants) + len(sets)
+    assert counts["rest_of"] == counts["rigid_motion"] == len(variants) + len(sets)
+
+
+@pytest.mark.parametrize("name", ["job-t", "vaz-ohc"])
+def test_ready_members_solutions_and_studies_travel_between_processes(name):
+    case = load_case(name, {"train.cycles": 1} if name == "vaz-ohc" else {})
+    problem = build(case, spring_models=["multi-mass"])
+    ready = make_ready(problem, problem.members[0], {}, "")
+    again = pickle.loads(pickle.dumps(ready))
+    assert again.refusal == "" and again.member.label == ready.member.label
+    study = run_study(case, engine_speeds=[2000 * RPM], spring_models=["multi-mass"], workers=1)
+    back = pickle.loads(pickle.dumps(study))
+    assert back.solutions[0].identical(study.solutions[0]) and back.still == study.still
+    assert repr(back) == repr(study) and back.quantities == study.quantities
+
+
+def test_a_run_that_fails_is_a_status_and_the_others_are_kept():
+    """A step far beyond the stable one breaks the rod, with half the step too; the exact model beside it stays."""
+    case = load_case("job-t", COARSE | {"spring.options.finite-element.time_step": "1e-4 s"})
+    study = run_study(case, engine_speeds=[8000 * RPM], spring_models=["finite-element", "modal-varied"], workers=2)
+    broken, kept = study.solution("finite-element"), study.solution("modal-varied")
+    assert broken.status.code == "diverged" and broken.status.remedy
+    assert kept.status.completed and np.isfinite(kept.quantities["peak_spring_force"])
+    (sentence,) = study.failures
+    assert "finite-element at 8000 rpm" in sentence
+
+
+def test_a_model_that_cannot_stand_for_a_spring_is_refused_and_the_others_run():
+    case = load_case("tdi-pushrod", {"train.cycles": 1})
+    study = run_study(case, spring_models=["massless", "wave-rod-clash"], spring_sets=["stock"], workers=1)
+    refused = study.solution("wave-rod-clash")
+    assert refused.status.code == "refused" and "coil gaps" in refused.status.message and refused.status.remedy
+    assert refused.quantities == {} and len(refused.time) == 0
+    assert len(study.solution("massless").time) > 0
+    with pytest.raises(InputError, match="coil gaps"):
+        run_study(case, spring_models=["wave-rod-clash"], spring_sets=["stock"], workers=1)
+
+
+def test_a_train_whose_step_cannot_be_is_a_status_of_its_own():
+    case = load_case("vaz-ohc", {"train.contacts.cam.contact_stiffness": "2e13 N/mm", "train.cycles": 1})
+    study = run_study(case, spring_models=["massless"], spring_sets=["nested-cards"], workers=1)
+    (run,) = study.solutions
+    assert not run.status.completed and "100 kN/mm" in run.status.sentence()
+
+
+@pytest.mark.parametrize("speeds", [[0.0], [-100.0], [float("nan")]])
+def test_speeds_that_cannot_be_are_refused(speeds):
+    for study in (run_study, compare_study):
+        with pytest.raises(InputError, match="must be positive"):
+            study(load_case("job-t"), engine_speeds=speeds)
+
+
+def test_a_spring_without_a_lift_law_has_statics_and_modes_and_no_motion():
+    study = run_study(load_case("clamped-helix", COARSE))
+    assert study.solutions == () and study.rest[0].modes is not None and "" in study.still
+    for ask in (lambda case: run_study(case, engine_speeds=[200.0]), lambda case: sweep_study(case, [200.0])):
+        with pytest.raises(InputError, match="holds no lift law, so its spring does not move"):
+            ask(load_case("clamped-helix"))
+
+
+@pytest.mark.parametrize("word", MOVING)
+def test_nested_springs_under_prescribed_motion_by_every_model(word):
+    case = parse_case(NESTED + LAW, "own-pair")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        study = run_study(case, spring_models=[word], workers=1)
+    (run,) = study.solutions
+    assert run.status.completed, run.status.sentence()
+    assert run.springs == ("outer", "inner")
+    for name in ("seat_force", "retainer_force"):
+        parts = run.channel(f"outer_{name}") + run.channel(f"inner_{name}")
+        assert run.channel(name) == pytest.approx(parts, rel=1e-12)
+    assert {"outer", "inner"} <= set(study.still) and len(study.rest) == 2
+    static = sum(study.still[name]["preload"] for name in ("outer", "inner"))
+    assert run.channel("seat_force")[0] == pytest.approx(static, rel=0.12)
+    assert run.quantities["peak_spring_force"] > static
+
+
+@pytest.mark.parametrize("word", CARD_MODELS)
+def test_a_spring_known_by_its_card_under_prescribed_motion_by_every_model_that_can(word):
+    case = parse_case(CARD + LAW, "own-card")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        study = run_study(case, spring_models=[word], workers=1)
+    (run,) = study.solutions
+    assert run.status.completed, run.status.sentence()
+    assert study.still[""]["preload"] == pytest.approx(250.0, rel=1e-6)
+    assert run.channel("retainer_force")[0] == pytest.approx(250.0, rel=0.03)
+    assert run.quantities["peak_spring_force"] == pytest.approx(250.0 + 30e3 * 7e-3, rel=0.25)
+
+
+@pytest.mark.parametrize("word", sorted(set(MOVING) - set(CARD_MODELS)))
+def test_a_card_says_what_it_lacks_for_the_other_models(word):
+    with pytest.raises(InputError, match="known by its card only"):
+        run_study(parse_case(CARD + LAW, "own-card"), spring_models=[word], workers=1)
+
+
+def test_rubbing_of_a_nested_pair_under_prescribed_motion():
+    rubbing = '[rubbing]\ncoefficient = 0.15\nnormal_force = "60 N"\n'
+    free, rough = (run_study(parse_case(text, "own-pair"), spring_models=["multi-mass"], workers=1).solutions[0]
+                   for text in (NESTED + LAW, NESTED + LAW + rubbing))  # fmt: skip
+    assert rough.status.completed and free.status.completed
+    assert float(np.ptp(rough.channel("energy_dissipated"))) > float(np.ptp(free.channel("energy_dissipated")))
+    refused = run_study(parse_case(NESTED + LAW + rubbing, "own-pair"), spring_models=["multi-mass", "modal-uniform"], workers=1)
+    assert refused.solution("modal-uniform").status.code == "refused" and refused.solution("multi-mass").status.completed
+
+
+@pytest.mark.parametrize("name", ["gu2021-beehive", "vaz-ohc"])
+def test_a_sweep_keeps_numbers_and_no_channels_and_warns_of_nothing(name):
+    case = load_case(name, COARSE if name == "gu2021-beehive" else {})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        study = sweep_study(case, [2000 * RPM, 3000 * RPM], spring_models=["multi-mass", "massless"], spring_sets=(), workers=1)
+    assert all(len(run.time) == 0 and run.quantities for run in study.solutions)
+    for label in study.labels:
+        speeds, peak = study.series(label, "peak_spring_force")
+        assert len(speeds) == 2 and np.all(np.isfinite(peak))
+    assert study.comparisons == () and study.findings == ()
+
+
+def test_progress_is_told_of_every_run():
+    for name, models in (("job-t", ["massless", "multi-mass"]), ("tdi-pushrod", ["massless"])):
+        seen: list[tuple[float, str]] = []
+        case = load_case(name, {"train.cycles": 1} if name == "tdi-pushrod" else {})
+        study = run_study(
+            case, engine_speeds=[2000 * RPM, 2500 * RPM], spring_models=models, workers=1, progress=lambda *told: seen.append(told)
+        )
+        shares = [share for share, _ in seen]
+        assert shares == sorted(shares) and shares[-1] == pytest.approx(1.0) and len(seen) >= len(study.solutions)
