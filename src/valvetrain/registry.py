@@ -97,12 +97,25 @@ BUILT_IN["mechanisms"] = {
 BUILT_IN["sources"] = {key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021", "vasilyev2016", "multibody4b17")}
 #: In the order of the page: what answers first, what a paper says only after it.
 BUILT_IN["sections"] = {
-    word.replace("_", "-"): f"valvetrain.report.sections.{word}:SPEC"
-    for word in (
-        "answers", "sweep", "published", "gu2021", "uncertainty", "force", "coils", "motion", "train", "at_rest", "orders", "stress",
-        "energy", "events", "kinematics", "case", "runs", "references",
-    )
-}  # fmt: skip
+    "answers": "valvetrain.report.sections.answers:SPEC",
+    "sweep": "valvetrain.report.sections.sweep:SPEC",
+    "published": "valvetrain.report.sections.published:SPEC",
+    "gu2021": "valvetrain.report.sections.gu2021:SPEC",
+    "uncertainty": "valvetrain.report.sections.uncertainty:SPEC",
+    "force": "valvetrain.report.sections.force:SPEC",
+    "coils": "valvetrain.report.sections.coils:SPEC",
+    "motion": "valvetrain.report.sections.motion:SPEC",
+    "train": "valvetrain.report.sections.train:SPEC",
+    "at-rest": "valvetrain.report.sections.at_rest:SPEC",
+    "orders": "valvetrain.report.sections.orders:SPEC",
+    "stress": "valvetrain.report.sections.stress:SPEC",
+    "energy": "valvetrain.report.sections.energy:SPEC",
+    "events": "valvetrain.report.sections.events:SPEC",
+    "kinematics": "valvetrain.report.sections.kinematics:SPEC",
+    "case": "valvetrain.report.sections.case:SPEC",
+    "runs": "valvetrain.report.sections.runs:SPEC",
+    "references": "valvetrain.report.sections.references:SPEC",
+}
 
 
 @cache

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tomllib
@@ -46,10 +47,11 @@ def install(page: Path, folder: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_what_a_page_adds_runs_and_prints_what_the_page_says(page, tmp_path):
     install(page, tmp_path)
-    script, (printed,) = blocks(page, "python")[1], blocks(page, "text")
+    (printed,), commands = blocks(page, "text"), blocks(page, "sh")
+    words = ["-m", *shlex.split(commands[0])] if commands else ["-c", blocks(page, "python")[1]]
     paths = os.pathsep.join(map(str, (tmp_path, ROOT / "src")))
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, env={**os.environ, "PYTHONPATH": paths}
+        [sys.executable, *words], capture_output=True, text=True, cwd=tmp_path, env={**os.environ, "PYTHONPATH": paths}
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert done.stdout == printed

@@ -179,7 +179,7 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
     from valvetrain.cli.published import show_comparisons
 
     if study.comparisons:
-        console.print(f"\n{published_words(study.comparisons)}", soft_wrap=True)
+        console.print(f"\n{published_words(study.comparisons)}")
     more = [
         f"{len(found)} {noun}{'s' if len(found) > 1 else ''}"
         for found, noun in ((study.findings, "finding"), (study.notes, "note"))

@@ -30,7 +30,7 @@ def check(
     from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.case_facts import case_facts, case_quantities
     from valvetrain.cli.outcome import Outcome, deliver
-    from valvetrain.cli.results import quantities_object
+    from valvetrain.report.json import quantities_object
 
     chosen = choose_case(case, settings, elements_per_coil)
     problem = _put_together(chosen, read_models(spring))

@@ -94,7 +94,7 @@ def _outcome(request: RefineRequest, engine_speeds: tuple[float, ...] | None, wo
 
 def _row_object(row: Uncertainty) -> dict[str, Any]:
     from valvetrain.cli.outcome import measured
-    from valvetrain.cli.results import engine_speed_object
+    from valvetrain.report.json import engine_speed_object
     from valvetrain.solution.quantity import unit_of
 
     unit = unit_of(row.quantity)
@@ -110,25 +110,25 @@ def _row_object(row: Uncertainty) -> dict[str, Any]:
 
 
 def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
-    from valvetrain.cli.tables import plain_table, shown
-    from valvetrain.report.words import quantity_words, speed_words
-    from valvetrain.solution.quantity import unit_of
+    from valvetrain.cli.tables import plain_table, shown_words
+    from valvetrain.report.words import speed_words
+    from valvetrain.solution.definition import label_of
 
-    console.print(study.case.title or study.case.name)
+    console.print(study.record.title or study.record.name)
     console.print(f"{', '.join(map(str, study.elements_per_coil))} elements per coil, step halved, contact constants varied")
     headers = ("quantity", "value", "± num.", "unit", "order", "contact stiffness", "contact damping")
     for speed in dict.fromkeys(row.engine_speed for row in study.rows):
         rows = []
         for row in (row for row in study.rows if row.engine_speed == speed):
-            unit = unit_of(row.quantity)
+            name = row.quantity
             trusted = row.observed_order is not None and row.observed_order >= 0.5
             order = f"{row.observed_order:.1f}" if trusted else "–"
             ranges = [
-                " to ".join(dict.fromkeys(shown(value, unit, 4)[0] for value in values))
+                " to ".join(dict.fromkeys(shown_words(name, value, 4)[0] for value in values))
                 for values in (row.contact_stiffness, row.contact_damping)
             ]
-            value, word = shown(row.value, unit)
-            rows.append((quantity_words(row.quantity), value, shown(row.numerical, unit, 2)[0], word, order, *ranges))
+            value, word = shown_words(name, row.value)
+            rows.append((label_of(name), value, shown_words(name, row.numerical, 2)[0], word, order, *ranges))
         place = "statics and modes" if speed is None else speed_words(speed)
         console.print()
         console.print(plain_table(headers, rows, place, right=(1, 2, 4, 5, 6)))

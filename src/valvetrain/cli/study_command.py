@@ -128,7 +128,7 @@ def study_command(function: Callable[..., None]) -> Callable[..., None]:
     parameters = [parameter.replace(kind=keyword, annotation=hints[parameter.name]) for parameter in (*shared, *own)]
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     command.__annotations__ = {parameter.name: hints[parameter.name] for parameter in parameters}
-    del command.__wrapped__  # type: ignore[attr-defined]  # typer would look through it at the shorter signature
+    del command.__wrapped__  # typer would look through it at the shorter signature
     return command
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,7 +69,7 @@ def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[Cycle
         if name in CONTACTS:
             table[f"{name.replace(' ', '_')}_gap"] = (gaps[:, k], "m", f"gap at {name}, open positive")
     variables = {name: (("sample",), values, {"units": unit, "long_name": words}) for name, (values, unit, words) in table.items()}
-    coords: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {
+    coords: dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, str]]] = {
         "time": (("sample",), time, {"units": "s", "long_name": "time"}),
         "cam_angle": (("sample",), angle, {"units": "rad", "long_name": "cam angle, unwrapped"}),
     }

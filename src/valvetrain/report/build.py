@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from valvetrain.registry import find, words
 from valvetrain.report.figures.common import looks
-from valvetrain.report.page import Details, Figure, Page, Section, SectionSpec, Tabs, prose, sentences, text
+from valvetrain.report.page import Block, Details, Figure, Page, Section, SectionSpec, Tabs, prose, sentences, text
 from valvetrain.report.words import rpm
 from valvetrain.solution.study import Study
 
@@ -65,8 +65,8 @@ def _unique_keys(page: Page) -> Page:
         seen.add(free)
         return free
 
-    def renamed(blocks: tuple) -> tuple:
-        found = []
+    def renamed(blocks: tuple[Block, ...]) -> tuple[Block, ...]:
+        found: list[Block] = []
         for block in blocks:
             if isinstance(block, Figure):
                 block = Figure(replace(block.chart, key=unique(block.chart.key)))

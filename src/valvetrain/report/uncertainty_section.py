@@ -58,7 +58,7 @@ def uncertainty_table(rows: Sequence[Uncertainty]) -> Table:
 
 def uncertainty_page(study: UncertaintyStudy) -> Page:
     """The page of ``valvetrain refine``."""
-    case = study.case
+    case = study.record
     failed = (text(words, "alert") for words in study.failures)
     blocks: tuple[Block, ...] = (text(lead(study.elements_per_coil), "quiet"), uncertainty_grid(study.rows), *failed)
     facts = (("case", case.name), ("elements per coil", ", ".join(map(str, study.elements_per_coil))))

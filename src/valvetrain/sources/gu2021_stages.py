@@ -39,8 +39,7 @@ def stage_quantities(cycle: Cycle, separation: float, event: LiftEvent) -> dict[
     ``separation``: least distance (cam rad) of two collisions.
     """
     # the modal model of the source sums its modes as equation 5 prints it
-    printed = cycle.solution.has("seat_force_as_printed")
-    force = cycle.channel("seat_force_as_printed" if printed else "seat_force")
+    force = cycle.channel(seat_force_name(cycle))
     found: dict[str, float] = {}
     if covers_stage(cycle, event, 1):
         found |= stage_1(cycle, force, event)
@@ -94,6 +93,11 @@ def _two_peaks(part: Array) -> tuple[int, int] | None:
     return first, second
 
 
+def seat_force_name(cycle: Cycle) -> str:
+    """Channel of the seat force that the study speaks of: of its modal model the form as printed."""
+    return "seat_force_as_printed" if cycle.solution.has("seat_force_as_printed") else "seat_force"
+
+
 def spike_index(cycle: Cycle, force: Array, event: LiftEvent) -> int:
     """Sample of the largest force maximum of Stage III; without one, of its largest force.
 
@@ -126,7 +130,7 @@ def _stage_3_in_bandwidths(cycle: Cycle, event: LiftEvent) -> dict[str, float]:
         highest = cycle.channel("seat_force_fine").max(axis=1)
         found["stage_3_every_instant_peak_force"] = float(highest[spike_index(cycle, highest, event)])
     for cutoff in BANDWIDTHS:
-        force = filtered_force(cycle.solution, cutoff)
+        force = filtered_force(cycle.solution, cutoff, seat_force_name(cycle))
         if force is not None:
             part = force[cycle.samples]
             found[f"stage_3_below_{cutoff / 1e3:.0f}_khz_peak_force"] = float(part[spike_index(cycle, part, event)])
