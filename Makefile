@@ -37,7 +37,7 @@ test: environment-test parts
 	$(PYTEST) $(ARGS)
 
 validate: environment-test parts
-	$(BIN)/python -m valvetrain.studies.validation --page docs/validation.md
+	$(BIN)/python -m valvetrain.validation --page docs/validation.md
 	$(PYTEST) $(wildcard tests/published tests/limits tests/order) $(ARGS)
 
 bench: environment-run

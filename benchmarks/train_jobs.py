@@ -20,6 +20,7 @@ from valvetrain.integrate.train_tuples import Motion
 from valvetrain.parameters.loading import load_case
 from valvetrain.studies.sweep import sweep_study
 from valvetrain.system.build import build
+from valvetrain.system.train_rest import rest_of
 
 CASE, CYCLES = "tdi-pushrod", 20
 
@@ -96,9 +97,10 @@ def one_run() -> list[Row]:
     """R: cam contact force of the last of 20 cycles, errors against a run with a step 30 times smaller."""
     case = load_case(CASE)
     system, cam_speed = build(case).members[0].system(), case.operation.cam_speeds[0]
+    rest = rest_of(system)
 
     def run(options: TrainOptions):
-        machine = runner(system, cam_speed, options)
+        machine = runner(system, cam_speed, options, rest=rest)
         state = machine.initial_state()
         for _ in range(CYCLES):
             state, record = machine.cycle(state)

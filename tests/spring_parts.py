@@ -9,8 +9,9 @@ from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.springs.massless import MasslessSpring, MasslessTable
+from valvetrain.springs.massless import MasslessSpring, MasslessTable, massless_table
 from valvetrain.springs.modal_uniform import ModalUniform
+from valvetrain.springs.modal_varied import ModalVaried
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.nested import NestedSprings, RadialRubbing
 from valvetrain.springs.wave_rod import WaveRod
@@ -21,10 +22,24 @@ CLOSED_ENDS = cylindrical(3.8e-3, 22e-3, 7e-3, 8.0)
 OPEN_SPRING = cylindrical(3.8e-3, 22e-3, 7e-3, 6.0, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END)
 UNIFORM = EquivalentSpring(rate=30e3, preload=250.0, active_mass=0.04, inactive_mass=0.004)
 SLIM = EquivalentSpring(rate=14e3, preload=136.0, active_mass=0.02)
+#: Natural frequencies (Hz) of the modal springs, not quite those of a uniform bar.
+FREQUENCIES = (430.0, 800.0, 1200.0)
+
+
+def straight_modal(damping_ratio: float = 0.0) -> ModalVaried:
+    """The modal spring of varied stiffness on a straight line through the origin: 30 N/mm, 250 N as installed."""
+    return ModalVaried(FREQUENCIES, damping_ratio, (1e-5, 0.1), (0.3, 3000.0), 250.0 / 30e3, riding_mass=0.002)
+
+
+def curved_modal() -> ModalVaried:
+    """The same on the static curve of a wire whose coils close, from its free state on."""
+    curve = massless_table(CLOSED_ENDS, PRECOMPRESSION, 14e-3, points=81)
+    compressions = tuple(x + PRECOMPRESSION for x in curve.displacements[1:])
+    return ModalVaried(FREQUENCIES, 0.016, compressions, curve.forces[1:], PRECOMPRESSION)
 
 
 def build_models() -> dict:
-    """Every spring model of the room once, with and without contact and damping."""
+    """Every spring model of the package once, with and without contact and damping."""
     return {
         "massless": MasslessSpring(30e3, 250.0, 0.04),
         "massless-table": MasslessTable((-1e-3, 0.0, 4e-3, 12e-3), (220.0, 250.0, 390.0, 710.0), 0.04),
@@ -39,6 +54,9 @@ def build_models() -> dict:
         "wave-rod-clash": WaveRodWithClash.from_definition(CLOSED_ENDS, PRECOMPRESSION, cells=150),
         "modal-uniform": ModalUniform(UNIFORM, 6),
         "modal-damped": ModalUniform(UNIFORM, 3, (430.0, 800.0, 1200.0), damping_ratio=0.016, mass_damping=20.0),
+        "modal-varied": straight_modal(),
+        "modal-varied-damped": straight_modal(0.016),
+        "modal-varied-curved": curved_modal(),
         "finite-element": FiniteElementRod(CLOSED_ENDS, PRECOMPRESSION, elements_per_coil=24),
         "nested": NestedSprings(MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION), WaveRod(SLIM, 100)),
         "nested-rubbing": NestedSprings(
@@ -48,7 +66,10 @@ def build_models() -> dict:
 
 
 MODELS = build_models()
-LINEAR_RATE = dict.fromkeys(("massless", "chain-card", "chain-one-mass", "wave-rod", "rod-damped", "modal-uniform", "modal-damped"), 30e3)
+LINEAR_RATE = dict.fromkeys(
+    ("massless", "chain-card", "chain-one-mass", "wave-rod", "rod-damped", "modal-uniform", "modal-damped", "modal-varied",
+     "modal-varied-damped"), 30e3,
+)  # fmt: skip
 
 
 @njit

@@ -6,12 +6,34 @@ import numpy as np
 import pytest
 from numba import njit, types
 
-from spring_parts import LINEAR_RATE, MODELS, build_models, drive, raised_cosine
+from spring_parts import CLOSED_ENDS, LINEAR_RATE, MODELS, PRECOMPRESSION, build_models, drive, raised_cosine
 from valvetrain.cosserat.layout import row
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.registry import places
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.spec import spring_model
+from valvetrain.studies.rest import at_rest
 
 NAMES = list(MODELS)
+#: The published modal form scales its modes' force with k(x) and keeps their frequencies: where k(x) is no constant its forces at the
+#: retainer are no gradient of any energy, and work is not stored exactly. Its straight line, where they are, is tested for both.
+EXACT_ENERGY = [name for name in NAMES if name != "modal-varied-curved"]
+#: Words of the spring models that ship and run in time.
+MOVING = [word for word, place in places("springs").items() if place.startswith("valvetrain.") and not spring_model(word).no_motion]
+
+
+@pytest.mark.parametrize("word", MOVING)
+def test_every_word_of_the_registry_is_in_this_battery(word):
+    wire = InstalledSpring(wire=CLOSED_ENDS, precompression=PRECOMPRESSION).with_options("finite-element", elements_per_coil=8)
+    card = InstalledSpring(card=SpringCard(rate=30e3, preload=250.0, mass=0.04))
+    rod = spring_model("finite-element").build(wire)
+    for spring in (wire, card):
+        if not spring_model(word).why_not(spring):
+            model = spring_model(word).build(spring, at_rest(rod, 12e-3, steps=6, modes=12))
+            assert isinstance(model, SpringModel)
+            assert type(model) in {type(member) for member in MODELS.values()}
 
 
 def disturbed(model, displacement: float, seed: int = 1) -> np.ndarray:
@@ -79,7 +101,7 @@ def test_tangent_equals_finite_difference(name):
         assert model.tangent(state, 2e-3) == pytest.approx((up - down) / (2 * step), rel=1e-5)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EXACT_ENERGY)
 def test_force_is_the_energy_gradient(name):
     model, step = MODELS[name], 1e-7
     for seed in (1, 2, 3):
@@ -87,6 +109,18 @@ def test_force_is_the_energy_gradient(name):
         up, down = (model.energy(state, 2e-3 + sign * step).potential for sign in (1, -1))
         force = model.force(state, 2e-3).retainer
         assert force == pytest.approx((up - down) / (2 * step), rel=1e-5, abs=1e-3)
+
+
+def test_the_curved_modal_spring_gains_little_energy_from_its_changing_stiffness():
+    """What the published form costs: work and energy gained and lost part by some per cent of the turnover, not more."""
+    model, time_step = MODELS["modal-varied-curved"], 5e-6
+    displacement, velocity = raised_cosine(9e-3, 5e-3, time_step, rest=3e-3)
+    state = model.initial_state(0.0)
+    forces = drive(model, state, displacement, velocity, time_step)
+    pieces = (forces[1:, 0] + forces[:-1, 0]) / 2 * np.diff(displacement)
+    end, start = model.energy(state, 0.0, 0.0, time_step), model.energy(model.initial_state(0.0), 0.0)
+    gap = abs(end.total - start.total + end.dissipated - float(pieces.sum())) / float(np.abs(pieces).sum())
+    assert 1e-3 < gap < 0.05
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -147,7 +181,7 @@ def test_slow_motion_follows_the_static_curve(name):
         assert forces[-1] == pytest.approx(np.full(2, static), rel=3e-3)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EXACT_ENERGY)
 @pytest.mark.parametrize(("lift", "duration"), [(4e-3, 8e-3), (9e-3, 5e-3)], ids=["gentle", "clashing"])
 def test_energy_balance(name, lift, duration):
     """Work of the retainer = energy gained + dissipated, over an event and the surge after it."""
@@ -165,9 +199,9 @@ def test_energy_balance(name, lift, duration):
     turnover = float(np.sum(np.abs((forces[1:, 0] + forces[:-1, 0]) / 2 * np.diff(displacement))))
     assert end.total - start.total + end.dissipated == pytest.approx(work, abs=1e-3 * turnover)
     assert end.dissipated >= -1e-12
-    if name in ("chain-damped", "rod-damped", "modal-damped", "nested-rubbing"):
+    if name in ("chain-damped", "rod-damped", "modal-damped", "modal-varied-damped", "nested-rubbing"):
         assert end.dissipated > 1e-4 * turnover
-    if name in ("wave-rod", "modal-uniform", "chain-card", "chain-no-clash"):
+    if name in ("wave-rod", "modal-uniform", "modal-varied", "chain-card", "chain-no-clash"):
         assert end.dissipated == 0.0
 
 
@@ -213,7 +247,9 @@ _FIRST_CLASS = types.FunctionType(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ["massless", "massless-table", "chain", "wave-rod", "modal-uniform", "nested-rubbing"])
+@pytest.mark.parametrize(
+    "name", ["massless", "massless-table", "chain", "wave-rod", "modal-uniform", "modal-varied-curved", "nested-rubbing"]
+)
 def test_kernel_fits_a_loop_compiled_once_for_all_models(name):
     model = MODELS[name]
 

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from spring_parts import UNIFORM, drive
+from spring_parts import UNIFORM, curved_modal, drive, straight_modal
 from valvetrain.springs.modal_uniform import ModalUniform
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.wave_rod import WaveRod
@@ -26,6 +26,9 @@ DECLARED = {
     "modal-uniform": (ModalUniform(UNIFORM, 4), 2),
     "modal, damped": (ModalUniform(UNIFORM, 4, damping_ratio=0.03), 2),
     "modal, mass damping": (ModalUniform(UNIFORM, 4, mass_damping=100.0), 2),
+    "modal-varied": (straight_modal(), 2),
+    "modal-varied, damped": (straight_modal(0.03), 2),
+    "modal-varied on a curve": (curved_modal(), 2),
 }
 
 

@@ -8,8 +8,8 @@ import pytest
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.filters import low_pass
-from valvetrain.quantities.study import SpringStudy
-from valvetrain.studies.spring_study import run_spring_study
+from valvetrain.solution.study import Study
+from valvetrain.studies.run import run_study
 
 RPM = 2 * np.pi / 60
 #: Above the 9th harmonic of the first mode nothing but contact moves the seat force quickly.
@@ -17,22 +17,17 @@ SLOW = 2500.0
 
 
 @pytest.fixture(scope="module")
-def study() -> SpringStudy:
-    return run_spring_study(load_case("gu2021-beehive"), workers=2)
+def study() -> Study:
+    return run_study(load_case("gu2021-beehive"), workers=2)
 
 
-def quantity(study: SpringStudy, name: str, rpm: float | None, model: str = "finite-element") -> float:
-    for key, value in study.quantities.items():
-        same = key.engine_speed is None if rpm is None else key.engine_speed is not None and abs(key.engine_speed - rpm * RPM) < 1e-6
-        if key.name == name and same and key.label == ("" if rpm is None else model):
-            return value
-    raise AssertionError(f"the study gives no {name} at {rpm} rpm")
+def quantity(study: Study, name: str, rpm: float | None, label: str = "finite-element") -> float:
+    return study.quantities[name] if rpm is None else study.solution(label, rpm * RPM).quantities[name]
 
 
-def sharp_force(study: SpringStudy, rpm: float, model: str) -> tuple[np.ndarray, np.ndarray]:
+def sharp_force(study: Study, rpm: float, label: str) -> tuple[np.ndarray, np.ndarray]:
     """Cam degrees and what the seat force holds above 2.5 kHz over Stage III, evenly sampled."""
-    solution = study.solution(model, rpm * RPM)
-    assert solution is not None
+    solution = study.solution(label, rpm * RPM)
     cycle = reported_cycle(solution)
     force = solution.channel("seat_force")
     sharp = (force - low_pass(solution.time, force, SLOW))[cycle.samples]
@@ -40,35 +35,34 @@ def sharp_force(study: SpringStudy, rpm: float, model: str) -> tuple[np.ndarray,
     return np.degrees(cycle.cam_angle[stage]), sharp[stage]
 
 
-def test_every_run_completes(study: SpringStudy) -> None:
+def test_every_run_completes(study: Study) -> None:
     assert len(study.solutions) == 6
     assert all(solution.status.completed for solution in study.solutions)
 
 
-def test_peak_at_4200_rpm_is_the_published_one(study: SpringStudy) -> None:
+def test_peak_at_4200_rpm_is_the_published_one(study: Study) -> None:
     assert quantity(study, "stage_2_peak_force", 4200) == pytest.approx(818.0, rel=0.03)
     assert np.degrees(quantity(study, "stage_2_peak_cam_angle", 4200)) == pytest.approx(183.0, abs=4.0)
 
 
-def test_statics_and_first_mode_are_the_published_ones(study: SpringStudy) -> None:
+def test_statics_and_first_mode_are_the_published_ones(study: Study) -> None:
     assert quantity(study, "preload", None) == pytest.approx(289.0, rel=0.01)
     assert quantity(study, "mode_1_frequency", None) == pytest.approx(630.0, rel=0.01)
     assert quantity(study, "stiffness_change_compression", None) == pytest.approx(5e-3, rel=0.1)
 
 
 @pytest.mark.parametrize("rpm", [5600, 8000])
-def test_spike_after_the_event_comes_from_coils_1_and_2_and_is_absent_from_the_modal_model(study: SpringStudy, rpm: float) -> None:
+def test_spike_after_the_event_comes_from_coils_1_and_2_and_is_absent_from_the_modal_model(study: Study, rpm: float) -> None:
     angle, sharp = sharp_force(study, rpm, "finite-element")
     _, modal = sharp_force(study, rpm, "modal-varied")
     assert np.max(np.abs(modal)) < 0.2 * np.max(sharp), "the modal model knows no collisions"
     solution = study.solution("finite-element", rpm * RPM)
-    assert solution is not None
     pair = [event for event in solution.events if event.kind == "clash" and event.details["upper_coil"] == 2]
     peaks = np.degrees([float(event.details["peak_cam_angle"]) for event in pair]) % 360
     assert np.min(np.abs(peaks - angle[np.argmax(sharp)])) < 3.0, "the sharpest spike is no collision of coils 1 and 2"
 
 
-def test_collisions_at_5600_rpm_repeat_with_the_first_mode(study: SpringStudy) -> None:
+def test_collisions_at_5600_rpm_repeat_with_the_first_mode(study: Study) -> None:
     period = 360 * 2800 / 60 / quantity(study, "mode_1_frequency", None)
     interval = np.degrees(quantity(study, "clash_interval_cam_angle", 5600))
     assert interval == pytest.approx(period, rel=0.05)
@@ -76,10 +70,10 @@ def test_collisions_at_5600_rpm_repeat_with_the_first_mode(study: SpringStudy) -
 
 
 @pytest.mark.parametrize("rpm", [4200, 5600, 8000])
-def test_energy_is_balanced_through_the_clashes(study: SpringStudy, rpm: float) -> None:
+def test_energy_is_balanced_through_the_clashes(study: Study, rpm: float) -> None:
     assert quantity(study, "energy_imbalance_ratio", rpm) < 0.01
 
 
-def test_predictions_are_told_as_predictions(study: SpringStudy) -> None:
+def test_predictions_are_told_as_predictions(study: Study) -> None:
     roles = {(row.engine_speed is None or row.engine_speed < 4300 * RPM, row.role) for row in study.comparisons}
     assert roles == {(True, "calibration"), (False, "prediction")}

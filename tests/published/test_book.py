@@ -1,4 +1,4 @@
-"""The validation book: every row within its tolerance, and a fault in any room of the package turns a row red."""
+"""The validation book: every row within its tolerance, and a fault anywhere in the package turns a row red."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from valvetrain.citations import references
-from valvetrain.studies.book import beams, laws, models, springs, stresses, waves
-from valvetrain.studies.book.row import Row
-from valvetrain.studies.validation import book, main, page, run_book
+from valvetrain.validation import beams, laws, models, springs, stresses, waves
+from valvetrain.validation.__main__ import book, main, page, run_book
+from valvetrain.validation.row import Row
 
 QUICK = [case for case in book() if not case.slow]
 
@@ -37,13 +37,13 @@ def test_page_holds_every_row():
 
 def test_the_command_fails_when_a_row_fails(monkeypatch, capsys):
     wrong = Row("springs", "a wrong row", "", "", 1.0, 1.2, "N", 0.1, "seeded")
-    monkeypatch.setattr("valvetrain.studies.validation.run_book", lambda **options: [wrong])
+    monkeypatch.setattr("valvetrain.validation.__main__.run_book", lambda **options: [wrong])
     assert main([]) == 1
     assert "a wrong row" in capsys.readouterr().out
 
 
 def test_quick_run_leaves_out_the_studies_of_whole_sources(monkeypatch):
-    monkeypatch.setattr("valvetrain.studies.validation.book", lambda: tuple(c for c in book() if c.slow or c.name == "stress_factors"))
+    monkeypatch.setattr("valvetrain.validation.__main__.book", lambda: tuple(c for c in book() if c.slow or c.name == "stress_factors"))
     assert {row.topic for row in run_book(quick=True)} == {"stress"}
 
 

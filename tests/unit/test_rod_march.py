@@ -1,4 +1,4 @@
-"""Time march of the rod: against an independent integrator, bit for bit again, and the end of a run that diverges."""
+"""Time integration of the rod: against an independent integrator, bit for bit again, and the end of a run that diverges."""
 
 from __future__ import annotations
 

@@ -203,12 +203,14 @@ def test_error_exit_becomes_a_status_with_the_solvers_reason(stand_in, model):
     assert model.modes(0.0).status.code == "not-converged"
 
 
-def test_a_ride_that_fails_is_a_solution_with_a_status(stand_in):
+def test_a_motion_that_fails_is_a_solution_with_a_status(stand_in):
+    from valvetrain.cam.build import build_lift_law
     from valvetrain.parameters.loading import load_case
-    from valvetrain.springs.solid.transient import run_case
+    from valvetrain.studies.solid import SolidMotion, solid_motion
 
     work = stand_in("printf ' *ERROR in arpack: no room\n'\nexit 201\n")
-    solution = run_case(load_case("gu2021-beehive"), 800.0, 1.5, 2.0)
+    case = load_case("gu2021-beehive")
+    solution = solid_motion(case.name, case.springs[0], build_lift_law(case.lift_law), SolidMotion(1.5, 2.0, 800.0))
     assert solution.status.code == "not-converged" and "no room" in solution.status.message
     assert solution.model == "solid" and solution.engine_speed == 800.0 and len(solution.time) == 0
     assert solution.statistics["elements"] > 0 and list(work.iterdir()) == []

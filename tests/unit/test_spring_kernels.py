@@ -12,8 +12,8 @@ from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.chain_layout import axial_clearance, chain_from_definition
 from valvetrain.springs.chain_statics import contact_depths, contact_rows, element_matrix, solve_static, static_curve
-from valvetrain.springs.equivalent import EquivalentSpring, massless_table
-from valvetrain.springs.massless import MasslessSpring, MasslessTable
+from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.springs.massless import MasslessSpring, MasslessTable, massless_table
 from valvetrain.springs.modal_uniform import ModalUniform
 from valvetrain.springs.modal_varied import ModalVaried
 from valvetrain.springs.multi_mass import MultiMassSpring

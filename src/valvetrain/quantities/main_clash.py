@@ -105,7 +105,7 @@ def _force(cycle: Cycle) -> _Force | None:
     within = angle[mine] - begin
     lift = np.interp(within, cycle.cam_angle, cycle.channel("valve_lift"))
     closed = lift <= 1e-3 * float(np.max(lift))
-    if not np.any(closed):  # a valve that floats all the way has no base circle
+    if not np.any(closed):  # a valve that never comes to its seat has no force to count a spike from
         return None
     return _Force(time[mine], within, raw[mine], parts, float(np.mean(raw[mine][closed])))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from importlib import metadata
 from types import MappingProxyType
 
@@ -67,6 +68,7 @@ def collect_provenance(
     )  # fmt: skip
 
 
+@cache
 def _version(package: str) -> str:
     try:
         return metadata.version(package)

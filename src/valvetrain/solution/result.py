@@ -91,12 +91,12 @@ class Solution:
     @property
     def cam_angle(self) -> Array:
         """Cam angle (rad, unwrapped) of every sample."""
-        return np.asarray(self.channels["cam_angle"].values)
+        return np.asarray(self.channels.variables["cam_angle"].values)
 
     @property
     def time(self) -> Array:
         """Time (s) of every sample."""
-        return np.asarray(self.channels["time"].values)
+        return np.asarray(self.channels.variables["time"].values)
 
     def has(self, *names: str) -> bool:
         """True when every named channel was computed."""
@@ -107,7 +107,7 @@ class Solution:
         if name not in self.channels.data_vars:
             known = ", ".join(map(str, self.channels.data_vars))
             raise InputError(f"this {self.model or 'unnamed'} run has no channel '{name}'; it has {known}")
-        return np.asarray(self.channels[name].values)
+        return np.asarray(self.channels.variables[name].values)
 
     def identical(self, other: Solution) -> bool:
         """True when every value, label, attribute, event and word of ``other`` is the same."""
@@ -179,9 +179,10 @@ def empty_channels() -> xarray.Dataset:
 
 def _check_channels(channels: xarray.Dataset) -> None:
     for name in ("time", "cam_angle"):
-        if name not in channels.coords or channels[name].dims != ("sample",):
+        if name not in channels.coords or channels.variables[name].dims != ("sample",):
             raise InputError(f"a solution needs the coordinate '{name}' along its dimension 'sample'; add it")
-    for label, values in channels.data_vars.items():
+    for label in channels.data_vars:
+        values = channels.variables[label]  # the bare variable: an array with its coordinates is ten times as dear
         if not values.dims or values.dims[0] != "sample":
             raise InputError(f"channel '{label}' of a solution must have 'sample' as its first dimension; it has {values.dims}")
         for key in ("units", "long_name"):

@@ -113,13 +113,18 @@ class TrainSystem:
                 found.append(law.kernel)
         return tuple(found)
 
+    @cached_property
+    def _remembering(self) -> tuple[tuple[int, WithDifferentialMemory], ...]:
+        """Laws whose memory belongs to the motion, with the first place of each."""
+        pairs = zip(self.arrays.memory_of.tolist(), self.mechanism.interactions, strict=False)
+        return tuple((first, one.law) for first, one in pairs if isinstance(one.law, WithDifferentialMemory))
+
     def differential_memory(self, displacement: float) -> tuple[Integers, Array]:
         """Places in the flat memory of the laws that belong to the motion, and their sizes in a motion of ``displacement`` (m)."""
         places, scales = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
-        for first, interaction in zip(self.arrays.memory_of, self.mechanism.interactions, strict=False):
-            if isinstance(interaction.law, WithDifferentialMemory):
-                places.append(np.arange(first, first + interaction.law.states))
-                scales.append(interaction.law.memory_scale(displacement))
+        for first, law in self._remembering:
+            places.append(np.arange(first, first + law.states))
+            scales.append(law.memory_scale(displacement))
         return np.concatenate(places), np.concatenate(scales)
 
     @property

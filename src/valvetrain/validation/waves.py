@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import diags
 from scipy.sparse.linalg import spsolve
 
+from valvetrain.cam.build import build_lift_law
 from valvetrain.cosserat.buffer import RodDynamics, inertia_of
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import RodStatics
 from valvetrain.cosserat.transient import simulate
-from valvetrain.studies.book.row import Row, book_case
-from valvetrain.studies.book.springs import mesh, rate, spring
+from valvetrain.parameters.loading import load_case
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.finite_element_channels import rod_channels
+from valvetrain.springs.spec import spring_model
+from valvetrain.system.prescribed import PrescribedSpring
+from valvetrain.validation.row import Row, book_case
+from valvetrain.validation.springs import mesh, rate, spring
 
+Array = NDArray[np.float64]
 ABOUT = "d 1, D 12, pitch 1.6 mm, 30 turns clamped, 16 elements per coil"
 
 
@@ -64,15 +74,15 @@ def drive_point_stiffness() -> list[Row]:
 def end_impact() -> list[Row]:
     """One end set in motion at v: force v sqrt(k m) there, twice that where the wave meets the fixed end."""
     rod, stiffness, mass = _long_spring()
-    speed, travel = 1.0, np.sqrt(mass / stiffness)
+    velocity, travel = 1.0, np.sqrt(mass / stiffness)
     rise = 0.15 * travel
 
-    def motion(time: np.ndarray) -> np.ndarray:
+    def motion(time: Array) -> Array:
         phase = np.clip(time / rise, 0, 1)
-        return speed * np.where(time < rise, rise * (phase**3 - phase**4 / 2), time - rise / 2)
+        return np.asarray(velocity * np.where(time < rise, rise * (phase**3 - phase**4 / 2), time - rise / 2))
 
     run = simulate(rod, free_state(rod), motion, travel / 200, 400, RodDynamics(mass_damping=1e-9))
-    force = speed * np.sqrt(stiffness * mass)
+    force = velocity * np.sqrt(stiffness * mass)
     time = run.time / travel
     driven = float(run.retainer_force[(time > 0.4) & (time < 1.6)].mean())
     fixed = float(run.seat_force[(time > 1.4) & (time < 1.95)].mean())
@@ -105,23 +115,16 @@ def end_impact() -> list[Row]:
 @book_case()
 def energy_balance() -> list[Row]:
     """Work done on the spring less what is stored and lost, over runs with clash, relative to all work that crossed the retainer."""
-    from valvetrain.studies.spring_runs import retainer_motion
-
-    from valvetrain.cam.build import build_lift_law
-    from valvetrain.parameters.loading import load_case
-    from valvetrain.springs.finite_element import FiniteElementRod
-    from valvetrain.springs.finite_element_channels import rod_channels
-
     rows = []
     for name in ("job-c", "gu2021-beehive"):
         case = load_case(name)
-        model = FiniteElementRod.from_case(case)
+        model = spring_model("finite-element").build(case.springs[0])
+        assert isinstance(model, FiniteElementRod)
         cam_speed = case.operation.engine_speeds[-1] / 2
-        law = build_lift_law(case.lift_law)
         run = simulate(
             model.mesh,
             model.installed.state,
-            retainer_motion(law, model.precompression, cam_speed),
+            _motion(PrescribedSpring((model,), build_lift_law(case.lift_law)), model.precompression, cam_speed),
             np.radians(0.5) / cam_speed,
             1440,
             model.dynamics,
@@ -144,3 +147,8 @@ def energy_balance() -> list[Row]:
             )
         )
     return rows
+
+
+def _motion(system: PrescribedSpring, precompression: float, cam_speed: float) -> Callable[[Array], Array]:
+    """Compression (m) of the spring over time (s)."""
+    return lambda time: precompression + system.displacement(time, cam_speed)

@@ -6,8 +6,8 @@ import numpy as np
 
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.static import Equilibrium, NewtonOptions, RodStatics, TipLoads, bend_tip
-from valvetrain.studies.book.row import Row, book_case
-from valvetrain.studies.book.wires import Helix, mesh_wire, section, state_on, tube
+from valvetrain.validation.row import Row, book_case
+from valvetrain.validation.wires import Array, Helix, mesh_wire, section, state_on, tube
 
 #: The wires of this file have lengths of 1 to 100 and loads of 1 to 1000 in units of their own.
 TIGHT = NewtonOptions(tolerance=1e-7, iterations=60)
@@ -15,7 +15,7 @@ TIGHT = NewtonOptions(tolerance=1e-7, iterations=60)
 TURNS = 5
 
 
-def _shoot(load: float) -> np.ndarray:
+def _shoot(load: float) -> Array:
     """Tip displacement (3,) of the 45-degree bend by shooting on the rod's ordinary differential equations."""
     from scipy.integrate import solve_ivp
     from scipy.optimize import fsolve
@@ -23,16 +23,17 @@ def _shoot(load: float) -> np.ndarray:
     radius, bending, shear, tension = 100.0, 8.33333e5, 4.16667e6, 1e7
     start = np.concatenate([[radius, 0, 0], np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]).ravel()])
 
-    def rate(arc: float, y: np.ndarray, force: np.ndarray) -> np.ndarray:
+    def rate(arc: float, y: Array, force: Array) -> Array:
         turn = y[3:12].reshape(3, 3)
         along = turn @ (turn.T @ force / [shear, shear, tension] + [0, 0, 1])
         k = turn.T @ y[12:] / bending - [0, 1 / radius, 0]
         spin = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
         return np.concatenate([along, (turn @ spin).ravel(), -np.cross(along, force)])
 
-    def end(moment: np.ndarray, force: np.ndarray) -> np.ndarray:
+    def end(moment: Array, force: Array) -> Array:
         span = (0, radius * np.pi / 4)
-        return solve_ivp(rate, span, np.concatenate([start, moment]), args=(force,), method="DOP853", rtol=1e-9, atol=1e-9).y[:, -1]
+        found = solve_ivp(rate, span, np.concatenate([start, moment]), args=(force,), method="DOP853", rtol=1e-9, atol=1e-9)
+        return np.asarray(found.y[:, -1])
 
     moment = np.zeros(3)
     for share in (0.25, 0.5, 0.75, 1.0):
@@ -190,12 +191,12 @@ def helix_under_large_compression() -> list[Row]:
 
     lead, rows = 0.25, []
     free = Helix(1.0, lead, tube(1.0, 0.77, TURNS * 2 * np.pi / np.cos(lead)))
-    for angle in (0.15, 0.05):
-        held = Helix(np.cos(angle) / np.cos(lead), angle, free.wire)
+    for pressed in (0.15, 0.05):
+        held = Helix(np.cos(pressed) / np.cos(lead), pressed, free.wire)
         torque = love_wrench(free, held)[1]
         rows += _love_rows("no end rotation", free, held, torque, 0.01 * abs(torque), "second order; the torque is a small difference")
-        radius = brentq(lambda r, a=angle: love_wrench(free, Helix(r, a, free.wire))[1], 0.8, 1.3)
-        rows += _love_rows("free end rotation", free, Helix(radius, angle, free.wire), 0.0, 0.002, "0.2 % of E I over the radius")
+        radius = brentq(lambda r, a=pressed: love_wrench(free, Helix(r, a, free.wire))[1], 0.8, 1.3)
+        rows += _love_rows("free end rotation", free, Helix(radius, pressed, free.wire), 0.0, 0.002, "0.2 % of E I over the radius")
     return rows
 
 

@@ -12,7 +12,7 @@ from valvetrain.parameters.curve_forms import Parabola
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.studies.book.row import Row, book_case
+from valvetrain.validation.row import Row, book_case
 
 STEEL = Material("spring steel", 206e9, 79.6e9, 7850.0)
 CLAMPED_HELIX = (393.5, 396.1, 462.8, 525.7, 864.0, 876.9, 914.3, 1037.0, 1310.5, 1363.8)

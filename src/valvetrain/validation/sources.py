@@ -7,8 +7,9 @@ from collections.abc import Iterable
 
 from valvetrain.parameters.loading import load_case
 from valvetrain.solution.comparison import Comparison
-from valvetrain.studies.book.row import Row, book_case
+from valvetrain.studies.run import run_study
 from valvetrain.units import to_unit
+from valvetrain.validation.row import Row, book_case
 
 
 def rows_of(topic: str, key: str, comparisons: Iterable[Comparison]) -> list[Row]:
@@ -43,14 +44,10 @@ def rows_of(topic: str, key: str, comparisons: Iterable[Comparison]) -> list[Row
 @book_case(slow=True)
 def beehive_spring() -> list[Row]:
     """Gu et al.: static curve, modes and transients of the beehive spring."""
-    from valvetrain.studies.spring_study import run_spring_study
-
-    return rows_of("beehive spring", "gu2021", run_spring_study(load_case("gu2021-beehive")).comparisons)
+    return rows_of("beehive spring", "gu2021", run_study(load_case("gu2021-beehive")).comparisons)
 
 
 @book_case(slow=True)
 def pushrod_train() -> list[Row]:
     """The course report on a cam, pushrod and rocker train."""
-    from valvetrain.studies.train_study import run_train_study
-
-    return rows_of("pushrod train", "multibody4b17", run_train_study(load_case("tdi-pushrod"), workers=1).comparisons)
+    return rows_of("pushrod train", "multibody4b17", run_study(load_case("tdi-pushrod"), workers=1).comparisons)

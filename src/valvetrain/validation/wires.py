@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.cosserat import quaternion as quat
-from valvetrain.cosserat.mesh import RodMesh, mesh_curve
+from valvetrain.cosserat.mesh import RodMesh, WireCurve, mesh_curve
 from valvetrain.cosserat.section import Section
 from valvetrain.cosserat.state import RodState
 
@@ -35,42 +34,42 @@ class Helix:
     lead_angle: float
     wire: Section
 
-    def _angle(self, arc: Array) -> Array:
-        return arc * np.cos(self.lead_angle) / self.radius if self.radius else np.zeros_like(arc)
+    def _turned(self, parameter: Array) -> Array:
+        return parameter * np.cos(self.lead_angle) / self.radius if self.radius else np.zeros_like(parameter)
 
-    def position(self, arc: Array) -> Array:
+    def position(self, parameter: Array) -> Array:
         """Wire axis (n, 3)."""
-        angle, rise = self._angle(arc), np.sin(self.lead_angle) * arc
+        turned, rise = self._turned(parameter), np.sin(self.lead_angle) * parameter
         if not self.radius:
-            return np.stack([arc, 0 * arc, 0 * arc], axis=-1)
-        return np.stack([self.radius * np.cos(angle), self.radius * np.sin(angle), rise], axis=-1)
+            return np.stack([parameter, 0 * parameter, 0 * parameter], axis=-1)
+        return np.stack([self.radius * np.cos(turned), self.radius * np.sin(turned), rise], axis=-1)
 
-    def directors(self, arc: Array) -> tuple[Array, Array, Array]:
+    def directors(self, parameter: Array) -> tuple[Array, Array, Array]:
         """Outward normal, binormal and tangent (n, 3) each."""
-        angle, a = self._angle(arc), self.lead_angle
-        zero, one = np.zeros_like(arc), np.ones_like(arc)
+        turned, a = self._turned(parameter), self.lead_angle
+        zero, one = np.zeros_like(parameter), np.ones_like(parameter)
         if not self.radius:
             return np.stack([zero, one, zero], -1), np.stack([zero, zero, one], -1), np.stack([one, zero, zero], -1)
-        outward = np.stack([np.cos(angle), np.sin(angle), zero], -1)
-        tangent = np.stack([-np.cos(a) * np.sin(angle), np.cos(a) * np.cos(angle), np.sin(a) * one], -1)
+        outward = np.stack([np.cos(turned), np.sin(turned), zero], -1)
+        tangent = np.stack([-np.cos(a) * np.sin(turned), np.cos(a) * np.cos(turned), np.sin(a) * one], -1)
         return outward, np.cross(tangent, outward), tangent
 
-    def line_speed(self, arc: Array) -> Array:
-        """Arc length per parameter: one."""
-        return np.ones_like(arc)
+    def line_speed(self, parameter: Array) -> Array:
+        """Arc length per unit of the parameter: one."""
+        return np.ones_like(parameter)
 
-    def section(self, arc: Array, curvature_correction: bool) -> tuple[Section, Array]:
+    def section(self, parameter: Array, curvature_correction: bool) -> tuple[Section, Array]:
         """The same section everywhere; the wire diameter matters to contact alone."""
-        values = (np.full_like(arc, getattr(self.wire, name)[0]) for name in self.wire.__slots__)
-        return Section(*values), np.full_like(arc, 1e-3)
+        values = (np.full_like(parameter, getattr(self.wire, name)[0]) for name in self.wire.__slots__)
+        return Section(*values), np.full_like(parameter, 1e-3)
 
 
-def mesh_wire(curve: Any, length: float, elements: int) -> RodMesh:
+def mesh_wire(curve: WireCurve, length: float, elements: int) -> RodMesh:
     """Mesh a wire of ``length`` (m) with even elements."""
     return mesh_curve(curve, np.linspace(0.0, length, elements + 1), 0, elements)
 
 
-def state_on(curve: Any, mesh: RodMesh, compression: float = 0.0) -> RodState:
+def state_on(curve: WireCurve, mesh: RodMesh, compression: float = 0.0) -> RodState:
     """The state of ``mesh`` bent onto another curve of the same arc length."""
     arc = mesh.coil_number
     middle = np.concatenate((arc[:1], (arc[1:] + arc[:-1]) / 2, arc[-1:]))

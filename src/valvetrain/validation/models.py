@@ -12,8 +12,8 @@ from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.wave_rod import WaveRod
-from valvetrain.studies.book.row import Kind, Row, book_case
-from valvetrain.studies.book.springs import STEEL, mesh
+from valvetrain.validation.row import Kind, Row, book_case
+from valvetrain.validation.springs import STEEL, mesh
 
 RATE, PRELOAD, MASS = 30e3, 250.0, 0.05
 ABOUT = "30 N/mm, 50 g"
@@ -47,11 +47,11 @@ def chain_surge() -> list[Row]:
 def wave_rod_impact() -> list[Row]:
     """Wave equation at Courant number one: v sqrt(k m) at the moving end, doubled at the fixed one."""
     rod = WaveRod(EquivalentSpring(RATE, PRELOAD, MASS), 200)
-    state, step, speed = rod.initial_state(0.0), rod.stable_time_step(), 1.0
+    state, step, velocity = rod.initial_state(0.0), rod.stable_time_step(), 1.0
     parameters, integers, ends = rod.parameters(), rod.integers(), []
     for n in range(360):
-        ends.append(rod.kernel(parameters, integers, state, speed * step * n, speed, step))
-    forces = (np.array(ends) - PRELOAD) / (speed * np.sqrt(RATE * MASS))
+        ends.append(rod.kernel(parameters, integers, state, velocity * step * n, velocity, step))
+    forces = (np.array(ends) - PRELOAD) / (velocity * np.sqrt(RATE * MASS))
     return [
         Row(
             "models",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.cam.cycloidal import Cycloidal
@@ -13,7 +14,7 @@ from valvetrain.cam.modified_sine import ModifiedSine
 from valvetrain.cam.polynomial import Polynomial
 from valvetrain.contact.hunt_crossley import HuntCrossley
 from valvetrain.contact.restitution import rebound
-from valvetrain.studies.book.row import Row, book_case
+from valvetrain.validation.row import Row, book_case
 
 EVENTS = {"maximum_lift": 0.008, "opening_start": 1.0, "opening_end": 2.2, "closing_start": 2.4, "closing_end": 4.0}
 
@@ -59,11 +60,11 @@ def restitution_by_drop() -> list[Row]:
     for number in (0.1, 0.5, 2.0):
         law = HuntCrossley(stiffness, number / arrival)
 
-        def rate(_: float, y: np.ndarray, law: HuntCrossley = law) -> list[float]:
+        def rate(_: float, y: NDArray[np.float64], law: HuntCrossley = law) -> list[float]:
             force = float(law.force(np.array([y[0]]), np.array([y[1]]))[0]) if y[0] > 0 else 0.0
             return [y[1], -force / mass]
 
-        def off(t: float, y: np.ndarray) -> float:
+        def off(t: float, y: NDArray[np.float64]) -> float:
             return float(y[0]) if t > 1e-9 else 1.0
 
         off.terminal, off.direction = True, -1  # type: ignore[attr-defined]
