@@ -66,6 +66,11 @@ class Law(Protocol):
 class WithDifferentialMemory(Protocol):
     """A law whose memory follows a differential equation: it belongs to the motion and must repeat in a periodic state."""
 
+    @property
+    def states(self) -> int:
+        """How many numbers it remembers."""
+        ...
+
     def memory_derivative(self, memory: Array, penetration_rate: float) -> Array:
         """Rates of the ``states`` numbers at a rate (m/s) of the penetration."""
         ...

@@ -14,7 +14,7 @@ from valvetrain.quantities.forces import force_quantities, lift_quantities
 from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.main_clash import find_clash_window, main_clash_quantities
 from valvetrain.quantities.spectrum import surge_quantities
-from valvetrain.quantities.stress import stress_quantities
+from valvetrain.quantities.stress import stress_quantities, with_wire_stress
 from valvetrain.quantities.train_events import LOGGED, RigidCycle, rigid_cycle, train_events
 from valvetrain.quantities.train_numbers import counted_quantities, train_quantities
 from valvetrain.solution.event import Event
@@ -36,6 +36,7 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
     """
     if len(solution.time) < 3 or not _is_finite(solution):
         return solution.with_found((), {})
+    solution = with_wire_stress(solution, frame)
     cycle = reported_cycle(solution)
     rigid = rigid_cycle(solution, frame.rigid) if frame.rigid is not None and is_closed(solution) else None
     events = _events(solution, frame, rigid)

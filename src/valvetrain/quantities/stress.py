@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from valvetrain.quantities.forces import spring_extremes
 from valvetrain.quantities.frame import Frame
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticStress
-from valvetrain.springs.stress import LOADS, bergstraesser, wire_stress
+from valvetrain.springs.stress import LOADS, STRESS_CHANNELS, bergstraesser, wire_stress
 
 SHEAR, EQUIVALENT = "inner_fibre_shear_stress", "inner_fibre_equivalent_stress"
 _SAMPLES = 4001
@@ -97,6 +97,23 @@ def _traces(cycle: Cycle, spring: str, wire: SpringDefinition | None) -> tuple[A
     coil = _coils(solution, loads[0])
     values = wire_stress({load: cycle.channel(name) for load, name in zip(LOADS, loads, strict=True)}, wire, coil)
     return coil, values[SHEAR], values[EQUIVALENT]
+
+
+def with_wire_stress(solution: Solution, frame: Frame) -> Solution:
+    """The run with the stresses (Pa) at the inner fibre as channels, of every spring whose section loads were kept."""
+    found = solution.channels
+    for spring, place in zip(solution.springs, frame.springs, strict=False):
+        names, loads = ([solution.channel_of(spring, name) for name in known] for known in ((SHEAR, EQUIVALENT), LOADS))
+        if place.wire is None or solution.has(names[0]) or not solution.has(*loads):
+            continue
+        values = wire_stress({load: solution.channel(name) for load, name in zip(LOADS, loads, strict=True)}, place.wire,
+                             _coils(solution, loads[0]))  # fmt: skip
+        dims = solution.channels[loads[0]].dims
+        found = found.assign({
+            name: (dims, values[known], {"units": "Pa", "long_name": STRESS_CHANNELS[known]})
+            for name, known in zip(names, (SHEAR, EQUIVALENT), strict=True)
+        })  # fmt: skip
+    return solution if found is solution.channels else replace(solution, channels=found)
 
 
 def _coils(solution: Solution, name: str) -> Array:
