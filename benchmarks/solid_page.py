@@ -47,8 +47,8 @@ From the command line
 
 sets static curve and modes about the installed state side by side, in one page with its data files (`--json` for programs). The solid is
 the one the others are set against. What it will take is told before it begins; `--solid-elements-per-coil`, `--solid-core` and
-`--solid-rings` refine the mesh, `--solid-time-limit` bounds each run. Modes are paired by the agreement of their shapes. A prescribed
-motion begins where the lift law rests and takes minutes per millisecond; its first increments may carry a jolt, which fades: a spring of three
+`--solid-rings` refine the mesh, `--solid-time-limit` bounds each run. Modes are paired by the agreement of their shapes. The motion begins
+where the lift law rests and takes minutes per millisecond; its first increments may carry a jolt, which fades: a spring of three
 turns shows it at rest too, more with longer increments (its cause was not found).
 
 `studies.solid.solid_motion` moves the retainer by a lift law and gives a `Solution`. Each run happens in a temporary folder within
