@@ -48,7 +48,7 @@ def simulate(
     >>> import valvetrain as vt
     >>> study = vt.simulate("job-t", "2000 rpm", spring_models=["massless"])
     >>> round(study.solution("massless").quantities["peak_spring_force"])
-    509
+    522
     """
     return run_study(
         _case(case), engine_speeds=_speeds(engine_speeds), spring_models=spring_models, spring_sets=spring_sets, workers=workers,
@@ -67,7 +67,7 @@ def compare(
     >>> import valvetrain as vt
     >>> study = vt.compare("job-t", ["massless", "wave-rod"], "2000 rpm")
     >>> [round(one.curve.force_at(7e-3)) for one in study.rest]
-    [211, 211]
+    [215, 215]
     """
     return compare_study(
         _case(case), engine_speeds=_speeds(engine_speeds), spring_models=spring_models, spring_sets=spring_sets, workers=workers,
@@ -87,7 +87,7 @@ def sweep(
     >>> study = vt.sweep("job-t", "1000:3000:1000 rpm", spring_models=["massless"])
     >>> speeds, force = study.series("massless", "peak_spring_force")
     >>> len(speeds), round(force[0])
-    (3, 509)
+    (3, 522)
     """
     speeds = _speeds(engine_speeds)
     assert speeds is not None
