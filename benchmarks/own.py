@@ -40,7 +40,7 @@ def timed(work: Callable[[], object], repeats: int) -> tuple[float, float, objec
 
 
 def job_transient(job: str, per_coil: int, damping: str, repeats: int) -> dict:
-    """T or C: mesh, installed state and march."""
+    """T or C: mesh, installed state and time integration."""
 
     def whole():
         return transient(*rod(spring_t() if job == "T" else spring_c(), per_coil, damping, job == "C"))

@@ -42,12 +42,12 @@ so that the rod is checked against them in every test run without the solver.
 
 From the command line
 
-    valvetrain compare gu2021-beehive --springs finite-element,modal-varied,solid
-    valvetrain compare gu2021-beehive --springs finite-element,solid --solid-motion '85:100 deg' --engine-speed '8000 rpm'
+    valvetrain compare gu2021-beehive --spring finite-element,modal-varied,solid
+    valvetrain compare gu2021-beehive --spring finite-element,solid --solid-motion '85:100 deg' --engine-speed '8000 rpm'
 
 sets static curve and modes about the installed state side by side, in one page with its data files (`--json` for programs). The solid is
 the one the others are set against. What it will take is told before it begins; `--solid-elements-per-coil`, `--solid-core` and
-`--solid-rings` refine the mesh, `--solid-time-limit` bounds each run. Modes are paired by the agreement of their shapes. A ride begins
+`--solid-rings` refine the mesh, `--solid-time-limit` bounds each run. Modes are paired by the agreement of their shapes. The motion begins
 where the lift law rests and takes minutes per millisecond; its first increments may carry a jolt, which fades: a spring of three
 turns shows it at rest too, more with longer increments (its cause was not found).
 
@@ -154,7 +154,7 @@ def beehive_section() -> str:
     text = (
         "\n## Beehive, coil 2 coming to rest on coil 1\n\nWire 3.867 mm, mean diameter 22.47 mm to coil 4 and then linear to 17.31 mm at\n"
         "coil 7, rise per turn less wire diameter 0, 0, 1.017, 2.032, 5.488, 5.488, 1.351 mm at coils 0, 0.875, 1.125, 2, 3, 6, 7; end\n"
-        "turns held over 0.78 and 0.83; face-to-face penalty contact of all coils (5e4 MPa/mm) and seat planes. A fixed spring of the\n"
+        "turns inactive over 0.78 and 0.83; face-to-face penalty contact of all coils (5e4 MPa/mm) and seat planes. A fixed spring of the\n"
         "kind of `gu2021-beehive`, not the case itself.\n\n"
     )
     rows = [
@@ -194,8 +194,8 @@ def ends_section() -> str:
     force = [np.interp(5e-3, item["compression"], item["force"]) for item in (held, ground)]
     bonded, share = held["unknowns"], 100 * (force[1] / force[0] - 1)
     return (
-        "\n## Held or ground end turns\n\nSix turns, one closed and ground turn at either end (three quarters of it held),\n"
-        f"D 22 mm, pitch 7 mm, at 5 mm: {force[0]:.2f} N with every node of the held turns bonded ({bonded} unknowns),\n"
+        "\n## Bonded or ground end turns\n\nSix turns, one closed and ground turn at either end (three quarters of it inactive),\n"
+        f"D 22 mm, pitch 7 mm, at 5 mm: {force[0]:.2f} N with every node of the inactive turns bonded ({bonded} unknowns),\n"
         f"{force[1]:.2f} N ({share:+.2f} %) with ground end turns bonded at the ground face only ({ground['unknowns']} unknowns). "
         "Holding the turns is the\nsimplification that the rod makes too.\n"
     )
@@ -223,7 +223,7 @@ def ride_section() -> str:
 
 
 def rod_motion(solid: Solution) -> tuple[np.ndarray, np.ndarray]:
-    """Retainer and seat force of the rod on the lift that ``solid`` rode, means over its increments."""
+    """Retainer and seat force of the rod on the lift that ``solid`` followed, means over its increments."""
     time = solid.time
     lift = CubicSpline(time, solid.channel("valve_lift"))
     damping = load_case("gu2021-beehive").springs[0].damping.mass_damping
@@ -249,9 +249,9 @@ LIMITS = """
   it is and raise the seat force by the share b v / u, have both lowered by that share (b = 1 ms: middle -3.4 %, seat -3.5 %, share 3.3 %;
   b = 2 ms: -6.6 %, -6.7 %, share 6.7 %), and the printed retainer force is two orders of magnitude too large
   (`benchmarks/solid_damping.py`). It is therefore not offered.
-- In a transient with contact the printed reaction of the held turns chatters after the preload; the seat force is taken from the retainer's
-  and the axial momentum of the wire.
-- In modes with closed coils the printed reaction of the held turns is not usable; the seat's share is taken from the axial momentum.
+- In a transient with contact the printed reaction of the inactive turns chatters after the preload; the seat force is taken from the
+  retainer's and the axial momentum of the wire.
+- In modes with closed coils the printed reaction of the inactive turns is not usable; the seat's share is taken from the axial momentum.
 - A spring with `ground` ends needs turns that are closed at the tip; grinding that would leave less than a tenth of the wire is refused.
 """
 

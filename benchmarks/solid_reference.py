@@ -3,7 +3,7 @@
     python benchmarks/solid_reference.py run CASE LEVEL     one CalculiX run, result kept as JSON in build/solid-reference
     python benchmarks/solid_reference.py stress LEVEL       inner and outer fibre stress of a three-turn spring on STRESS_LEVELS
     python benchmarks/solid_reference.py beehive LEVEL      static curve with coils closing, then modes, on BEEHIVE_LEVELS
-    python benchmarks/solid_reference.py ends TREATMENT     closed and ground spring with its end turns held or ground
+    python benchmarks/solid_reference.py ends TREATMENT     closed and ground spring with its end turns bonded or ground
     python benchmarks/solid_reference.py ride               transient of the beehive at 8000 rpm on the coarse mesh
     python benchmarks/solid_reference.py write              data file and page from all kept results
 
@@ -150,7 +150,7 @@ def _factor(spring, model, stress, reactions) -> float:
 
 
 def run_beehive(level: str) -> dict:
-    """The library's beehive with its end turns held, self-contact and seat planes, compressed to 7 mm; modes there."""
+    """The library's beehive with its end turns bonded, self-contact and seat planes, compressed to 7 mm; modes there."""
     per_coil, core, rings = BEEHIVE_LEVELS[level]
     model = SolidSpring(beehive(), MeshOptions(per_coil, core, rings, ends="bonded"), SolidContact(), time_limit=900.0)
     printout = steps.Printout(axis=True, pairs=len(model.pairs))
@@ -171,7 +171,7 @@ def run_beehive(level: str) -> dict:
 
 
 def run_ends(treatment: str) -> dict:
-    """Six-turn closed and ground spring, held turns or truly ground and bonded end faces, with seat planes and self-contact."""
+    """Six-turn closed and ground spring, bonded turns or truly ground and bonded end faces, with seat planes and self-contact."""
     spring = cylindrical(3.8e-3, 22e-3, 7e-3, 6.0)
     model = SolidSpring(spring, MeshOptions(24, 2, 1, ends=treatment), SolidContact(), time_limit=600.0)
     curve = model.static_curve(5e-3, points=8)

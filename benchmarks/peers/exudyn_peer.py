@@ -82,7 +82,7 @@ def build(job: str, per_coil: int, damping: str, damped: str = "all"):
 
 
 def hold_top(system, ground: int, count: int) -> None:
-    """Clamp the last piece to the retainer: five coordinates held, the height prescribed."""
+    """Clamp the last piece to the retainer: five coordinates fixed, the height prescribed."""
     base = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=system.AddNode(item.NodePointGround()), coordinate=0))
 
     def height_of(sys, time_now, number, offset):

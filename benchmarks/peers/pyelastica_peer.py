@@ -35,7 +35,7 @@ class Spring(ea.BaseSystemCollection, ea.Constraints, ea.Damping):
 
 
 class Retainer(ea.ConstraintBase):
-    """Both ends held; the upper one follows ``motion`` = (displacement, velocity) functions of time."""
+    """Both ends fixed; the upper one follows ``motion`` = (displacement, velocity) functions of time."""
 
     def __init__(self, motion, rest, directors, **kwargs):
         super().__init__(**kwargs)

@@ -108,6 +108,8 @@ if TYPE_CHECKING:
     from valvetrain.parameters.material import Material as Material
     from valvetrain.parameters.spring import EndCoil as EndCoil
     from valvetrain.parameters.spring import SpringDefinition as SpringDefinition
+    from valvetrain.report.build import study_page as study_page
+    from valvetrain.report.json import study_json as study_json
     from valvetrain.report.write import write_study as write_study
     from valvetrain.solution.comparison import Comparison as Comparison
     from valvetrain.solution.event import Event as Event

@@ -11,7 +11,7 @@ from valvetrain.springs.finite_element import FiniteElementRod
 
 
 def rate_ratio(mean_diameter: float, curvature_correction: bool) -> float:
-    """Static rate of the rod over the closed form: wire 1 mm, pitch 2 mm, 4 open turns held at their tips."""
+    """Static rate of the rod over the closed form: wire 1 mm, pitch 2 mm, 4 open turns fixed at their tips."""
     spring = cylindrical(1e-3, mean_diameter, 2e-3, 4.0, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END)
     rod = FiniteElementRod(spring, 1e-4, elements_per_coil=48, curvature_correction=curvature_correction, seats="clamps")
     low, high = (rod.force(rod.initial_state(x), x).retainer for x in (-1e-5, 1e-5))

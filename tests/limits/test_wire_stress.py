@@ -76,9 +76,9 @@ def love_torsion(spring: SpringDefinition, compression: float) -> float:
 @pytest.mark.parametrize("hand", ["right", "left"])
 @pytest.mark.parametrize("word", CURVATURE_FACTORS)
 def test_uniform_spring_has_the_stress_of_the_standard(word: str, hand: str) -> None:
-    """K 8 F D / (pi d^3), mean over two turns; lead angle and couple of the held ends take 0.3 % off the torsion (Love).
+    """K 8 F D / (pi d^3), mean over two turns; lead angle and couple of the fixed ends take 0.3 % off the torsion (Love).
 
-    Held ends load the wire off its axis too; that fades with the number of turns: 0.30 % at 8, 0.11 % at 16.
+    Fixed ends load the wire off its axis too; that fades with the number of turns: 0.30 % at 8, 0.11 % at 16.
     """
     spring = uniform(6.0, hand, coils=24.0)
     force, loads, coil = compressed(spring)

@@ -134,7 +134,7 @@ def test_end_impact_gives_speed_times_wave_resistance(uniform):
 
 
 def test_closing_coils_stiffen_the_spring_and_carry_its_force():
-    """The first free turn lies 0.15 mm over the held one: once it rests there, only the wide turns are left."""
+    """The first free turn lies 0.15 mm over the inactive one: once it rests there, only the wide turns are left."""
     spring = SpringDefinition(
         wire_diameter=Constant(3e-3), mean_diameter=Constant(30e-3),
         pitch=PiecewiseLinear((0.0, 1.25, 1.75, 4.0), (3.15e-3, 3.15e-3, 6e-3, 6e-3)),

@@ -75,7 +75,7 @@ def _solve(count, scratch):
 def damp(index, laws, body, scratch, step, v):
     """Damping impulses of all interactions together; adds the mean damping forces to ``gaps[:, 2]``; returns how many there are.
 
-    A contact whose total force would pull is held at zero force and the others are solved again.
+    A contact whose total force would pull is kept at zero force and the others are solved again.
     """
     gaps, gradients, rows, held, impulse = scratch.gaps, scratch.gradients, scratch.rows, scratch.held, scratch.impulse
     count = _damped_rows(index, body, scratch, step, v)

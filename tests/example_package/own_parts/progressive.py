@@ -28,7 +28,7 @@ def advance(parameters, integers, state, retainer_displacement, retainer_velocit
 
 @dataclass(frozen=True)
 class ProgressiveSpring:
-    """Force = preload + rate x + cubic_rate x**3 (N, N/m, N/m3) at the retainer displacement x; a third of ``mass`` (kg) rides on it."""
+    """Force = preload + rate x + cubic_rate x**3 (N, N/m, N/m3) at the retainer displacement x; a third of ``mass`` (kg) moves with it."""
 
     preload: float
     rate: float

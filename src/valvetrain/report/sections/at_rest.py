@@ -94,7 +94,7 @@ def frequency_grid(members: list[SpringAtRest], whose: str = "") -> tuple[Block,
             apart = None if given[0] is None or value is None else 100 * (value / given[0] - 1)
             cells += [Cell(number(value), "number"), Cell(number(apart, 2), "number quiet")]
         rows.append((tuple(cells), ()))
-    return (Grid(tuple(headers), tuple(rows), caption=f"Axial natural frequencies about the installed state, both ends held{whose}."),)
+    return (Grid(tuple(headers), tuple(rows), caption=f"Axial natural frequencies about the installed state, both ends fixed{whose}."),)
 
 
 def modes_chart(members: list[SpringAtRest], key: str, title: str) -> Chart | None:
@@ -115,8 +115,8 @@ def modes_chart(members: list[SpringAtRest], key: str, title: str) -> Chart | No
             panels.append(Panel(x_label, "axial part, largest 1", tuple(lines), f"Shapes, {words}", y_range=(-1.15, 1.15)))
         panels.append(_carried(one, words))
     caption = (
-        "Modes about the installed state, both ends held. Axial modes carry force from end to end, found by the residue of the axial force "
-        "transmission."
+        "Modes about the installed state, both ends fixed. Axial modes carry force from end to end, found by the residue of the axial "
+        "force transmission."
     )
     return Chart(key, title, caption, tuple(panels), 2, 300 * (-(-len(panels) // 2)) + 20) if panels else None
 

@@ -76,7 +76,7 @@ def clash_chart(study: Study, run: Solution, spring: str, key: str, title: str) 
     heat = HeatMap(angle, _middle(coil, MOST_ROWS), _largest(force, 0, MOST_ROWS), "contact force", "N", y_words="coil")
     bands = tuple(type(band)(band.first, band.last, band.words, False) for band in event_bands(study))
     panel = Panel(ANGLE_LABEL, "coil number of the upper coil", (heat,), bands=bands, x_range=(0, 360), x_step=30)
-    caption = "Where along the wire, when and how hard a coil presses on the one below. Streaks are rest, spots are clashes."
+    caption = "Where, when and how hard a coil presses on the one below: long stretches are coils at rest, short ones clashes."
     return Chart(key, title, caption, (panel,), height=380, legend=False)
 
 
