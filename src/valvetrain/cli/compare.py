@@ -65,7 +65,7 @@ def compare(
     motion = read_motion(solid_motion, request)
     if wanted:
         _tell_cost(request, motion)
-    announce_compilation("statics", "transient", "train")
+    announce_compilation(*(("train",) if request.case.train is not None else ("statics", "transient")))
     answer_study(
         request,
         lambda report: compare_study(

@@ -25,7 +25,7 @@ def run(request: StudyRequest) -> None:
     if case.train is None and not (request.engine_speeds or case.operation.engine_speeds):
         more = "add --engine-speed '4200 rpm' for its motion" if case.lift_law is not None else "its motion needs a [lift_law] table"
         tell(f"case '{case.name}' names no engine speed, so statics and modes only are computed; {more}")
-    announce_compilation("statics", "transient", "train")
+    announce_compilation(*(("train",) if case.train is not None else ("statics", "transient")))
     answer_study(
         request,
         lambda report: run_study(

@@ -8,6 +8,7 @@ import numpy as np
 
 from valvetrain.cosserat.transient import RodTransient, simulate
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
+from valvetrain.solution.channels import SPRING_CHANNELS
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import COMPLETED, Status
@@ -56,6 +57,9 @@ class RodLeapfrog:
             made = turn(made.time_step / 2)
             model = replace(model, time_step=made.time_step)
         channels = (rod_channels if options.keep == "all" else end_channels)(model, made, cam_speed)
+        _, unit, words = SPRING_CHANNELS["retainer_acceleration"]
+        acceleration = system.displacement(made.time, cam_speed, 2)
+        channels["retainer_acceleration"] = (("sample",), acceleration, {"units": unit, "long_name": words})
         statistics: dict[str, float | int | str | bool] = {
             "time_step_duration": made.time_step, "steps": made.steps, "elements": model.mesh.elements, "largest_velocity": made.fastest,
             "step_was_halved": retried, "integrator": self.word,

@@ -53,6 +53,7 @@ def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[Cycle
         "valve_lift": (q[:, valve], "m", "valve lift"), "valve_velocity": (v[:, valve], "m/s", "valve velocity, opening positive"),
         "valve_acceleration": (a[:, valve], "m/s2", "valve acceleration, opening positive"),
         "retainer_velocity": (v[:, retainer], "m/s", "retainer velocity, opening positive"),
+        "retainer_acceleration": (a[:, retainer], "m/s2", "retainer acceleration, opening positive"),
         "retainer_force": (ends[:, :, 0].sum(axis=1), "N", "force of all springs on the retainer"),
         "seat_force": (ends[:, :, 1].sum(axis=1), "N", "force of all springs on the cylinder head"),
         "static_retainer_force": (rest.static_spring_force(q[:, retainer]), "N", "spring force at rest at the same lift"),

@@ -13,6 +13,8 @@ from valvetrain.solution.record import PublishedValue
 
 #: A whole turn (rad).
 TURN = 2 * np.pi
+#: Named numbers of each run by its label and engine speed.
+Runs = Mapping[tuple[str, float | None], Mapping[str, float]]
 
 
 def compare(
@@ -25,11 +27,14 @@ def compare(
     for ``clash_3_cam_angle``; an extra one early on would shift the count of all that follow, so they meet one to one in their order.
     """
     rows, listed = [], tuple(published)
+    runs: dict[tuple[str, float | None], dict[str, float]] = {}
+    for key, number in quantities.items():
+        runs.setdefault((key.label, key.engine_speed), {})[key.name] = number
     pattern = re.compile(rf"({'|'.join(map(re.escape, counted))})_\d+_cam_angle") if counted else re.compile(r"(?!)")
-    partners = _counted(listed, quantities, counterparts, pattern)
+    partners = _counted(listed, runs, counterparts, pattern)
     for value in listed:
         label = _label(value, counterparts)
-        computed = partners[id(value)] if id(value) in partners else _of_run(value, label, quantities).get(value.quantity)
+        computed = partners[id(value)] if id(value) in partners else _of_run(value, label, runs).get(value.quantity)
         difference = None if computed is None else _difference(value, computed)
         rows.append(
             Comparison(
@@ -46,13 +51,12 @@ def _label(value: PublishedValue, counterparts: Mapping[str, str]) -> str:
     return "" if value.engine_speed is None else counterparts.get(value.model, "" if counterparts else value.model)
 
 
-def _of_run(value: PublishedValue, label: str, quantities: Mapping[Quantity, float]) -> dict[str, float]:
-    speed = value.engine_speed
-    return {key.name: number for key, number in quantities.items() if key.label == label and same_speed(key.engine_speed, speed)}
+def _of_run(value: PublishedValue, label: str, runs: Runs) -> Mapping[str, float]:
+    return next((names for (mine, speed), names in runs.items() if mine == label and same_speed(speed, value.engine_speed)), {})
 
 
 def _counted(
-    published: tuple[PublishedValue, ...], quantities: Mapping[Quantity, float], counterparts: Mapping[str, str], pattern: re.Pattern[str],
+    published: tuple[PublishedValue, ...], runs: Runs, counterparts: Mapping[str, str], pattern: re.Pattern[str],
 ) -> dict[int, float | None]:  # fmt: skip
     """Computed partner of every counted published angle, by ``id``: one to one within an origin, engine speed and kind."""
     series: dict[tuple[str, float | None, str], list[PublishedValue]] = {}
@@ -63,7 +67,7 @@ def _counted(
     partners: dict[int, float | None] = {}
     for (_, _, kind), values in series.items():
         values.sort(key=lambda value: value.value)
-        mine = _of_run(values[0], _label(values[0], counterparts), quantities)
+        mine = _of_run(values[0], _label(values[0], counterparts), runs)
         computed = [number for name, number in mine.items() if (match := pattern.fullmatch(name)) and match[1] == kind]
         found = pair_angles([value.value for value in values], computed)
         partners |= {id(value): partner for value, partner in zip(values, found, strict=True)}

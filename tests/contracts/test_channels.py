@@ -1,0 +1,83 @@
+"""The channels of docs/architecture.md are those of the runs: each where the table says, and none beside them."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from valvetrain import registry
+from valvetrain.parameters.loading import load_case
+from valvetrain.solution.result import Solution
+from valvetrain.springs.spec import spring_model
+from valvetrain.studies.run import run_study
+
+PAGE = Path(__file__).parents[2] / "docs" / "architecture.md"
+SPEED = 2000 * np.pi / 30
+#: Channels of one integrator, told where it stands.
+OWN = {"seat_force_as_printed", "modal_coordinate"}
+SYSTEMS = {"both", "trains", "prescribed motion", "finite elements under prescribed motion"}
+
+
+def promised() -> dict[str, str]:
+    """Channel -> systems, from the table of the page; patterns left out."""
+    rows = [line.strip("|").split(" | ") for line in PAGE.read_text(encoding="utf-8").split("## Channels")[1].splitlines()
+            if line.startswith("| `")]  # fmt: skip
+    found = {name: row[-1].strip(" |") for row in rows for name in re.findall(r"`(\w+)`", row[0])}
+    assert set(found.values()) <= SYSTEMS
+    return found
+
+
+@cache
+def runs(case: str) -> tuple[Solution, ...]:
+    """One coarse run by every model that moves."""
+    words = [word for word in registry.words("springs") if not spring_model(word).no_motion]
+    key = "spring" if case == "job-c" else "train.springs.nested.{}"
+    coarse = {f"{key.format(place)}.options.finite-element.elements_per_coil": 6 for place in (0, 1)[: 1 if case == "job-c" else 2]}
+    loaded = load_case(case, coarse | ({} if case == "job-c" else {"train.cycles": 1}))
+    return run_study(loaded, engine_speeds=[SPEED], spring_models=words, workers=1).solutions
+
+
+def shown(run: Solution) -> set[str]:
+    """Names of a run's channels, those of a pair without the name of their spring."""
+    return {re.sub(r"^(outer|inner)_", "", str(name)) for name in run.channels.data_vars}
+
+
+def test_every_promised_channel_is_where_the_table_says():
+    prescribed, trains = (set().union(*map(shown, runs(case))) for case in ("job-c", "vaz-ohc"))
+    rod = next(shown(run) for run in runs("job-c") if run.model == "finite-element")
+    others = set().union(*(shown(run) for run in runs("job-c") if run.model != "finite-element"))
+    for name, systems in promised().items():
+        where = {
+            "both": name in prescribed and name in trains,
+            "trains": name in trains and name not in prescribed,
+            "prescribed motion": name in prescribed and name not in trains,
+            "finite elements under prescribed motion": name in rod and name not in others and name not in trains,
+        }
+        assert where[systems], (name, systems)
+
+
+@pytest.mark.parametrize("case", ["job-c", "vaz-ohc"])
+def test_every_channel_of_a_run_stands_in_the_table_with_its_unit(case):
+    known = set(promised()) | OWN
+    for run in runs(case):
+        for name in shown(run):
+            assert name in known or re.fullmatch(r"\w+_(contact_force|gap|force)", name), (run.label, name)
+        for channel in run.channels.data_vars.values():
+            assert channel.dims[0] == "sample" and channel.attrs["units"] and channel.attrs["long_name"]
+
+
+def test_motion_of_the_retainer_is_in_every_run_and_its_derivatives_agree():
+    for run in (*runs("job-c"), *runs("vaz-ohc")):
+        time, velocity = run.time, run.channel("retainer_velocity")
+        slope = np.gradient(run.channel("valve_lift"), time)
+        assert slope == pytest.approx(velocity, abs=0.03 * np.max(np.abs(velocity))), run.label
+        if run in runs("job-c"):
+            bend = np.gradient(velocity, time)[2:-2]
+            acceleration = run.channel("retainer_acceleration")
+            assert bend == pytest.approx(acceleration[2:-2], abs=0.03 * np.max(np.abs(acceleration))), run.label
+        else:
+            assert run.has("retainer_acceleration")
