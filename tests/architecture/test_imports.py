@@ -29,7 +29,7 @@ def violations(module: str, tree: ast.Module, is_package: bool = False) -> list[
             continue
         if target not in levels():
             found.append(f"{module}:{imported.line} imports {imported.module}, which is no room of docs/architecture.md")
-        elif levels()[target] >= levels()[room]:
+        elif room != "__main__" and levels()[target] >= levels()[room]:
             found.append(f"{module}:{imported.line} imports {imported.module}: {room} may not know {target}")
     return found
 
