@@ -35,9 +35,9 @@ def tree_of(path: Path) -> ast.Module:
 
 
 def room_of(module: str) -> str:
-    """Room of a dotted module: ``valvetrain.cam.zero`` -> ``cam``; empty for the package itself."""
+    """Room of a dotted module: ``valvetrain.cam.zero`` -> ``cam``; empty for the package itself and for ``python -m valvetrain``."""
     parts = module.split(".")
-    return parts[1] if len(parts) > 1 else ""
+    return parts[1] if len(parts) > 1 and parts[1] != "__main__" else ""
 
 
 def imports_of(module: str, tree: ast.Module, is_package: bool) -> Iterator[Import]:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from valvetrain.system.build_train import build_train
 
 from valvetrain.contact.hertz_point import HertzPoint
 from valvetrain.contact.hunt_crossley import HuntCrossley
@@ -17,7 +18,6 @@ from valvetrain.integrate.transitions import Transitions
 from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction
 from valvetrain.parameters.loading import load_case
-from valvetrain.system.build_train import build_train
 from valvetrain.system.train_system import TrainSystem
 
 MASS, PULL = 0.1, 50.0
