@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from architecture.house import PACKAGE, ROOT
+from architecture.layout import PACKAGE, ROOT
 
 #: What is not said -> what the field says.
 INSTEAD = {
