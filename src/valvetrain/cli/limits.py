@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from valvetrain.cli.options import MEMORY_UNITS, TIME_UNITS
+from valvetrain.cli.bounds import BYTES, SECONDS
 from valvetrain.cli.outcome import tell
 from valvetrain.errors import InputError
 
@@ -34,9 +34,9 @@ def refuse_beyond(request: StudyRequest, whole: bool = True) -> None:
     words = f"about {time_words(cost.seconds)} and {memory_words(cost.bytes)}"
     over = []
     if cost.seconds > limits.seconds:
-        over.append((f"--limit '{_rounded_up(cost.seconds, TIME_UNITS)}'", time_words(limits.seconds)))
+        over.append((f"--limit '{_rounded_up(cost.seconds, SECONDS)}'", time_words(limits.seconds)))
     if cost.bytes > limits.bytes:
-        over.append((f"--limit '{_rounded_up(cost.bytes, MEMORY_UNITS)}'", memory_words(limits.bytes)))
+        over.append((f"--limit '{_rounded_up(cost.bytes, BYTES)}'", memory_words(limits.bytes)))
     if over:
         bounds, options = " and ".join(bound for _, bound in over), " ".join(option for option, _ in over)
         remedy = f"ask for fewer speeds, cycles or unknowns, or raise the bound with {options}"

@@ -19,7 +19,6 @@ from valvetrain.cli.options import (
     FiguresOption,
     JsonOption,
     LimitOption,
-    Limits,
     OpenOption,
     OutputOption,
     PublishedOption,
@@ -31,7 +30,6 @@ from valvetrain.cli.options import (
     SpringSetOption,
     WorkersOption,
     read_engine_speeds,
-    read_limits,
     read_models,
     read_words,
     read_workers,
@@ -39,6 +37,7 @@ from valvetrain.cli.options import (
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
+    from valvetrain.cli.bounds import Limits
     from valvetrain.cli.progress import Report
     from valvetrain.parameters.case import Case
     from valvetrain.solution.provenance import Provenance
@@ -88,6 +87,7 @@ def _shared(
     open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False, more: Mapping[str, Any] = MappingProxyType({}),
 ) -> dict[str, Any]:  # fmt: skip
     """Read the options that all studies share; :func:`valvetrain.cli.outcome.set_manner` has read the last two."""
+    from valvetrain.cli.bounds import read_limits
     from valvetrain.studies.run_store import check_folder
 
     chosen = choose_case(case, settings, elements_per_coil, more)
