@@ -28,15 +28,9 @@ def violations(module: str, tree: ast.Module, is_package: bool = False) -> list[
         if top != "valvetrain" or not package or imported.module == "valvetrain.__version__" or target == package:
             continue
         if target not in levels():
-<<<<<<< HEAD
             found.append(f"{module}:{imported.line} imports {imported.module}, which is no package of docs/architecture.md")
-        elif levels()[target] >= levels()[package]:
+        elif package != "__main__" and levels()[target] >= levels()[package]:
             found.append(f"{module}:{imported.line} imports {imported.module}: {package} may not know {target}")
-=======
-            found.append(f"{module}:{imported.line} imports {imported.module}, which is no room of docs/architecture.md")
-        elif room != "__main__" and levels()[target] >= levels()[room]:
-            found.append(f"{module}:{imported.line} imports {imported.module}: {room} may not know {target}")
->>>>>>> main
     return found
 
 
