@@ -254,8 +254,9 @@ def test_published_values_are_one_dot_plot_and_one_table_with_three_filters():
 
 def test_figures_of_a_source_are_drawn_for_its_case_only():
     source = find("sections", "gu2021")
-    assert source.blocks(own_study()) == ()
-    shown = drawn(published_study())
+    made = published_study()
+    assert source.blocks(own_study()) == () == source.blocks(replace(made, record=replace(made.record, changed=("spring.pitch",))))
+    shown = drawn(made)
     assert {"gu2021-2-force", "gu2021-2-spikes", "gu2021-2-nodes-1"} <= set(shown)
     marks = [layer for layer in shown["gu2021-2-force"].panels[0].layers if isinstance(layer, Marks)]
     assert [(layer.x.tolist(), layer.y.tolist()) for layer in marks] == [([pytest.approx(np.degrees(3.1))], [790.0])]

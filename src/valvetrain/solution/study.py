@@ -13,11 +13,11 @@ from valvetrain.errors import InputError
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.display import Figure, plotted, table, words
 from valvetrain.solution.provenance import Provenance
-from valvetrain.solution.quantity import Quantities, Quantity, named, same_speed, unit_of
+from valvetrain.solution.quantity import Quantities, Quantity, known_speed, named, same_speed, unit_of
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
-from valvetrain.units import Given, si
+from valvetrain.units import Given
 
 if TYPE_CHECKING:
     import pandas
@@ -119,7 +119,7 @@ class Study:
 
         Raises :class:`InputError` when none or several runs fit.
         """
-        wanted = None if engine_speed is None else si(engine_speed, "engine_speed", "engine_speed")
+        wanted = None if engine_speed is None else known_speed(engine_speed, self.engine_speeds)
         fits = [
             run for run in self.solutions
             if (not label or run.label == label) and (wanted is None or same_speed(run.engine_speed, wanted))

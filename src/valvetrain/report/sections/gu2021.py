@@ -29,8 +29,8 @@ _NODES = {1: theme.MODEL_COLOURS["massless"], 2: theme.MODEL_COLOURS["finite-ele
 
 
 def blocks(study: Study) -> tuple[Block, ...]:
-    """Nothing for any other case."""
-    if study.record.study != STUDY or study.lift_event is None:
+    """Nothing for any other case, nor for this one when it was changed."""
+    if study.record.study != STUDY or study.record.changed or study.lift_event is None:
         return ()
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
