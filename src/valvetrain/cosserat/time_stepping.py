@@ -26,7 +26,7 @@ from valvetrain.cosserat.step_kernels import (
 
 X, Y, Z, VX, VY, VZ, FZ = (ROW[n] for n in ("X", "Y", "Z", "VX", "VY", "VZ", "FZ"))
 CX, CY, CZ, GX, GY, GZ = (ROW[n] for n in ("CX", "CY", "CZ", "GX", "GY", "GZ"))
-PX, PY, PZ, DH, KC, IMPULSE, PEAK, LOSS = (ROW[n] for n in ("PX", "PY", "PZ", "DH", "KC", "IMPULSE", "PEAK", "LOSS"))
+PX, PY, PZ, DH, KC, IMPULSE, PEAK, LOSS, STORED = (ROW[n] for n in ("PX", "PY", "PZ", "DH", "KC", "IMPULSE", "PEAK", "LOSS", "STORED"))
 GROUP, ONE, STRIDE = _GROUP, np.uint64(1), np.uint64(_STRIDE)
 
 #: No fast maths here, so that a diverged run is seen; no reference counts either (see step_kernels).
@@ -44,8 +44,8 @@ FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START = range(7)
 
 @njit(**OPTIONS)
 def clear_contact(b, vertices):
-    """Zero all point forces, so that points leaving the watch list leave nothing behind."""
-    for row in (PX, PY, PZ, PX + GROUP, PY + GROUP, PZ + GROUP):
+    """Zero all point forces and energies, so that points leaving the watch list leave nothing behind."""
+    for row in (PX, PY, PZ, STORED, PX + GROUP, PY + GROUP, PZ + GROUP, STORED + GROUP):
         for j in range(np.uint64(0), vertices + ONE):
             b[row + j] = 0.0
 
@@ -156,13 +156,14 @@ def place_retainer(b, integers, travel, velocity):
 
 
 @njit(**OPTIONS)
-def integrate_in_time(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense):
+def integrate_in_time(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense, bins, pressed):
     """Integrate ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
 
     ``clock`` = (steps per dense record, dense records per sample, first sample kept); ``stretches`` (STRETCHES, 2) is working space
     to work. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions, frames, velocities and spins, ``contacts``
     (samples, 3, groups, nv) with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with
-    retainer force, seat force, work done and dissipated energy. Returns (steps done, largest vertex speed); a run that
+    retainer force, seat force, work done and dissipated energy, ``pressed`` (records of the samples kept, 2, pairs) with the impulse since
+    the last sample and the stored energy of the contact points of each pair, vertex i in pair ``bins[i]`` (-1: none). Returns (steps done, largest vertex speed); a run that
     diverged stops early.
     """
     steps, vertices = len(displacement) - 1, np.uint64(integers[VERTICES])
@@ -184,6 +185,8 @@ def integrate_in_time(b, integers, numbers, places, displacement, clock, stretch
         if n % clock[0] == 0:
             record = n // clock[0]
             dense[record, 0], dense[record, 1], dense[record, 2], dense[record, 3] = retainer, seat, work, lost
+            if record >= clock[1] * clock[2]:
+                take_pairs(b, integers, bins, pressed[record - clock[1] * clock[2]])
         kept = n // (clock[0] * clock[1]) - clock[2]
         if sample and kept >= 0:
             take_snapshot(b, integers, snapshots[kept], 0.5)
@@ -213,6 +216,18 @@ def finish_snapshot(b, integers, out, share):
     for r in range(7, 13):
         for i in range(integers[VERTICES] + 1):
             out[r, i] += share * b[X + np.uint64(r) * STRIDE + np.uint64(i)]
+
+
+@njit(**OPTIONS)
+def take_pairs(b, integers, bins, out):
+    """Impulse since the last sample and stored energy now of the contact points of every pair."""
+    for g in range(integers[GROUPS]):
+        shift = GROUP * np.uint64(g)
+        for i in range(integers[VERTICES]):
+            if bins[i] >= 0:
+                j = np.uint64(i)
+                out[0, bins[i]] += b[IMPULSE + shift + j]
+                out[1, bins[i]] += b[STORED + shift + j]
 
 
 @njit(**OPTIONS)

@@ -84,6 +84,37 @@ class SpringOutputs:
     coil_contact_force: Array = field(default_factory=_empty)
 
 
+@dataclass(frozen=True, eq=False)
+class ContactWatch:
+    """Where in a state the contacts of the coils stand, so that a compiled loop can write them down without knowing the model.
+
+    ``stretches`` (r, 2): first entry and length of each stretch of the state that is written, one after the other.
+    ``interval``: target spacing (s) of the record. ``read(record, spacing, time_step)``: coil numbers of the upper partners (p,), force (N)
+    and stored energy (J), both (n, p), from a record (n, entries) at a spacing (s) of a run with that step (s).
+    """
+
+    stretches: NDArray[np.int64]
+    interval: float
+    read: Callable[[Array, float, float], tuple[Array, Array, Array]]
+
+    @property
+    def entries(self) -> int:
+        """Values per row of the record."""
+        return int(self.stretches[:, 1].sum())
+
+
+@runtime_checkable
+class WatchedSpring(Protocol):
+    """A spring model whose coil contacts can be recorded inside the loop; None where this spring has none."""
+
+    def contact_watch(self) -> ContactWatch | None: ...
+
+
+def contact_watch_of(spring: object) -> ContactWatch | None:
+    """The watch of a spring model, None where its kind or this spring has no coil contacts to record."""
+    return spring.contact_watch() if isinstance(spring, WatchedSpring) else None
+
+
 @runtime_checkable
 class SpringModel(Protocol):
     """One fidelity of a spring. All quantities SI; see the module text for the stepping rules."""

@@ -17,11 +17,13 @@ from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import chain_kernels, chain_statics
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, uniform_chain
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.spec import SpringModelSpec
 
 CONTACT_STIFFNESS = 1e10
 CONTACT_DAMPING_TIME = 1e-6
+#: Target spacing (s) of the record of contacts: a blow of two masses lasts few steps, and they are no shorter.
+WATCH_INTERVAL = 2e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,6 +168,26 @@ class MultiMassSpring:
             float(-forces[-1]), float(forces[0]), self.layout.coil_number, self._installed - nodes, -velocities,
             self.layout.contacts.upper_coil, -chain_statics.contact_depths(self.layout, nodes), contact,
         )  # fmt: skip
+
+    def contact_watch(self) -> ContactWatch | None:
+        """Overlap and damping impulse of every contact, which the kernel leaves behind the positions and velocities."""
+        contacts = self.layout.contacts
+        if not contacts.count:
+            return None
+        order = np.argsort(contacts.upper_coil, kind="stable")
+        stiffness = contacts.stiffness[order]
+
+        def read(record: Array, spacing: float, time_step: float) -> tuple[Array, Array, Array]:
+            depth, impulse = (record[:, first : first + contacts.count] for first in (0, contacts.count))
+            force, energy = np.zeros(depth.shape), np.zeros(depth.shape)
+            for pair in np.flatnonzero(np.max(depth, axis=0)[order] > 0):
+                pressed = np.maximum(depth[:, order[pair]], 0.0)
+                force[:, pair] = np.where(pressed > 0, stiffness[pair] * pressed + impulse[:, order[pair]] / time_step, 0.0)
+                energy[:, pair] = 0.5 * stiffness[pair] * pressed**2
+            return contacts.upper_coil[order], force, energy
+
+        first = chain_kernels.overlap_place(self.unknowns)
+        return ContactWatch(np.array([[first, 2 * contacts.count]], dtype=np.int64), WATCH_INTERVAL, read)
 
     def retainer_mass(self) -> float:
         """Half the last element plus the wire of the upper inactive coils (kg)."""

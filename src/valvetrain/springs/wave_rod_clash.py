@@ -115,6 +115,10 @@ class WaveRodWithClash:
     def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
         return self.chain.outputs(state, retainer_displacement, retainer_velocity)
 
+    def contact_watch(self) -> ContactWatch | None:
+        """That of the chain."""
+        return self.chain.contact_watch()
+
     def retainer_mass(self) -> float:
         """Half a cell plus the coils resting on the retainer (kg)."""
         return self.chain.retainer_mass()
