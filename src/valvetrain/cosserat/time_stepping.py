@@ -159,12 +159,12 @@ def place_retainer(b, integers, travel, velocity):
 def integrate_in_time(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense, bins, pressed):
     """Integrate ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
 
-    ``clock`` = (steps per dense record, dense records per sample, first sample kept); ``stretches`` (STRETCHES, 2) is working space
-    to work. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions, frames, velocities and spins, ``contacts``
-    (samples, 3, groups, nv) with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with
-    retainer force, seat force, work done and dissipated energy, ``pressed`` (records of the samples kept, 2, pairs) with the impulse since
-    the last sample and the stored energy of the contact points of each pair, vertex i in pair ``bins[i]`` (-1: none). Returns (steps done, largest vertex speed); a run that
-    diverged stops early.
+    ``clock`` = (steps per dense record, dense records per sample, first sample kept, steps per record of coil pairs); ``stretches``
+    (STRETCHES, 2) is working space. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions, frames, velocities and spins,
+    ``contacts`` (samples, 3, groups, nv) with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with
+    retainer force, seat force, work done and dissipated energy, ``pressed`` (records from the first sample kept, 2, pairs) with force
+    and stored energy of the contact points of each pair, vertex i in pair ``bins[i]``. Returns (steps done, largest vertex speed); a run
+    that diverged stops early.
     """
     steps, vertices = len(displacement) - 1, np.uint64(integers[VERTICES])
     count, work, lost, before, fastest = 0, 0.0, 0.0, 0.0, 0.0
@@ -185,8 +185,9 @@ def integrate_in_time(b, integers, numbers, places, displacement, clock, stretch
         if n % clock[0] == 0:
             record = n // clock[0]
             dense[record, 0], dense[record, 1], dense[record, 2], dense[record, 3] = retainer, seat, work, lost
-            if record >= clock[1] * clock[2]:
-                take_pairs(b, integers, bins, pressed[record - clock[1] * clock[2]])
+        later = n - clock[0] * clock[1] * clock[2]
+        if later >= 0 and later % clock[3] == 0:
+            take_pairs(b, integers, stretches, count, bins, pressed[later // clock[3]])
         kept = n // (clock[0] * clock[1]) - clock[2]
         if sample and kept >= 0:
             take_snapshot(b, integers, snapshots[kept], 0.5)
@@ -219,15 +220,16 @@ def finish_snapshot(b, integers, out, share):
 
 
 @njit(**OPTIONS)
-def take_pairs(b, integers, bins, out):
-    """Impulse since the last sample and stored energy now of the contact points of every pair."""
-    for g in range(integers[GROUPS]):
-        shift = GROUP * np.uint64(g)
-        for i in range(integers[VERTICES]):
-            if bins[i] >= 0:
-                j = np.uint64(i)
-                out[0, bins[i]] += b[IMPULSE + shift + j]
-                out[1, bins[i]] += b[STORED + shift + j]
+def take_pairs(b, integers, stretches, count, bins, out):
+    """Force and stored energy of the watched contact points of every pair, now."""
+    for n in range(count):
+        for i in range(int(stretches[n, 0]), int(stretches[n, 1])):
+            pair = bins[i]
+            if pair >= 0:
+                for g in range(integers[GROUPS]):
+                    j = GROUP * np.uint64(g) + np.uint64(i)
+                    out[0, pair] += np.sqrt(b[PX + j] ** 2 + b[PY + j] ** 2 + b[PZ + j] ** 2)
+                    out[1, pair] += b[STORED + j]
 
 
 @njit(**OPTIONS)

@@ -13,8 +13,6 @@ Array = NDArray[np.float64]
 TURN = 2 * np.pi
 #: A contact that lasts longer than this (cam rad) is coils at rest on each other while the spring is compressed, not a blow of surge.
 RESTING_ANGLE = TURN / 12
-#: Spacing (s) of the record of coil contacts inside the loop; what is shorter is a wave in the wire's section, not a blow of coils.
-RECORD_INTERVAL = 2e-6
 #: Statistic that says that a solution's clashes were found by the integrator, and on which spacing.
 RECORDED = "contact_record_interval_duration"
 

@@ -64,9 +64,9 @@ class RodLeapfrog:
             "step_was_halved": retried, "integrator": self.word,
         }  # fmt: skip
         events: tuple[Event, ...] = ()
-        if len(upper_coil) and len(made.dense_time) > 1:
-            statistics[RECORDED] = float(made.dense_time[1] - made.dense_time[0])
-            pairs = PairSeries(made.dense_time, cam_speed * made.dense_time, upper_coil, made.pair_force, made.pair_energy)
+        if len(upper_coil) and len(made.pair_time) > 1:
+            statistics[RECORDED] = float(made.pair_time[1] - made.pair_time[0])
+            pairs = PairSeries(made.pair_time, cam_speed * made.pair_time, upper_coil, made.pair_force, made.pair_energy)
             events = find_clashes(pairs)
         status = COMPLETED
         if not made.completed:

@@ -16,7 +16,7 @@ from valvetrain.cosserat.layout import ROW, STRIDE, row
 from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
-from valvetrain.cosserat.transient import DENSE_INTERVAL
+from valvetrain.cosserat.transient import CONTACT_INTERVAL
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_types import Length, PositiveTime
@@ -232,7 +232,7 @@ class FiniteElementRod:
             force[:, 0] = force[:, min(1, len(record) - 1)]  # a coil that rests at the start shall not seem to come down
             return upper_coil, force.T.copy(), gathered[..., 1].T.copy()
 
-        return ContactWatch(np.array([[place, count] for place in rows], dtype=np.int64), DENSE_INTERVAL, read)
+        return ContactWatch(np.array([[place, count] for place in rows], dtype=np.int64), CONTACT_INTERVAL, read)
 
     def retainer_mass(self) -> float:
         """Inactive wire on the retainer and half the last element (kg)."""
