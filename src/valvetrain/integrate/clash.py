@@ -31,7 +31,7 @@ class ClashRule:
     on_force: float = 1.0
     off_force: float = 0.2
     merge_time: float = 0.3e-3
-    rebound_time: float = 0.0
+    rebound_time: float = 10e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)

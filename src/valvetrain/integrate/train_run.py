@@ -45,8 +45,8 @@ class TrainOptions:
 
     ``samples``: records per cam cycle. ``step_fraction``: step over the stable limit. ``time_step`` (s) overrides it (rounded so that a
     cycle holds a whole number of steps). ``exchange``: steps per exchange of a partitioned coupling (0: all advance together).
-    ``record_springs``: keep the springs' inner states per sample; ``record_contacts``: find the clashes of their coils. ``window``: begin and end (cam rad) of the part of the cycle in which
-    least forces are sought; it may pass the end of the turn.
+    ``record_springs``: keep the springs' inner states per sample; ``record_contacts``: write down the contacts of their coils. ``window``:
+    begin and end (cam rad) of the part of the cycle in which least forces are sought; it may pass the end of the turn.
     """
 
     samples: int = 1440

@@ -37,7 +37,8 @@ class Motion(NamedTuple):
 
     ``q``, ``v`` (N,); ``law_state``: memory of all laws; ``law_addresses``: of the kernels of the train's own laws. ``clock`` (11,): cam
     angle, cam speed, cam acceleration, step, four spring end forces, displacement of a partitioned spring, begin and width (rad) of the
-    window of least forces. ``counters`` (5,): steps, record every, transitions found, exchange interval (0: all advance together), steps per row of coil contacts.
+    window of least forces. ``counters`` (5,): steps, record every, transitions found, exchange interval (0: all advance together), steps
+    per row of coil contacts.
     ``totals`` (5,): work of the cam, of constant and gas forces, dissipated, work on the springs (J), and the share of contact friction
     in what was dissipated.
     """

@@ -172,7 +172,7 @@ class NestedSprings:
     def contact_watch(self) -> ContactWatch | None:
         """That of the outer spring, whose sections stand for the pair."""
         outer = contact_watch_of(self.outer)
-        return None if outer is None else replace(outer, stretches=outer.stretches + [2 * self.unknowns + 1, 0])
+        return None if outer is None else replace(outer, stretches=outer.stretches + np.array([2 * self.unknowns + 1, 0]))
 
     def retainer_mass(self) -> float:
         """Sum of both members' masses on the retainer (kg)."""
