@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.solution.event import Detail, Event
+from valvetrain.springs.contract import ContactWatch
 
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
@@ -52,6 +53,16 @@ class PairSeries:
             np.concatenate([axis - length, axis, axis + length]) for axis, length in ((self.time, period), (self.cam_angle, turn))
         )
         return PairSeries(times, angles, self.places, np.tile(self.force, (3, 1)), np.tile(self.energy, (3, 1)))
+
+
+def steps_between(watch: ContactWatch | None, time_step: float) -> int:
+    """Steps (of ``time_step``, s) between two rows of a record of contacts: the watch's interval, whatever samples are kept."""
+    return max(1, round(watch.interval / time_step)) if watch is not None else 1
+
+
+def recorded_pairs(watch: ContactWatch, record: Array, spacing: float, time_step: float, time: Array, cam_angle: Array) -> PairSeries:
+    """The series of a record (n, entries) written every ``spacing`` (s) at ``time`` (s) and ``cam_angle`` (rad, unwrapped)."""
+    return PairSeries(time, cam_angle, *watch.read(record, spacing, time_step))
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.clash import RECORDED
+from valvetrain.integrate.clash import RECORDED, find_clashes, recorded_pairs, steps_between
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.leapfrog_kernel import advance
-from valvetrain.integrate.watch import recorded_clashes, steps_between
 from valvetrain.solution.channels import FINE, spring_channels
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
@@ -109,7 +108,7 @@ class Leapfrog:
         if blows and watch is not None:
             at, found = (np.concatenate([part[k] for part in blows]) for k in (0, 1))
             statistics[RECORDED] = spacing * step
-            events = recorded_clashes(watch, found, spacing * step, step, at, cam_speed * at + 0.5 * acceleration * at**2)
+            events = find_clashes(recorded_pairs(watch, found, spacing * step, step, at, cam_speed * at + 0.5 * acceleration * at**2))
         return Solution(channels, events, status, statistics, provenance)
 
 

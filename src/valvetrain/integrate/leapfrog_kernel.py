@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from numba import njit, types
 
-from valvetrain.integrate.spring_slot import SPRING_FUNCTION
-from valvetrain.integrate.watch import write_contacts
+from valvetrain.integrate.spring_slot import SPRING_FUNCTION, write_contacts
 
 _f8, _vector, _matrix = types.float64, types.Array(types.float64, 1, "C"), types.Array(types.float64, 2, "C")
 

@@ -33,11 +33,11 @@ from valvetrain.contact.kernels import (
     update_impact,
 )
 from valvetrain.contact.own_law import call_law
+from valvetrain.integrate.spring_slot import write_contacts
 from valvetrain.integrate.train_damping import damp, losses
 from valvetrain.integrate.train_friction import friction_loss, rub
 from valvetrain.integrate.train_log import close_stretch, in_window, note_contact, note_crossing
 from valvetrain.integrate.train_tuples import PEAK_PENETRATION, Motion, Records, Scratch, Slot
-from valvetrain.integrate.watch import write_contacts
 from valvetrain.mechanism.gaps import OPTIONS, penetration_and_gradient, table_value
 from valvetrain.system.train_system import TrainArrays
 

@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.integrate.clash import RECORDED
+from valvetrain.integrate.clash import RECORDED, find_clashes, recorded_pairs
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.run_up import run_up
 from valvetrain.integrate.train_channels import train_channels, train_statistics
 from valvetrain.integrate.train_run import CycleRecord, TrainOptions, TrainRunner, runner
 from valvetrain.integrate.train_steady import TOLERANCE, SteadyTrain, steady_train
-from valvetrain.integrate.watch import recorded_clashes
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
@@ -102,11 +101,9 @@ def _events(ready: TrainRunner, record: CycleRecord) -> tuple[tuple[Event, ...],
         if watch is None or not record.pressed:
             continue
         watched, pressed = True, record.pressed[place]
-        time = record.pressed_interval * np.arange(len(pressed))
-        named = name if len(ready.springs) > 1 else ""
-        clashes += recorded_clashes(
-            watch, pressed, record.pressed_interval, record.time_step, time, record.cam_speed * time, named, closed=True
-        )
+        time = np.asarray(record.pressed_interval * np.arange(len(pressed)), dtype=float)
+        series = recorded_pairs(watch, pressed, record.pressed_interval, record.time_step, time, record.cam_speed * time)
+        clashes += find_clashes(series, name if len(ready.springs) > 1 else "", closed=True)
     return (*touches, *clashes), {RECORDED: record.pressed_interval} if watched else {}
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.integrate.clash import steps_between
 from valvetrain.integrate.train_tuples import (
     LEAST_FORCE,
     LEAST_FORCE_ANGLE,
@@ -22,7 +23,6 @@ from valvetrain.integrate.train_tuples import (
     Slot,
 )
 from valvetrain.integrate.transitions import Transitions
-from valvetrain.integrate.watch import steps_between
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.contract import SpringModel, contact_watch_of
 from valvetrain.system.train_forces import highest_frequency, springs_time_step
