@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
 from numba import njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
@@ -13,9 +14,10 @@ warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 _vector, _f8 = types.Array(types.float64, 1, "C"), types.float64
 SPRING_SIGNATURE = types.Tuple((_f8, _f8))(_vector, types.Array(types.int64, 1, "C"), _vector, _f8, _f8, _f8)
 SPRING_FUNCTION = types.FunctionType(SPRING_SIGNATURE)
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@njit(**OPTIONS)
 def write_contacts(state, stretches, row):
     """Copy ``stretches`` (first entry, length) of a spring's state into one row of its record (``ContactWatch``)."""
     at = 0
