@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from valvetrain.cosserat.transient import simulate
-from valvetrain.integrate.clash import find_clashes, recorded_pairs, steps_between
+from valvetrain.integrate.clash import PairSeries, find_clashes, steps_between
 from valvetrain.integrate.leapfrog_kernel import advance
 from valvetrain.parameters.loading import load_case
 from valvetrain.springs.chain_layout import ChainLayout, CoilContacts
@@ -31,7 +31,7 @@ def blow(damping_time: float):
     arrays = (model.parameters(), model.integers(), state, still, still, time_step, 1, np.zeros((steps + 1, 2)), np.zeros((0, len(state))))
     assert advance(model.kernel, *arrays, watch.stretches, spacing, pressed) == steps + 1
     time = spacing * time_step * np.arange(len(pressed))
-    (event,) = find_clashes(recorded_pairs(watch, pressed, spacing * time_step, time_step, time, 300.0 * time))
+    (event,) = find_clashes(PairSeries(time, 300.0 * time, *watch.read(pressed, spacing * time_step, time_step)))
     return event, state
 
 

@@ -37,14 +37,20 @@ class ClashRule:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairSeries:
-    """Coil pairs of one spring over n times: ``time`` (s), ``cam_angle`` (rad, unwrapped), ``places`` (p,) by coil number of the upper
-    partner, ascending; ``force`` (N) between the partners and ``energy`` (J) stored in their contact, both (n, p)."""
+    """Coil pairs of one spring over n times: ``time`` (s), ``cam_angle`` (rad, unwrapped), ``ranks`` (p,): place of each in the row of all
+    pairs, ascending; ``places`` (p,): coil number of the upper partner; ``force`` (N) between the partners and ``energy`` (J) stored in
+    their contact, both (p, n)."""
 
     time: Array
     cam_angle: Array
+    ranks: NDArray[np.int64]
     places: Array
     force: Array
     energy: Array
+
+    def where(self, chosen: NDArray[np.int64]) -> PairSeries:
+        """Some of the pairs."""
+        return PairSeries(self.time, self.cam_angle, self.ranks[chosen], self.places[chosen], self.force[chosen], self.energy[chosen])
 
     def closed(self) -> PairSeries:
         """The same period three times in a row."""
@@ -52,17 +58,12 @@ class PairSeries:
         times, angles = (
             np.concatenate([axis - length, axis, axis + length]) for axis, length in ((self.time, period), (self.cam_angle, turn))
         )
-        return PairSeries(times, angles, self.places, np.tile(self.force, (3, 1)), np.tile(self.energy, (3, 1)))
+        return PairSeries(times, angles, self.ranks, self.places, np.tile(self.force, 3), np.tile(self.energy, 3))
 
 
 def steps_between(watch: ContactWatch | None, time_step: float) -> int:
     """Steps (of ``time_step``, s) between two rows of a record of contacts: the watch's interval, whatever samples are kept."""
     return max(1, round(watch.interval / time_step)) if watch is not None else 1
-
-
-def recorded_pairs(watch: ContactWatch, record: Array, spacing: float, time_step: float, time: Array, cam_angle: Array) -> PairSeries:
-    """The series of a record (n, entries) written every ``spacing`` (s) at ``time`` (s) and ``cam_angle`` (rad, unwrapped)."""
-    return PairSeries(time, cam_angle, *watch.read(record, spacing, time_step))
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,12 +86,12 @@ def find_clashes(pairs: PairSeries, spring: str = "", closed: bool = False, rule
     if len(pairs.time) < 2 or not pairs.places.size:
         return ()
     period = len(pairs.time) if closed else 0
+    pairs = pairs.where(np.flatnonzero(np.max(pairs.force, axis=1) > rule.on_force))
     pairs = pairs.closed() if closed else pairs
-    touched = np.flatnonzero(np.max(pairs.force, axis=0) > rule.on_force).tolist()
-    contacts = [one for pair in touched for one in _contacts(pairs.time, pairs.force[:, pair], pair, rule)]
+    contacts = [one for pair, force in enumerate(pairs.force) for one in _contacts(pairs.time, force, pair, rule)]
     found = [
         _event(pairs, group, f"{spring} " if spring else "")
-        for group in _clashes(contacts, pairs.time, rule)
+        for group in _clashes(contacts, pairs, rule)
         # A closed cycle stands three times in a row; what begins in the middle one has its whole neighbourhood there.
         if not period or period <= min(contact.first for contact in group) < 2 * period
     ]
@@ -118,8 +119,9 @@ def upper_coil_of(place: float) -> int:
     return max(2, int(np.ceil(place - 1e-9)))
 
 
-def _clashes(contacts: list[_Contact], time: Array, rule: ClashRule) -> list[list[_Contact]]:
+def _clashes(contacts: list[_Contact], pairs: PairSeries, rule: ClashRule) -> list[list[_Contact]]:
     """Groups of contacts, joined from neighbour to neighbour."""
+    time, ranks = pairs.time, pairs.ranks.tolist()
     owner = list(range(len(contacts)))
 
     def root(index: int) -> int:
@@ -129,9 +131,9 @@ def _clashes(contacts: list[_Contact], time: Array, rule: ClashRule) -> list[lis
 
     by_pair: dict[int, list[int]] = {}
     for index, contact in enumerate(contacts):
-        by_pair.setdefault(contact.pair, []).append(index)
+        by_pair.setdefault(ranks[contact.pair], []).append(index)
     for index, contact in enumerate(contacts):
-        for other in by_pair.get(contact.pair - 1, []):
+        for other in by_pair.get(ranks[contact.pair] - 1, []):
             below = contacts[other]
             together = contact.first <= below.last + 1 and below.first <= contact.last + 1
             if together and abs(time[contact.first] - time[below.first]) <= rule.merge_time:
@@ -150,9 +152,9 @@ def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
     summed, stored = np.zeros(end - start + 1), np.zeros(end - start + 1)
     for contact in group:
         mine, inside = slice(contact.first, contact.last + 1), slice(contact.first - start, contact.last - start + 1)
-        summed[inside] += pairs.force[mine, contact.pair]
-        stored[inside] += pairs.energy[mine, contact.pair]
-    strongest = max(group, key=lambda contact: float(np.max(pairs.force[contact.first : contact.last + 1, contact.pair])))
+        summed[inside] += pairs.force[contact.pair, mine]
+        stored[inside] += pairs.energy[contact.pair, mine]
+    strongest = max(group, key=lambda contact: float(np.max(pairs.force[contact.pair, contact.first : contact.last + 1])))
     top, coil = start + int(np.argmax(summed)), upper_coil_of(pairs.places[strongest.pair])
     begin, finish = float(time[start] + time[first]) / 2, float(time[last] + time[end]) / 2
     resting = angle[end] - angle[start] > RESTING_ANGLE

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.clash import RECORDED, find_clashes, recorded_pairs, steps_between
+from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes, steps_between
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.leapfrog_kernel import advance
 from valvetrain.solution.channels import FINE, spring_channels
@@ -106,9 +106,9 @@ class Leapfrog:
         channels = _channels(system, model, cam_speed, acceleration, kept, sub, options.keep == "all")
         events: tuple[Event, ...] = ()
         if blows and watch is not None:
-            at, found = (np.concatenate([part[k] for part in blows]) for k in (0, 1))
+            at, found = blows[0] if len(blows) == 1 else (np.concatenate([part[k] for part in blows]) for k in (0, 1))
             statistics[RECORDED] = spacing * step
-            events = find_clashes(recorded_pairs(watch, found, spacing * step, step, at, cam_speed * at + 0.5 * acceleration * at**2))
+            events = find_clashes(PairSeries(at, cam_speed * at + 0.5 * acceleration * at**2, *watch.read(found, spacing * step, step)))
         return Solution(channels, events, status, statistics, provenance)
 
 

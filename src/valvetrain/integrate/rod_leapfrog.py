@@ -66,7 +66,9 @@ class RodLeapfrog:
         events: tuple[Event, ...] = ()
         if len(upper_coil) and len(made.pair_time) > 1:
             statistics[RECORDED] = float(made.pair_time[1] - made.pair_time[0])
-            pairs = PairSeries(made.pair_time, cam_speed * made.pair_time, upper_coil, made.pair_force, made.pair_energy)
+            pairs = PairSeries(
+                made.pair_time, cam_speed * made.pair_time, np.arange(len(upper_coil)), upper_coil, made.pair_force.T, made.pair_energy.T
+            )
             events = find_clashes(pairs)
         status = COMPLETED
         if not made.completed:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.integrate.clash import RECORDED, find_clashes, recorded_pairs
+from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.run_up import run_up
 from valvetrain.integrate.train_channels import train_channels, train_statistics
@@ -102,7 +102,7 @@ def _events(ready: TrainRunner, record: CycleRecord) -> tuple[tuple[Event, ...],
             continue
         watched, pressed = True, record.pressed[place]
         time = np.asarray(record.pressed_interval * np.arange(len(pressed)), dtype=float)
-        series = recorded_pairs(watch, pressed, record.pressed_interval, record.time_step, time, record.cam_speed * time)
+        series = PairSeries(time, record.cam_speed * time, *watch.read(pressed, record.pressed_interval, record.time_step))
         clashes += find_clashes(series, name if len(ready.springs) > 1 else "", closed=True)
     return (*touches, *clashes), {RECORDED: record.pressed_interval} if watched else {}
 

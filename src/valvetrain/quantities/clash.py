@@ -42,7 +42,8 @@ def _pairs_of(solution: Solution, spring: str) -> PairSeries | None:
     order = np.argsort(places)
     force = np.nan_to_num(np.asarray(values.values)[:, order])
     gap = np.nan_to_num(solution.channel(solution.channel_of(spring, "coil_gap"))[:, order], nan=0.0, posinf=0.0)
-    return PairSeries(solution.time, solution.cam_angle, places[order], force, 0.5 * force * np.maximum(-gap, 0.0))
+    energy = 0.5 * force * np.maximum(-gap, 0.0)
+    return PairSeries(solution.time, solution.cam_angle, np.arange(len(order)), places[order], force.T, energy.T)
 
 
 def clash_numbers(solution: Solution, events: tuple[Event, ...]) -> dict[str, float]:

@@ -32,6 +32,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+#: Target spacing (s) of a record of coil contacts, whose blows last some 10 us.
+WATCH_INTERVAL = 2e-6
 Kernel = Callable[[Array, NDArray[np.int64], Array, float, float, float], tuple[float, float]]
 
 
@@ -89,13 +91,14 @@ class ContactWatch:
     """Where in a state the contacts of the coils stand, so that a compiled loop can write them down without knowing the model.
 
     ``stretches`` (r, 2): first entry and length of each stretch of the state that is written, one after the other.
-    ``interval``: target spacing (s) of the record. ``read(record, spacing, time_step)``: coil numbers of the upper partners (p,), force (N)
-    and stored energy (J), both (n, p), from a record (n, entries) at a spacing (s) of a run with that step (s).
+    ``interval``: target spacing (s) of the record. ``read(record, spacing, time_step)``: of the pairs that touch in a record (n, entries)
+    at a spacing (s) of a run with that step (s), their places (p,) in the row of all pairs by coil number, the coil numbers (p,) of their
+    upper partners, force (N) and stored energy (J), both (p, n).
     """
 
     stretches: NDArray[np.int64]
     interval: float
-    read: Callable[[Array, float, float], tuple[Array, Array, Array]]
+    read: Callable[[Array, float, float], tuple[NDArray[np.int64], Array, Array, Array]]
 
     @property
     def entries(self) -> int:

@@ -16,7 +16,6 @@ from valvetrain.cosserat.layout import ROW, STRIDE, row
 from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
-from valvetrain.cosserat.transient import CONTACT_INTERVAL
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_types import Length, PositiveTime
@@ -24,7 +23,7 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import finite_element_kernel as stepping
-from valvetrain.springs.contract import Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import WATCH_INTERVAL, Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.springs.wire_from_card import wire_from_card
 
@@ -220,19 +219,24 @@ class FiniteElementRod:
         vertices = np.flatnonzero(pair_of >= 0)
         if not len(vertices):
             return None
-        first, count, pairs = vertices[0], vertices[-1] + 1 - vertices[0], len(upper_coil)
+        first, count = vertices[0], vertices[-1] + 1 - vertices[0]
         groups = ("", "b")[: self.mesh.contact.groups]
         rows = [int(ROW[name + group]) + first for name in ("IMPULSE", "STORED") for group in groups]
 
-        def read(record: Array, spacing: float, time_step: float) -> tuple[Array, Array, Array]:
-            points = record.reshape(len(record), 2, len(groups), count).sum(axis=2)[..., vertices - first]
-            gathered = np.zeros((pairs, *points.shape[:2]))
-            np.add.at(gathered, pair_of[vertices], np.moveaxis(points, 2, 0))
-            force = np.diff(gathered[..., 0], axis=1, prepend=gathered[:, :1, 0]) / spacing
+        def read(record: Array, spacing: float, time_step: float) -> tuple[NDArray[np.int64], Array, Array, Array]:
+            impulses = len(groups) * count
+            met = np.flatnonzero(record[-1, :impulses] > record[0, :impulses])
+            pair = pair_of[first + met % count]
+            touched = np.unique(pair)
+            force, energy = np.zeros((len(touched), len(record))), np.zeros((len(touched), len(record)))
+            for entry, row_of in zip(met.tolist(), np.searchsorted(touched, pair).tolist(), strict=True):
+                force[row_of] += record[:, entry]
+                energy[row_of] += record[:, impulses + entry]
+            force[:, 1:] = np.diff(force, axis=1) / spacing
             force[:, 0] = force[:, min(1, len(record) - 1)]  # a coil that rests at the start shall not seem to come down
-            return upper_coil, force.T.copy(), gathered[..., 1].T.copy()
+            return touched, upper_coil[touched], force, energy
 
-        return ContactWatch(np.array([[place, count] for place in rows], dtype=np.int64), CONTACT_INTERVAL, read)
+        return ContactWatch(np.array([[place, count] for place in rows], dtype=np.int64), WATCH_INTERVAL, read)
 
     def retainer_mass(self) -> float:
         """Inactive wire on the retainer and half the last element (kg)."""

@@ -17,13 +17,11 @@ from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import chain_kernels, chain_statics
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, uniform_chain
-from valvetrain.springs.contract import Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import WATCH_INTERVAL, Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.spec import SpringModelSpec
 
 CONTACT_STIFFNESS = 1e10
 CONTACT_DAMPING_TIME = 1e-6
-#: Target spacing (s) of the record of contacts: a blow of two masses lasts few steps, and they are no shorter.
-WATCH_INTERVAL = 2e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,14 +175,14 @@ class MultiMassSpring:
         order = np.argsort(contacts.upper_coil, kind="stable")
         stiffness = contacts.stiffness[order]
 
-        def read(record: Array, spacing: float, time_step: float) -> tuple[Array, Array, Array]:
-            depth, impulse = (record[:, first : first + contacts.count] for first in (0, contacts.count))
-            force, energy = np.zeros(depth.shape), np.zeros(depth.shape)
-            for pair in np.flatnonzero(np.max(depth, axis=0)[order] > 0):
-                pressed = np.maximum(depth[:, order[pair]], 0.0)
-                force[:, pair] = np.where(pressed > 0, stiffness[pair] * pressed + impulse[:, order[pair]] / time_step, 0.0)
-                energy[:, pair] = 0.5 * stiffness[pair] * pressed**2
-            return contacts.upper_coil[order], force, energy
+        def read(record: Array, spacing: float, time_step: float) -> tuple[NDArray[np.int64], Array, Array, Array]:
+            touched = np.flatnonzero(np.max(record[:, : contacts.count], axis=0)[order] > 0)
+            chosen, pushed = order[touched], stiffness[touched, None]
+            overlap = np.maximum(record.T[chosen], 0.0)
+            force = pushed * overlap
+            energy = 0.5 * force * overlap
+            force += np.where(overlap > 0, record.T[contacts.count + chosen] / time_step, 0.0)
+            return touched, contacts.upper_coil[chosen], force, energy
 
         first = chain_kernels.overlap_place(self.unknowns)
         return ContactWatch(np.array([[first, 2 * contacts.count]], dtype=np.int64), WATCH_INTERVAL, read)
