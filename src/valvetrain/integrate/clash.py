@@ -50,7 +50,8 @@ class PairSeries:
 
     def where(self, chosen: NDArray[np.int64]) -> PairSeries:
         """Some of the pairs."""
-        return PairSeries(self.time, self.cam_angle, self.ranks[chosen], self.places[chosen], self.force[chosen], self.energy[chosen])
+        force, energy = (np.ascontiguousarray(values[chosen]) for values in (self.force, self.energy))
+        return PairSeries(self.time, self.cam_angle, self.ranks[chosen], self.places[chosen], force, energy)
 
     def closed(self) -> PairSeries:
         """The same period three times in a row."""
