@@ -214,7 +214,8 @@ class FiniteElementRod:
         return used / POINTS_PER_COIL, pair_of
 
     def contact_watch(self) -> ContactWatch | None:
-        """Impulse since the start and stored energy of every contact point; forces are means over the record's spacing."""
+        """Impulse since the start and stored energy of every contact point; forces are means over the record's spacing,
+        which is wider than that of others: a rod has many points."""
         upper_coil, pair_of = self.coil_pairs
         vertices = np.flatnonzero(pair_of >= 0)
         if not len(vertices):
@@ -236,7 +237,7 @@ class FiniteElementRod:
             force[:, 0] = force[:, min(1, len(record) - 1)]  # a coil that rests at the start shall not seem to come down
             return touched, upper_coil[touched], force, energy
 
-        return ContactWatch(np.array([[place, count] for place in rows], dtype=np.int64), WATCH_INTERVAL, read)
+        return ContactWatch(np.array([[place, count] for place in rows], dtype=np.int64), 2 * WATCH_INTERVAL, read)
 
     def retainer_mass(self) -> float:
         """Inactive wire on the retainer and half the last element (kg)."""
