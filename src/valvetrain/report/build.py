@@ -50,7 +50,7 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     word = "settled" if study.command == "sweep" else "completed"
     facts = {
         "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
-        "springs by": ", ".join(look.words for look in known.values()), "changed": ", ".join(study.record.changed),
+        "springs by": ("; " if any("," in look.words for look in known.values()) else ", ").join(look.words for look in known.values()), "changed": ", ".join(study.record.changed),
         "runs": f"{ended} of {len(study.solutions)} {word}" if study.solutions else "none run",
     }  # fmt: skip
     return tuple((name, value) for name, value in facts.items() if value)

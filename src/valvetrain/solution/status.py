@@ -35,7 +35,7 @@ class Status:
         if self.completed and not self.message:
             return "completed"
         place = f" at {self.where}" if self.where else ""
-        when = "" if self.completed else f", at time {self.time:.6g} s{place}"
+        when = "" if self.completed or self.code == "refused" else f", at time {self.time:.6g} s{place}"
         remedy = f"; {self.remedy}" if self.remedy else ""
         return f"{self.code}: {self.message}{when}{remedy}"
 

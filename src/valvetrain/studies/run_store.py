@@ -177,7 +177,7 @@ def find_run(name: str, root: Path = ROOT) -> KeptRun:
     """
     if not name.strip() or "\0" in name:
         raise InputError("a run is called by its folder, its digest, a case or 'latest'; give one")
-    if run := run_of_path(Path(name)):
+    if run := run_of_path(Path(name)) or run_of_path(root / name):
         return run
     runs = kept_runs(root=root)
     case, _, last = name.partition("/")
