@@ -43,6 +43,8 @@ def _section(spec: SectionSpec, study: Study) -> Section | None:
 
 def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     speeds, known = study.engine_speeds, looks(study)
+    names = [look.words for look in known.values()]
+    mark = "; " if any("," in name for name in names) else ", "
     listed = ", ".join(f"{rpm(speed):.10g}" for speed in speeds)
     if len(speeds) > _MOST_SPEEDS:
         listed = f"{len(speeds)} from {rpm(speeds[0]):.10g} to {rpm(speeds[-1]):.10g}"
@@ -50,7 +52,7 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     word = "settled" if study.command == "sweep" else "completed"
     facts = {
         "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
-        "springs by": ("; " if any("," in look.words for look in known.values()) else ", ").join(look.words for look in known.values()), "changed": ", ".join(study.record.changed),
+        "springs by": mark.join(names), "changed": ", ".join(study.record.changed),
         "runs": f"{ended} of {len(study.solutions)} {word}" if study.solutions else "none run",
     }  # fmt: skip
     return tuple((name, value) for name, value in facts.items() if value)

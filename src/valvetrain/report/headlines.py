@@ -105,12 +105,8 @@ def clash_pair(event: Event) -> str:
 
 def largest_clash_rows(study: Study, columns: Sequence[HeadlineColumn]) -> list[tuple[str, str, tuple[str, ...]]]:
     """(words, unit, cells) of coils, first touch, impulse and energy of the largest clash of every run; none where no coils clash."""
-    events = [
-        None
-        if one.engine_speed is None or not study.solutions
-        else next(iter(clashes_of(study.solution(one.label, one.engine_speed))), None)
-        for one in columns
-    ]
+    runs = [None if one.engine_speed is None or not study.solutions else study.solution(one.label, one.engine_speed) for one in columns]
+    events = [None if run is None else next(iter(clashes_of(run)), None) for run in runs]
     if not any(events):
         return []
     angles = [None if one is None else math.degrees(one.cam_angle) % 360 for one in events]
@@ -143,7 +139,7 @@ def _value(study: Study, column: HeadlineColumn, name: str) -> tuple[float | Non
     runs = [run for run in study.runs(column.label) if column.engine_speed in (None, run.engine_speed)]
     known = [(run.quantities[name], run.engine_speed) for run in runs if math.isfinite(run.quantities.get(name, math.nan))]
     if known:
-        least = definition_of(name).sense == "larger is better"
+        least = definition_of(name).sense == "larger is better" or "minimum" in name
         value, speed = (min if least else max)(known, key=lambda pair: pair[0])
         several = column.engine_speed is None and len({one for one, _ in known}) > 1
         seen = float(shown(name, value)[0])

@@ -79,7 +79,7 @@ class Grid:
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """Answers: a table under a title, ``lines`` of name and values (a line without values heads those below), ``headers`` above the values."""
+    """Answers: a table under a title, ``headers`` above ``lines`` of name and values; a line without values heads those below it."""
 
     title: str
     headers: tuple[str, ...]

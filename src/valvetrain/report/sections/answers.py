@@ -46,7 +46,7 @@ def _columns(study: Study) -> list[str]:
     known = looks(study)
     return [
         (known[one.label].words if one.label in known else one.label)
-        + (f", {speed_words(one.engine_speed)}" if one.engine_speed is not None else "")
+        + (f", {speed_words(one.engine_speed)}".replace(" rpm", "\u00a0rpm") if one.engine_speed is not None else "")
         for one in headline_columns(study)
     ]
 
@@ -95,7 +95,7 @@ def _clashes(study: Study) -> tuple[Block, ...]:
         return ()
     rows: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
     for words, events in found:
-        rows.append(((Cell(f"{words}: {min(len(events), NAMED_CLASHES)} of {len(events)}"),), ()))
+        rows.append(((Cell(f"{words}: {min(len(events), NAMED_CLASHES)} of {len(events)} clashes"),), ()))
         rows += [(_clash_cells(event), ()) for event in events[:NAMED_CLASHES]]
     several = Grid(_CLASH_HEADERS, tuple(rows), caption="Largest coil clashes by energy; the cam angle is that of the first touch.")
     if len(found) <= OPEN_LISTS:
