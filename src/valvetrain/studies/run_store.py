@@ -177,7 +177,7 @@ def find_run(name: str, root: Path = ROOT) -> KeptRun:
     """
     if not name.strip() or "\0" in name:
         raise InputError("a run is called by its folder, its digest, a case or 'latest'; give one")
-    if run := run_of_path(Path(name)) or run_of_path(root / name):
+    if run := run_of_path(Path(name)):
         return run
     runs = kept_runs(root=root)
     case, _, last = name.partition("/")
@@ -186,6 +186,8 @@ def find_run(name: str, root: Path = ROOT) -> KeptRun:
     if last in ("", LATEST) and (mine := [run for run in runs if run.case == case]):
         return mine[0]
     fits = [run for run in runs if run.folder.name == name or (len(name) >= 4 and run.digest.startswith(name))]
+    if not fits and (run := run_of_path(root / name)):
+        return run
     if not fits:
         raise InputError(f"there is no run '{name[:80]}' under '{root}'; 'valvetrain runs' lists those there are")
     return fits[0]
