@@ -28,7 +28,7 @@ FREQUENCIES = (430.0, 800.0, 1200.0)
 
 def straight_modal(damping_ratio: float = 0.0) -> ModalVaried:
     """The modal spring of varied stiffness on a straight line through the origin: 30 N/mm, 250 N as installed."""
-    return ModalVaried(FREQUENCIES, damping_ratio, (1e-5, 0.1), (0.3, 3000.0), 250.0 / 30e3, riding_mass=0.002)
+    return ModalVaried(FREQUENCIES, damping_ratio, (1e-5, 0.1), (0.3, 3000.0), 250.0 / 30e3, residual_mass=0.002)
 
 
 def curved_modal() -> ModalVaried:

@@ -10,7 +10,7 @@ import subprocess
 
 import pytest
 
-from architecture.house import ROOT
+from architecture.layout import ROOT
 
 START = r"(?<![\w.:/$}~-])"  # a path begins here, it is not the tail of an address or of a longer path
 HOSTS = ["pypi" + r"\.", "python" + "hosted", "anaconda" + r"\.(?:org|com)", "dev" + "pi", "arti" + "factory"]

@@ -9,7 +9,7 @@ from functools import cache
 
 import pytest
 
-from architecture.house import ROOT, modules, tree_of
+from architecture.layout import ROOT, modules, tree_of
 
 LONGEST_FILE = 400
 #: One quantity, one name: say engine_speed or cam_speed, cam_angle or crank_angle, cam_lift or valve_lift, natural_frequency ...

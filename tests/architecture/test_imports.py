@@ -1,4 +1,4 @@
-"""Imports run one way, heavy packages stay in their rooms, and the bare import is light."""
+"""Imports run one way, heavy libraries stay in their packages, and the bare import is light."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ import time
 
 import pytest
 
-from architecture.house import PACKAGE, imports_of, levels, modules, room_of, tree_of
+from architecture.layout import PACKAGE, imports_of, levels, modules, package_of, tree_of
 
-#: Package -> rooms that may import it.
+#: Library -> packages that may import it.
 KEPT_IN = {"plotly": {"report"}, "matplotlib": {"report"}, "typer": {"cli"}, "rich": {"cli"}}
 HEAVY = ("numba", "scipy", "xarray", "pint", "plotly", "matplotlib", "pydantic", "pandas", "h5py", "typer", "rich", "jinja2", "numpy")
 
 
 def violations(module: str, tree: ast.Module, is_package: bool = False) -> list[str]:
     """Sentences on each import of ``module`` that breaks a rule."""
-    room, found = room_of(module), []
+    package, found = package_of(module), []
     for imported in imports_of(module, tree, is_package):
         top = imported.module.split(".")[0]
-        target = room_of(imported.module)
-        if top in KEPT_IN and room not in KEPT_IN[top]:
+        target = package_of(imported.module)
+        if top in KEPT_IN and package not in KEPT_IN[top]:
             found.append(f"{module}:{imported.line} imports {top}, which belongs to {', '.join(sorted(KEPT_IN[top]))}")
-        if top != "valvetrain" or not room or imported.module == "valvetrain.__version__" or target == room:
+        if top != "valvetrain" or not package or imported.module == "valvetrain.__version__" or target == package:
             continue
         if target not in levels():
-            found.append(f"{module}:{imported.line} imports {imported.module}, which is no room of docs/architecture.md")
-        elif levels()[target] >= levels()[room]:
-            found.append(f"{module}:{imported.line} imports {imported.module}: {room} may not know {target}")
+            found.append(f"{module}:{imported.line} imports {imported.module}, which is no package of docs/architecture.md")
+        elif package != "__main__" and levels()[target] >= levels()[package]:
+            found.append(f"{module}:{imported.line} imports {imported.module}: {package} may not know {target}")
     return found
 
 
@@ -59,8 +59,8 @@ def test_the_rule_catches_what_it_should(module, statement, broken):
     assert bool(violations(module, ast.parse(statement))) is broken
 
 
-def test_every_module_stands_in_a_room_of_the_drawing():
-    homeless = sorted({room_of(module) for module in modules()} - {"", "__main__", *levels()})
+def test_every_module_stands_in_a_package_of_the_drawing():
+    homeless = sorted({package_of(module) for module in modules()} - {"", "__main__", *levels()})
     assert not homeless, f"not in docs/architecture.md: {homeless}"
 
 

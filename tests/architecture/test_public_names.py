@@ -13,7 +13,7 @@ import sys
 import pytest
 
 import valvetrain
-from architecture.house import DATA_FLOW, PACKAGE, ROOT, tree_of
+from architecture.layout import DATA_FLOW, PACKAGE, ROOT, tree_of
 
 
 def test_the_first_line_is_the_data_flow():

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from architecture.house import ROOT
+from architecture.layout import ROOT
 from system_parts import PROGRAMS, program, under_ci
 
 

@@ -13,7 +13,7 @@ from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.schema_case import OperationModel
 from valvetrain.parameters.schema_installed import CardBlock, CoilContactModel, DampingModel, RubbingModel, WireBlock
 from valvetrain.parameters.schema_lift import LiftModel
-from valvetrain.parameters.spring_options import OPTIONS
+from valvetrain.parameters.spring_options import options_table
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "case-files.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
@@ -28,7 +28,8 @@ def test_printed_cases_load(text):
 def test_every_kind_and_key_is_named():
     assert len(EXAMPLES) >= 4
     laws = {kind: registry.find("lifts", kind).table for kind in registry.BUILT_IN["lifts"]}
-    tables = [(laws, set(LiftModel.model_fields)), (OPTIONS, set())]
+    options = {word: options_table(word) for word in registry.BUILT_IN["springs"]}
+    tables = [(laws, set(LiftModel.model_fields)), (options, set())]
     blocks = (WireBlock, CardBlock, DampingModel, CoilContactModel, RubbingModel, OperationModel)
     names = {name for table, common in tables for word, model in table.items() for name in (word, *set(model.model_fields) - common)}
     for key in sorted((names | {name for model in blocks for name in model.model_fields} | {"study"}) - {"name"}):

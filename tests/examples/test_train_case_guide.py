@@ -10,20 +10,19 @@ from pydantic import BaseModel
 
 from valvetrain.parameters import train_schema
 from valvetrain.parameters.loading import parse_case
+from valvetrain.studies.run import run_study
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "case-files-trains.md").read_text(encoding="utf-8")
 (EXAMPLE,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
 
 
 def test_the_printed_case_runs():
-    from valvetrain.studies.train_study import run_train_study
-
-    study = run_train_study(parse_case(EXAMPLE))
-    assert [run.label for run in study.runs] == ["as built", "rod, no lash"]
-    assert all(run.status.completed for run in study.runs)
-    lifts = [run.quantities["peak_rigid_valve_lift"] for run in study.runs]
+    study = run_study(parse_case(EXAMPLE), workers=1)
+    assert study.labels == ("as built", "rod, no lash")
+    assert all(run.status.completed for run in study.solutions)
+    lifts = [run.quantities["peak_rigid_valve_lift"] for run in study.solutions]
     assert lifts == pytest.approx([7.9e-3, 8e-3], rel=1e-6)
-    for run in study.runs:
+    for run in study.solutions:
         assert run.quantities["lift_loss_displacement"] == pytest.approx(0, abs=5e-5)
 
 

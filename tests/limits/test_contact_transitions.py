@@ -17,7 +17,7 @@ from valvetrain.integrate.transitions import Transitions
 from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction
 from valvetrain.parameters.loading import load_case
-from valvetrain.system.build_train import build_train
+from valvetrain.system.build import build
 from valvetrain.system.train_system import TrainSystem
 
 MASS, PULL = 0.1, 50.0
@@ -65,7 +65,7 @@ def test_more_transitions_than_the_log_holds_are_counted():
 @pytest.fixture(scope="module")
 def pushrod_train():
     case = load_case("tdi-pushrod")
-    return build_train(case), 2 * math.pi * 4000 / 60 / 2
+    return build(case).members[0].system(), 2 * math.pi * 4000 / 60 / 2
 
 
 def seating(built, cam_speed, samples, time_step=None):

@@ -272,7 +272,7 @@ def test_uncertainty_stands_beside_the_values_it_belongs_to():
     grid = section.blocks(study)[0]
     assert isinstance(grid, Grid) and sum(len(cells) > 1 for cells, _ in grid.rows) == len(values)
     assert section.blocks(replace(study, still={"": {name: 2 * value for name, value in values.items()}})) == ()
-    assert section.blocks(replace(study, record=replace(record, text=record.text + "\n"))) == ()
+    assert section.blocks(replace(study, record=replace(record, text=f"{record.text}# changed"))) == ()
     assert uncertainty_table(rows)["value"].tolist() == [row.value for row in rows]
     assert len(uncertainty_grid(rows).rows) > len(rows)
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from valvetrain.system.build_train import build_train
 
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities, rigid_table
+from valvetrain.system.build import build
 
 
 @pytest.fixture(scope="module")
 def parts():
     case = load_case("tdi-pushrod")
-    system = build_train(case, spring_model="massless", spring_set="stock")
+    system = build(case, spring_models=["massless"], spring_sets=["stock"]).members[0].system()
     return case.train, system, rigid_motion(system, case.train, 360)
 
 

@@ -253,3 +253,41 @@ def test_progress_is_told_of_every_run(name, models):
         case, engine_speeds=[2000 * RPM, 2500 * RPM], spring_models=models, workers=1, progress=lambda share, words: seen.append(share)
     )
     assert seen == sorted(seen) and seen[-1] == pytest.approx(1.0) and len(seen) >= len(study.solutions)
+
+
+def test_a_comparison_of_a_card_takes_the_usual_models_that_can_stand_for_it():
+    bare = CARD.replace('mass = "40 g"\n', "")
+    for text, words in ((CARD, ["massless", "multi-mass", "modal-varied", "wave-rod", "finite-element"]), (bare, ["massless"])):
+        study = compare_study(parse_case(text + LAW, "own-card"), workers=1)
+        assert list(study.labels) == words and study.failures == ()
+        assert {one.model for one in study.rest} == set(words)
+
+
+def test_nested_springs_are_told_apart_by_their_names():
+    one, two = ('[[spring]]\nrate = "30 N/mm"\npreload = "250 N"\nmass = "40 g"\n', '[[spring]]\nrate = "10 N/mm"\npreload = "80 N"\n')
+    case = parse_case(one + two + LAW, "own-pair")
+    assert [spring.name for spring in case.springs] == ["outer", "inner"]
+    (run,) = run_study(case, spring_models=["massless"], workers=1).solutions
+    # without inner motion nothing surges: the static force is that of both springs
+    lift = run.channel("valve_lift")
+    assert run.channel("seat_force") == pytest.approx(330.0 + 40e3 * lift, rel=1e-9)
+    assert run.quantities.get("surge_peak_force", 0.0) == pytest.approx(0.0, abs=1.0)
+    with pytest.raises(InputError, match="both springs are named 'same'"):
+        parse_case(one + 'name = "same"\n' + two + 'name = "same"\n' + LAW)
+
+
+def test_a_refusal_speaks_of_no_time():
+    study = run_study(parse_case(CARD + LAW, "own-card"), spring_models=["massless", "wave-rod-clash"], workers=1)
+    (sentence,) = study.failures
+    assert "known by its card only" in sentence and "at time" not in sentence
+
+
+def test_a_train_far_beyond_its_speed_keeps_every_variant_with_its_status():
+    case = load_case("vaz-ohc", {"train.cycles": 6})
+    study = run_study(case, engine_speeds=[14000 * RPM], spring_models=["massless", "wave-rod"], spring_sets=["nested-cards"], workers=1)
+    for run in study.solutions:
+        assert run.status.code == "not-converged" and "does not repeat" in run.status.message and run.status.remedy
+        assert run.quantities["float_excess_lift"] > 1e-3 and np.all(np.isfinite(list(run.quantities.values())))
+    assert len(study.failures) == 2
+    swept = sweep_study(case, [14000 * RPM], spring_models=["massless"], spring_sets=["nested-cards"], workers=1)
+    assert swept.failures == ()  # in a sweep motion that does not settle is a finding

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from valvetrain.cli.bounds import BYTES, SECONDS
 from valvetrain.cli.outcome import tell
 from valvetrain.errors import InputError
 
@@ -24,30 +23,6 @@ WORTH_SAYING = 20.0
 REFINES = ("elements_per_coil", "masses_per_coil", "elements", "modes")
 #: Cam turns until a train repeats itself, where fewer are not asked for; coils and samples where a case does not tell.
 USUAL_CYCLES, USUAL_COILS, USUAL_STEP = 20, 8.0, math.radians(0.5)
-_SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
-_BYTES = {"MB": 1e6, "GB": 1e9, "TB": 1e12}
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """Largest estimated time (s) and memory (bytes) of a request."""
-
-    seconds: float = 600.0
-    bytes: float = 2e9
-
-
-def read_limits(texts: Sequence[str] | None) -> Limits:
-    """Bounds from such as ``'2 h'`` and ``'8 GB'``, in one text or several. Raises :class:`InputError` for anything else."""
-    limits = Limits()
-    for text in (part for whole in texts or () for part in whole.split(",")):
-        match = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([A-Za-z]+)\s*", text)
-        if match is None or match[2] not in (*_SECONDS, *_BYTES) or float(match[1]) == 0:
-            raise InputError(f"'{text[:40]}' is no bound; write a time such as '2 h' or a memory such as '8 GB'", "--limit")
-        if match[2] in _SECONDS:
-            limits = Limits(float(match[1]) * _SECONDS[match[2]], limits.bytes)
-        else:
-            limits = Limits(limits.seconds, float(match[1]) * _BYTES[match[2]])
-    return limits
 
 
 def refuse_beyond(request: StudyRequest, whole: bool = True) -> None:
@@ -59,9 +34,9 @@ def refuse_beyond(request: StudyRequest, whole: bool = True) -> None:
     words = f"about {time_words(cost.seconds)} and {memory_words(cost.bytes)}"
     over = []
     if cost.seconds > limits.seconds:
-        over.append((f"--limit '{_rounded_up(cost.seconds, _SECONDS)}'", time_words(limits.seconds)))
+        over.append((f"--limit '{_rounded_up(cost.seconds, SECONDS)}'", time_words(limits.seconds)))
     if cost.bytes > limits.bytes:
-        over.append((f"--limit '{_rounded_up(cost.bytes, _BYTES)}'", memory_words(limits.bytes)))
+        over.append((f"--limit '{_rounded_up(cost.bytes, BYTES)}'", memory_words(limits.bytes)))
     if over:
         bounds, options = " and ".join(bound for _, bound in over), " ".join(option for option, _ in over)
         remedy = f"ask for fewer speeds, cycles or unknowns, or raise the bound with {options}"

@@ -37,7 +37,7 @@ from valvetrain.cli.options import (
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
-    from valvetrain.cli.limits import Limits
+    from valvetrain.cli.bounds import Limits
     from valvetrain.cli.progress import Report
     from valvetrain.parameters.case import Case
     from valvetrain.solution.provenance import Provenance
@@ -87,7 +87,7 @@ def _shared(
     open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False, more: Mapping[str, Any] = MappingProxyType({}),
 ) -> dict[str, Any]:  # fmt: skip
     """Read the options that all studies share; :func:`valvetrain.cli.outcome.set_manner` has read the last two."""
-    from valvetrain.cli.limits import read_limits
+    from valvetrain.cli.bounds import read_limits
     from valvetrain.studies.run_store import check_folder
 
     chosen = choose_case(case, settings, elements_per_coil, more)

@@ -17,7 +17,7 @@ from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.system.contract import System
-from valvetrain.system.train_rest import rest_of
+from valvetrain.system.train_rest import TrainRest, rest_of
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
@@ -60,7 +60,7 @@ class TrainLeapfrog:
             statistics = train_statistics(ready.system, record) | {"steady_cycles_count": float(until.count), "integrator": self.word}
             touches = record.transitions.touches(ready.system.interaction_names, cam_speed)
             return Solution(train_channels(ready.system, rest, (record,), state), touches, record.status, statistics, provenance)
-        found = self._settled(system, cam_speed, until, chosen, large, options)
+        found = self._settled(system, cam_speed, until, chosen, large, rest)
         statistics = train_statistics(found.runner.system, found.record) | {
             "steady_cycles_count": float(found.search.cycles), "steady_residual_ratio": float(found.search.residuals[-1]),
             "steady_tolerance_ratio": found.tolerance, "motion_period_count": float(found.search.period),
@@ -72,13 +72,13 @@ class TrainLeapfrog:
         return Solution(channels, touches, found.status, statistics, provenance)
 
     def _settled(
-        self, system: TrainSystem, cam_speed: float, until: Periodic, chosen: TrainOptions, large: bool, options: RunOptions
+        self, system: TrainSystem, cam_speed: float, until: Periodic, chosen: TrainOptions, large: bool, rest: TrainRest
     ) -> SteadyTrain:
         """Periodic state; a contact harder than the step resolves is run again with a finer one."""
         most = until.cycles or (FEW_CYCLES if large else MOST_CYCLES)
         tolerance = until.tolerance or (FEW_TOLERANCE if large else TOLERANCE)
         for _ in range(FINER_STEPS + 1):
-            ready = runner(system, cam_speed, chosen, rest=options.rest)
+            ready = runner(system, cam_speed, chosen, rest=rest)
             found = steady_train(ready, "repeat" if large else until.method, tolerance, most)
             if found.record.status.completed or chosen.time_step is not None:
                 break

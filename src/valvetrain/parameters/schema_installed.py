@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator
@@ -115,8 +115,9 @@ class CardBlock(SpringCardModel):
     options: Options = Field(default_factory=dict)
 
     def installed(self, name: str) -> InstalledSpring:
-        """The installed spring of the card."""
-        return _assembled(self, card=self.build())
+        """The installed spring of the card, called ``name`` where it has no name of its own."""
+        card = self.build()
+        return _assembled(self, card=card if not name or "name" in self.model_fields_set else replace(card, name=name))
 
 
 def _assembled(block: WireBlock | CardBlock, **known: Any) -> InstalledSpring:
@@ -141,7 +142,10 @@ class SpringBlocks:
         if not self.listed:
             return (self.blocks[0].installed(name),)
         names = (name,) if len(self.blocks) == 1 else ("outer", "inner")
-        return tuple(placed(place, block.installed, names[place]) for place, block in enumerate(self.blocks))
+        springs = tuple(placed(place, block.installed, names[place]) for place, block in enumerate(self.blocks))
+        if len({spring.name for spring in springs}) < len(springs):
+            raise problem(f"both springs are named '{springs[0].name}'; give each a name of its own", (1, "name"))
+        return springs
 
 
 def _read_blocks(raw: Any) -> SpringBlocks:

@@ -18,13 +18,15 @@ Runs = Mapping[tuple[str, float | None], Mapping[str, float]]
 
 
 def compare(
-    published: Iterable[PublishedValue], quantities: Mapping[Quantity, float], counterparts: Mapping[str, str], counted: Sequence[str] = (),
+    published: Iterable[PublishedValue], quantities: Mapping[Quantity, float], counterparts: Mapping[str, str] | None,
+    counted: Sequence[str] = (),
 ) -> tuple[Comparison, ...]:  # fmt: skip
     """One row per published value, in their order.
 
     A published value meets the computed one of the same name and engine speed in the run that ``counterparts`` names for what produced
-    it (label of ours; values at rest have no label). ``counted``: words of angles that are counted through a cycle, such as ``clash``
-    for ``clash_3_cam_angle``; an extra one early on would shift the count of all that follow, so they meet one to one in their order.
+    it (label of ours; values at rest have no label); in a case that re-runs no study (None) what produced it is the label itself.
+    ``counted``: words of angles that are counted through a cycle, such as ``clash`` for ``clash_3_cam_angle``; an extra one early on would
+    shift the count of all that follow, so they meet one to one in their order.
     """
     rows, listed = [], tuple(published)
     runs: dict[tuple[str, float | None], dict[str, float]] = {}
@@ -46,9 +48,9 @@ def compare(
     return tuple(rows)
 
 
-def _label(value: PublishedValue, counterparts: Mapping[str, str]) -> str:
-    """Label of ours for what produced a value; in a case that re-runs no study its ``model`` is the label itself."""
-    return "" if value.engine_speed is None else counterparts.get(value.model, "" if counterparts else value.model)
+def _label(value: PublishedValue, counterparts: Mapping[str, str] | None) -> str:
+    """Label of ours for what produced a value."""
+    return "" if value.engine_speed is None else value.model if counterparts is None else counterparts.get(value.model, "")
 
 
 def _of_run(value: PublishedValue, label: str, runs: Runs) -> Mapping[str, float]:
@@ -56,7 +58,7 @@ def _of_run(value: PublishedValue, label: str, runs: Runs) -> Mapping[str, float
 
 
 def _counted(
-    published: tuple[PublishedValue, ...], runs: Runs, counterparts: Mapping[str, str], pattern: re.Pattern[str],
+    published: tuple[PublishedValue, ...], runs: Runs, counterparts: Mapping[str, str] | None, pattern: re.Pattern[str],
 ) -> dict[int, float | None]:  # fmt: skip
     """Computed partner of every counted published angle, by ``id``: one to one within an origin, engine speed and kind."""
     series: dict[tuple[str, float | None, str], list[PublishedValue]] = {}

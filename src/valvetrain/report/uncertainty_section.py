@@ -26,7 +26,7 @@ def lead(meshes: Sequence[int]) -> str:
         f"Numerical uncertainty from meshes of {', '.join(map(str, meshes))} elements per coil and a halved step (grid convergence index, "
         "1.25 times the distance to the Richardson value; a wide bound from the range of the three, marked –, where they do not converge "
         "evenly). "
-        "The last columns are physical: what the value does over the range of contact constants that no source tells."
+        "The last columns are physical: what the value does over a range of contact constants, which were not published."
     )
 
 

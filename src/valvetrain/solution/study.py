@@ -63,7 +63,7 @@ class Study:
 
     def __repr__(self) -> str:
         found = self.quantities
-        lines = [f"Study of {self.record.name} ({self.command}): {len(self.solutions) or 'no'} runs"]
+        lines = [f"Study of {self.record.name} ({self.command}): {len(self.solutions) or 'no'} run{'s' * (len(self.solutions) != 1)}"]
         if self.solutions:
             speeds = [words(one, "rad/s") for one in self.engine_speeds]
             reach = ", ".join(speeds) if len(speeds) < 4 else f"{len(speeds)} engine speeds, {speeds[0]} to {speeds[-1]}"

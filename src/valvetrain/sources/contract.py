@@ -76,7 +76,8 @@ def against_source(study: Study) -> Study:
     at_rest = {key.name: value for key, value in derived.items() if key.engine_speed is None and not key.label}
     still = {**study.still, "": {**study.still.get("", {}), **at_rest}} if at_rest else study.still
     quantities = Quantities({**study.quantities, **derived})
+    counterparts = source.counterparts if record.study else None
     return replace(
-        study, still=still, comparisons=compare(record.published, quantities, source.counterparts, source.counted),
+        study, still=still, comparisons=compare(record.published, quantities, counterparts, source.counted),
         findings=(*study.findings, *source.findings(study)), notes=(*study.notes, *source.notes(study)),
     )  # fmt: skip

@@ -52,7 +52,7 @@ class ModalSolution:
 class ModalVaried:
     """``natural_frequencies`` (Hz, one per mode), ``damping_ratio``, static curve ``compressions`` (m from free) -> ``forces`` (N).
 
-    ``precompression`` (m) is the installed compression x0; ``riding_mass`` (kg) what of the spring's inertia the modes do not carry.
+    ``precompression`` (m) is the installed compression x0; ``residual_mass`` (kg) what of the spring's inertia the modes do not carry.
     Raises :class:`InputError` for a curve or frequencies that cannot be.
     """
 
@@ -61,7 +61,7 @@ class ModalVaried:
     compressions: tuple[float, ...]
     forces: tuple[float, ...]
     precompression: float
-    riding_mass: float = 0.0
+    residual_mass: float = 0.0
     name: str = "modal-varied"
 
     def __post_init__(self) -> None:
@@ -215,7 +215,7 @@ class ModalVaried:
 
     def retainer_mass(self) -> float:
         """What of the spring's inertia the modes do not carry (kg)."""
-        return self.riding_mass
+        return self.residual_mass
 
 
 def _sampled(valve_lift: Callable[[Array], ArrayLike] | ArrayLike, samples: int) -> tuple[Array, Array]:
@@ -250,7 +250,7 @@ def _make(spring: InstalledSpring, options: NoOptions, rest: SpringAtRest | None
     uniform = equivalent or EquivalentSpring.from_installed(spring)
     stiffness = model._static(0.0)[2]
     carried = float(np.sum(stiffness * model.modal_stiffness / (2 * np.pi * np.asarray(frequencies)) ** 2 * model.shares**2))
-    return replace(model, riding_mass=max(uniform.active_mass / 3 - carried, 0.0) + uniform.inactive_mass)
+    return replace(model, residual_mass=max(uniform.active_mass / 3 - carried, 0.0) + uniform.inactive_mass)
 
 
 SPEC = SpringModelSpec(

@@ -41,7 +41,7 @@ def compare_study(
     ``solid`` asks for a short stretch of motion by solids too. A model that cannot stand for a spring is a status in its runs. Raises
     :class:`InputError` for what cannot be built and when no model can run, :class:`MissingExtraError` for solids without their solver.
     """
-    chosen = tuple(dict.fromkeys(spring_models)) or (TRAIN_MODELS if case.train is not None else SPRING_MODELS)
+    chosen = tuple(dict.fromkeys(spring_models)) or _usual_models(case.springs, case.train is not None)
     moving = tuple(word for word in chosen if not spring_model(word, "--spring").no_motion)
     problem = build(case, spring_models=moving or ("finite-element",), spring_sets=spring_sets)
     if problem.kind == TRAIN and len(moving) < len(chosen):
@@ -62,6 +62,13 @@ def compare_study(
         rest += at_rest
         motions += moved
     return replace(study, rest=tuple(rest), solutions=(*study.solutions, *motions))
+
+
+def _usual_models(springs: tuple[InstalledSpring, ...], in_a_train: bool) -> tuple[str, ...]:
+    """The usual models, of a spring alone those that can stand for it."""
+    if in_a_train:
+        return TRAIN_MODELS
+    return tuple(word for word in SPRING_MODELS if not any(spring_model(word).why_not(spring) for spring in springs))
 
 
 def comparison_reach(spring: InstalledSpring) -> float:

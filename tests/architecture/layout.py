@@ -1,4 +1,4 @@
-"""What the architecture tests share: the files of the house, read as syntax trees, never imported."""
+"""What the architecture tests share: the files of the package, read as syntax trees, never imported."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ def tree_of(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
 
 
-def room_of(module: str) -> str:
-    """Room of a dotted module: ``valvetrain.cam.zero`` -> ``cam``; empty for the package itself."""
+def package_of(module: str) -> str:
+    """Package of a dotted module: ``valvetrain.cam.zero`` -> ``cam``; empty for the package itself and for ``python -m valvetrain``."""
     parts = module.split(".")
-    return parts[1] if len(parts) > 1 else ""
+    return parts[1] if len(parts) > 1 and parts[1] != "__main__" else ""
 
 
 def imports_of(module: str, tree: ast.Module, is_package: bool) -> Iterator[Import]:
@@ -57,14 +57,14 @@ def imports_of(module: str, tree: ast.Module, is_package: bool) -> Iterator[Impo
 
 @cache
 def levels() -> dict[str, int]:
-    """Room -> level, read from the drawing in docs/architecture.md; a room may import lower levels only."""
+    """Package -> level, read from the drawing in docs/architecture.md; a package may import lower levels only."""
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     drawing = re.search(r"^    errors\n(?:      <- .*\n)+", text, re.MULTILINE)
-    assert drawing, "docs/architecture.md lost its drawing of the rooms"
+    assert drawing, "docs/architecture.md lost its drawing of the packages"
     found: dict[str, int] = {}
     for level, line in enumerate(drawing[0].splitlines()):
-        for room in re.sub(r"<-|\(.*\)", "", line).split(","):
-            found[room.strip()] = level
+        for package in re.sub(r"<-|\(.*\)", "", line).split(","):
+            found[package.strip()] = level
     return found
 
 

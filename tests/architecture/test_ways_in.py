@@ -7,7 +7,7 @@ import tomllib
 
 import pytest
 
-from architecture.house import DATA_FLOW, ROOT
+from architecture.layout import DATA_FLOW, ROOT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8") if (ROOT / "README.md").exists() else ""
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
