@@ -121,9 +121,12 @@ def _with_unit(name: str, value: object) -> Any:
         value = value.item()
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return value
-    if name in _UNITS:
-        return measured(value, _UNITS[name])
+    return measured(value, unit_of_number(name))
+
+
+def unit_of_number(name: str) -> str:
+    """SI unit of an option, a statistic or a detail of an event by its name; ``1`` for counts and shares."""
     try:
-        return measured(value, unit_of(name))
+        return _UNITS.get(name) or unit_of(name)
     except InputError:
-        return measured(value, "1")
+        return "1"

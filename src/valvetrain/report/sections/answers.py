@@ -46,7 +46,7 @@ def _columns(study: Study) -> list[str]:
     known = looks(study)
     return [
         (known[one.label].words if one.label in known else one.label)
-        + (f", {speed_words(one.engine_speed)}".replace(" rpm", "\u00a0rpm") if one.engine_speed is not None else "")
+        + (f", {speed_words(one.engine_speed)}" if one.engine_speed is not None else "")
         for one in headline_columns(study)
     ]
 
