@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from valvetrain.registry import find, words
-from valvetrain.report.figures.common import looks
+from valvetrain.report.figures.common import looks, told_by_source
 from valvetrain.report.page import Block, Details, Figure, Page, Section, SectionSpec, Tabs, prose, sentences, text
 from valvetrain.report.words import rpm
 from valvetrain.solution.study import Study
@@ -21,7 +21,7 @@ def study_page(study: Study) -> Page:
     """The whole page of a study, whatever was studied; a section without blocks is left out, one that fails is named in its place."""
     sections = tuple(section for word in words("sections") if (section := _section(find("sections", word), study)) is not None)
     record = study.record
-    told = sentences(record.description)
+    told = sentences(record.description) if told_by_source(study) else []
     lead, more = " ".join(told[:_LEAD_SENTENCES]), tuple(told[_LEAD_SENTENCES:])
     if more and sections:
         about = Section("about", "About the case", prose((" ".join(told),), "The whole description"))

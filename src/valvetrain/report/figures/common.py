@@ -36,6 +36,11 @@ class Look:
     words: str
 
 
+def told_by_source(study: Study) -> bool:
+    """Whether what the source of a case says is about these runs: always for a case of one's own, else where values were compared."""
+    return not study.record.study or bool(study.comparisons or study.findings)
+
+
 def looks(study: Study) -> dict[str, Look]:
     """Label -> look: colour by model (by label where models do not tell them apart), dash by spring set."""
     first = {label: next(run for run in study.solutions if run.label == label) for label in study.labels}
