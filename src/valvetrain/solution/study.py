@@ -151,10 +151,11 @@ class Study:
             for word, part in (("static curve", one.curve), ("modes", one.modes)):
                 if part is not None and not part.status.completed:
                     found.append(f"{one.spring} by {one.model}, {word}: {part.status.sentence()}")
+        ended: dict[tuple[str, str], list[str]] = {}
         for run in self.solutions:
             if run.status.code not in accepted:
-                found.append(f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm: {run.status.sentence()}")
-        return tuple(found)
+                ended.setdefault((run.label, run.status.sentence()), []).append(f"{run.engine_speed * 30 / np.pi:.6g}")
+        return (*found, *(f"{label} at {', '.join(speeds)} rpm: {words}" for (label, words), speeds in ended.items()))
 
     def with_solutions(self, solutions: tuple[Solution, ...]) -> Study:
         """A copy with other solutions."""
