@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,11 +102,7 @@ def rigid_motion(
     derivatives = np.stack([motion.valve_lift(angle, n) for n in range(4)])
     lift = derivatives[0]
     grid = np.linspace(0.0, max(float(lift.max()), 1e-6), 33)
-    curve = system.spring_forces(grid) if rest is None else grid
-
-    def static(valve_lift: Array) -> Array:
-        return np.asarray(np.interp(valve_lift, grid, curve)) if rest is None else rest.static_spring_force(valve_lift)
-
+    static = partial(_between, grid, system.spring_forces(grid)) if rest is None else rest.static_spring_force
     forces = RigidForces(system, poses, static)
     tight = forces.poses_at(lift)
     geometry = {} if train is None else _contact_geometry(system, train, poses, angle, lift, derivatives[1])
@@ -135,6 +131,10 @@ def rigid_table(system: TrainSystem, train: TrainParameters, cam_speed: float, s
 def contact_loss_cam_speed(system: TrainSystem, samples: int = 1440) -> tuple[float, float]:
     """:meth:`RigidMotion.contact_loss` of a train on ``samples`` cam angles."""
     return rigid_motion(system, None, samples).contact_loss()
+
+
+def _between(lifts: Array, spring_forces: Array, valve_lift: Array) -> Array:
+    return np.asarray(np.interp(valve_lift, lifts, spring_forces))
 
 
 def _inertia(poses: RigidPoses, lift: Array, velocity: Array, acceleration: Array) -> Array:
