@@ -26,6 +26,7 @@ TABLE = {
     "lifts": (0.0, 2e-4, 1e-3, 4e-3, 7e-3, 9e-3, 7e-3, 4e-3, 1e-3, 2e-4, 0.0),
 }
 RAMPS = {"maximum_lift": 0.009, "ramp_lift": 4e-4, "ramp_start": 1.6, "event_start": 2.2}
+LOBE = {"base_radius": 0.018, "nose_radius": 5e-3, "maximum_lift": 9e-3, "nose": 3.1}
 CASES = {
     "zero": {},
     "spline": TABLE,
@@ -44,6 +45,9 @@ CASES = {
     "ramped": RAMPS | {"event_end": 4.0, "ramp_end": 4.7},
     "ramped throughout": RAMPS | {"event_end": 4.0, "ramp_end": 4.7, "ramp_blend": 1.0},
     "shaped": RAMPS | {"nose": 3.14, "flank_shape": (1.0, 0.8, -0.7, -0.5, -1.0)},
+    "three-arc": LOBE | {"opening_start": 2.0},
+    "three-arc under a roller": LOBE | {"opening_start": 2.0, "follower_radius": 9e-3},
+    "tangent": LOBE | {"follower_radius": 9e-3},
     "stations": {
         "cam_angles": (1.5, 2.0, 3.0, 4.4, 4.8),
         "lifts": (0.0, 1e-3, 8e-3, 1e-3, 0.0),

@@ -32,15 +32,21 @@ def lift_table(law: Lift, nodes: int = NODES) -> Array:
 
 
 def table_from_samples(chi: Array, value: Array, nodes: int = NODES) -> Array:
-    """(nodes, 3) table of a periodic curve given at increasing angles ``chi`` (one full turn, last point left out)."""
+    """(nodes, 3) table of a periodic curve given at increasing angles ``chi`` (one full turn, last point left out).
+
+    The second derivative is that of the samples, by divided differences: means of the true one over two steps, so that it stays within
+    both sides of a jump, where a spline's would swing beyond them and make a cusp of a small radius.
+    """
     from scipy.interpolate import CubicSpline
 
     if np.any(np.diff(chi) <= 0) or chi[-1] - chi[0] >= 2 * np.pi:
         raise InputError("the cam contour folds back on itself; enlarge the base circle or flatten the lift law")
-    spline = CubicSpline(np.append(chi, chi[0] + 2 * np.pi), np.append(value, value[0]), bc_type="periodic")
-    angle = np.arange(nodes) * 2 * np.pi / nodes
-    inside = chi[0] + np.mod(angle - chi[0], 2 * np.pi)
-    return np.column_stack([spline(inside, derivative) for derivative in range(3)])
+    around, closed = np.append(chi, chi[0] + 2 * np.pi), np.append(value, value[0])
+    spline = CubicSpline(around, closed, bc_type="periodic")
+    steps = np.diff(around)
+    bend = 2 * (np.diff(closed) / steps - np.roll(np.diff(closed) / steps, 1)) / (steps + np.roll(steps, 1))
+    inside = chi[0] + np.mod(np.arange(nodes) * 2 * np.pi / nodes - chi[0], 2 * np.pi)
+    return np.column_stack([spline(inside), spline(inside, 1), np.interp(inside, around, np.append(bend, bend[0]))])
 
 
 def monotone_table(cam_angles: Array, values: Array, nodes: int = NODES) -> Array:
