@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from train_parts import direct, system
+from train_parts import LAW, direct, system
+from valvetrain.cam.spline import Spline
 from valvetrain.cam.tangent import Tangent
 from valvetrain.cam.three_arc import ThreeArc
 from valvetrain.errors import InputError
@@ -150,3 +151,31 @@ def test_arcs_that_do_not_meet_are_refused(more, words):
 def test_a_tangent_lobe_refuses_a_flat_face():
     with pytest.raises(InputError, match="flat face would strike its whole flank"):
         Tangent(base_radius=BASE, nose_radius=5e-3, maximum_lift=TOP, nose=NOSE)
+
+
+@pytest.mark.parametrize("law", [ARCS, SHARP], ids=["4 mm nose", "0.8 mm nose"])
+@pytest.mark.parametrize("step", [0.5, 1.0, 2.0])
+def test_a_table_of_a_three_arc_lobe_keeps_its_radii_under_a_flat_tappet(law, step):
+    """A spline through the table swings where the acceleration jumps: down to a radius of -5.9 mm for a nose of 0.8 mm."""
+    angle = np.radians(np.arange(100.0, 260.0 + step, step))
+    table = Spline(cam_angles=tuple(angle), lifts=tuple(law.lift(angle)))
+    fine = np.radians(np.linspace(95, 265, 20_001))
+    radius = BASE + table.lift(fine) + table.lift(fine, 2)
+    assert radius.min() == pytest.approx(law.nose_radius, abs=3e-6 * step**2) and radius.max() < law.flank_radius + 4e-6 * step**2
+    largest = np.max(np.abs(law.lift(fine, 2)))
+    assert np.max(np.abs(table.lift(fine) - law.lift(fine))) < 1.01 * largest * math.radians(step) ** 2 / 6
+    build_mechanism(direct(cam=CamParameters(BASE)), table)
+
+
+def test_steps_of_unequal_length_end_at_rest_too():
+    angle = np.radians(np.concatenate([np.arange(100.0, 150.0, 2.0), np.arange(150.0, 200.0, 1.0), np.arange(200.0, 262.0, 3.0)]))
+    table = Spline(cam_angles=tuple(angle), lifts=tuple(ARCS.lift(angle)))
+    end = table.joints[-1] - 1e-9
+    assert table.continuity == 2 and np.abs([table.lift(end, order) for order in (0, 1, 2)]) == pytest.approx([0, 0, 0], abs=1e-8)
+    assert np.max(np.abs(table.lift(angle) - ARCS.lift(angle))) < 20e-6
+
+
+def test_a_smooth_table_is_run_through_exactly():
+    angle = np.radians(np.arange(40.0, 242.0, 2.0))
+    table = Spline(cam_angles=tuple(angle), lifts=tuple(LAW.lift(angle) * (np.abs(angle - math.radians(140)) < math.radians(99.9))))
+    assert table.lift(angle) == pytest.approx(LAW.lift(angle), abs=1e-15)
