@@ -100,14 +100,15 @@ class RigidForces:
         points, segment = self._points(cam_angle)
         squares = self._squares(points)
         starts = [(squares[i, c], i, c) for c in range(len(self.places)) for i in _low_points(squares[:, c], segment)]
-        best = ContactLoss(np.inf, np.nan, "")
+        found = [ContactLoss(np.inf, np.nan, "")]
         for square, place, contact in sorted(starts)[:FOLLOWED]:
             near = [n for n in (place - 1, place, place + 1) if 0 <= n < len(points) and segment[n] == segment[place]]
             angle, least = _golden_section(partial(self._square, contact), points[near[0]], points[near[-1]])
             angle, least = (angle, least) if least < square else (float(points[place]), float(square))
-            if np.sqrt(least) < best.cam_speed:
-                best = ContactLoss(float(np.sqrt(least)), float(np.mod(angle, 2 * np.pi)), self.places[contact])
-        return best
+            found.append(ContactLoss(float(np.sqrt(least)), float(np.mod(angle, 2 * np.pi)), self.places[contact]))
+        # of equal minima on both sides of a symmetric nose the first
+        least_speed = min(loss.cam_speed for loss in found)
+        return min((loss for loss in found if loss.cam_speed <= least_speed * (1 + 1e-9)), key=lambda loss: loss.cam_angle)
 
     def _squares(self, cam_angle: Array) -> Array:
         """Squares of the cam speeds (S, contacts) at which each contact force is zero; infinite where it never is."""
