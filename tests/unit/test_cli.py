@@ -323,3 +323,13 @@ def test_check_puts_a_train_together():
     assert result.exit_code == 2 and "not smaller than the valve lift" in result.stderr
     result = call("check", "vaz-ohc", "--set", "train.springs.nested.1.installed_height=21 mm")
     assert result.exit_code == 2 and "spring 'inner' reaches coil bind" in result.stderr
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_check_refuses_the_card_without_mass_that_run_refuses(tmp_path, command):
+    lines = (LIBRARY / "tdi-pushrod.toml").read_text().split("[[train.variants]]")[0].splitlines()
+    path = tmp_path / "light.toml"
+    path.write_text("\n".join(line for line in lines if not line.startswith(('mass = { value = "40 g"', 'mass = { value = "48 g"'))))
+    result = call(command, str(path))
+    assert result.exit_code == 2
+    assert "'stock' has no mass on its card, which a multi-mass spring needs; add its mass or use massless" in sentence(result)

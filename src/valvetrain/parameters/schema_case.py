@@ -66,6 +66,8 @@ class CaseModel(StrictModel):
         """The case; ``folder`` is where relative file names start. Raises a located problem for tables that contradict each other."""
         if self.spring is None and self.lift_law is None and self.train is None:
             raise problem("the case is empty; it needs at least one of [spring], [lift_law] and [train]")
+        if self.spring is not None and self.train is not None:
+            raise problem("a train carries its springs in [train.springs], so this one would stay unused; move it there", ("spring",))
         known = registry.words("sources")
         if self.study and known and self.study not in known:
             raise problem(f"study '{self.study[:40]}' is unknown; {nearest(self.study, known)}", ("study",))

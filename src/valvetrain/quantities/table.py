@@ -67,9 +67,10 @@ AT_REST: tuple[QuantityRow, ...] = (
     row("rigid_maximum_valve_lift", "largest rigid valve lift", "Largest valve lift of rigid parts with all contacts closed.",
         systems=TRAIN),
     row("rigid_contact_loss_engine_speed", "loss of contact by rigid theory",
-        "Engine speed at which inertia first exceeds the static spring force by rigid theory.", sense=MORE, systems=TRAIN),
+        "Engine speed at which a contact of the drive is first lost by rigid theory: springs at rest, weight, gas and inertia.",
+        sense=MORE, systems=TRAIN),
     row("rigid_contact_loss_cam_angle", "loss of contact by rigid theory, cam angle",
-        "Cam angle at which rigid theory first lets the contact go.", systems=TRAIN),
+        "Cam angle at which rigid theory first loses a contact.", systems=TRAIN),
 )  # fmt: skip
 
 #: Of a run, in both systems.
