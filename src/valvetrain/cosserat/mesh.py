@@ -89,6 +89,8 @@ def mesh_spring(
 
     Raises :class:`InputError` for fewer than 6 elements per coil or more vertices than the kernels hold.
     """
+    if elements_per_coil != int(elements_per_coil):
+        raise InputError(f"elements_per_coil is {elements_per_coil:g}; give a whole number, 24 is usual")
     if elements_per_coil < 6:
         raise InputError(f"{elements_per_coil} elements per coil do not describe a coil; use 8 or more")
     lower, upper = definition.free_coils

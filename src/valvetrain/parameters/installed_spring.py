@@ -52,16 +52,19 @@ class InstalledSpring:
         object.__setattr__(self, "options", FrozenMapping({word: FrozenMapping(values) for word, values in self.options.items()}))
         if (self.wire is None) == (self.card is None):
             raise InputError("an installed spring is known by its wire or by its card; give one of them")
+        if self.seats not in ("planes", "clamps"):
+            raise InputError(f"seats '{self.seats}' of spring '{self.name}' is unknown; use planes or clamps")
         if (wrong := options_problem(self.options, self.card is not None)) is not None:
             raise InputError(wrong[2])
+        if self.card is not None and not (self.card.rate > 0 and self.card.preload >= 0):
+            raise InputError(
+                f"the card of spring '{self.name}' gives a rate of {self.card.rate:g} N/m and a preload of {self.card.preload:g} N; "
+                "the rate must be positive and the preload zero or more"
+            )
         if self.card is not None:
             object.__setattr__(self, "precompression", self.card.preload / self.card.rate)
-        if self.wire is not None and not 0 <= self.precompression < self.wire.free_length - self.wire.solid_height:
-            room = (self.wire.free_length - self.wire.solid_height) * 1e3
-            raise InputError(
-                f"spring '{self.wire.name}' cannot be installed {self.precompression * 1e3:.4g} mm shorter than its free length: it is "
-                f"solid at {room:.4g} mm; choose an installed height between solid and free"
-            )
+        if self.wire is not None:
+            self.wire.refuse_solid(self.precompression)
 
     @property
     def name(self) -> str:

@@ -49,6 +49,10 @@ class FiniteElementRod:
     def __post_init__(self) -> None:
         if not (np.isfinite(self.precompression) and self.precompression >= 0):
             raise InputError(f"precompression of spring '{self.name}' is {self.precompression} m; give zero or a positive length")
+        if self.seats not in ("planes", "clamps"):
+            raise InputError(f"seats '{self.seats}' of spring '{self.definition.name}' is unknown; use planes or clamps")
+        if self.dynamics.contact_stiffness > 0:
+            self.definition.refuse_solid(self.precompression)
 
     @cached_property
     def mesh(self) -> RodMesh:
