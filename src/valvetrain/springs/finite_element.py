@@ -34,7 +34,8 @@ _SCRATCH = threading.local()
 class FiniteElementRod:
     """Rod model of ``definition`` installed at ``precompression`` (m from the free state).
 
-    ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step.
+    ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step. Where it does not pull (``pulls``) its end forces in a
+    train stop at zero; its inactive coils stay on their seats.
     """
 
     definition: SpringDefinition
@@ -45,6 +46,7 @@ class FiniteElementRod:
     seats: str = "planes"
     time_step: float | None = None
     name: str = "finite-element"
+    pulls: bool = True
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.precompression) and self.precompression >= 0):
@@ -104,7 +106,7 @@ class FiniteElementRod:
     @cached_property
     def _numbers(self) -> tuple[Array, NDArray[np.int64]]:
         integers, numbers, places = stepping_numbers(self.mesh, self.dynamics, self._step)
-        return np.concatenate(([self.precompression], numbers, places.ravel())), integers
+        return np.concatenate(([self.precompression, float(self.pulls)], numbers, places.ravel())), integers
 
     def parameters(self) -> Array:
         return self._numbers[0].copy()
@@ -234,8 +236,9 @@ def _make(spring: InstalledSpring, options: FiniteElementOptions, rest: SpringAt
         contact_stiffness=spring.contact.stiffness, contact_damping_time=spring.contact.damping_time,
     )  # fmt: skip
     return FiniteElementRod(
-        wire, precompression, options.elements_per_coil, dynamics, options.curvature_correction, seats, options.time_step
-    )
+        wire, precompression, options.elements_per_coil, dynamics, options.curvature_correction, seats, options.time_step,
+        pulls=spring.pulls,
+    )  # fmt: skip
 
 
 SPEC = SpringModelSpec(
