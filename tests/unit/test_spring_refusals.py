@@ -22,6 +22,7 @@ from valvetrain.quantities.frame import Frame
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
+from valvetrain.studies.rest import at_rest, rest_by_model
 from valvetrain.studies.run import run_study
 
 WIRE = cylindrical("4 mm", "24 mm", "7 mm", 6)
@@ -80,6 +81,16 @@ def test_no_spring_is_installed_beyond_solid(build):
     for depth in (room, 1.1 * room, 2 * room, -1e-3, float("nan")):
         with pytest.raises(InputError, match="precompression"):
             build(depth)
+
+
+def test_no_static_curve_goes_beyond_solid():
+    """It gave forces of tens of kilonewtons."""
+    spring, beyond = InstalledSpring(wire=WIRE, precompression=3e-3), 1.1 * WIRE.solid_compression
+    with pytest.raises(InputError, match=r"solid at 10\.5 mm"):
+        at_rest(FiniteElementRod(WIRE, 3e-3, 12), beyond, 4)
+    for word in ("multi-mass", "wave-rod", "massless"):
+        with pytest.raises(InputError, match=r"solid at 10\.5 mm"):
+            rest_by_model(spring, word, np.linspace(0.0, beyond, 5))
 
 
 def test_open_ends_mean_one_thing_in_python_and_in_a_case_file(tmp_path):

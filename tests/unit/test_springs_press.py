@@ -83,3 +83,28 @@ def test_a_source_that_leaves_the_preload_out_keeps_its_formula():
     assert bare.pulls and bare.card.preload == 0 and not CARD.pulls
     model = spring_model("massless").build(bare)
     assert model.force(model.initial_state(-1e-5), -1e-5).retainer == pytest.approx(-30e3 * 1e-5)
+
+
+BINDING = {"train.springs.stock.0.card.installed_height": 40e-3, "train.springs.stock.0.card.solid_height": 31.5e-3}
+
+
+@pytest.mark.parametrize("word", ["massless", "multi-mass", "wave-rod", "modal-uniform", "finite-element"])
+def test_a_run_that_passes_coil_bind_says_so(word):
+    """8 mm of lift and 8.5 mm to coil bind: the valve that floats at 9000 rpm passes it, the one that is led at 4000 does not."""
+    case = load_case("tdi-pushrod")
+    tight = case.replace(BINDING)
+    speeds = (4000 * np.pi / 30, 10000 * np.pi / 30)
+    led, floating = run_study(tight, engine_speeds=speeds, spring_sets=["stock"], spring_models=[word], workers=1).solutions
+    assert led.status.code != "coil-bind" and led.quantities["coil_bind_clearance"] > 0
+    assert floating.quantities["coil_bind_clearance"] <= 0
+    assert floating.status.code == "coil-bind" and not floating.status.completed and floating.status.where == "stock"
+    lift = floating.channel("valve_lift")
+    assert "solid at 8.5 mm of lift" in floating.status.message and f"{np.max(lift) * 1e3:.4g} mm" in floating.status.message
+    first = int(np.argmax(lift >= 8.5e-3))
+    assert f"passes at {np.degrees(floating.cam_angle[first]):.1f} cam degrees" in floating.status.message
+    assert floating.status.time == pytest.approx(floating.time[first])
+
+
+def test_a_spring_whose_card_does_not_tell_its_solid_height_is_not_judged():
+    (solution,) = run_study(load_case("tdi-pushrod"), engine_speeds=(10000 * np.pi / 30,), spring_sets=["stock"], workers=1).solutions
+    assert solution.status.code != "coil-bind" and "coil_bind_clearance" not in solution.quantities

@@ -30,7 +30,7 @@ from valvetrain.springs.spec import SpringModelSpec
 class MasslessSpring:
     """Force = preload + rate * displacement (N, N/m); ``effective_mass_fraction`` of ``active_mass`` moves with the retainer.
 
-    ``inactive_mass`` (kg): end coils bonded to the retainer. ``pulls``: ends held, else the spring is loose where it would pull.
+    ``inactive_mass`` (kg): end coils bonded to the retainer. ``pulls``: ends fixed, else the spring is loose where it would pull.
     Raises :class:`InputError` for impossible values.
     """
 

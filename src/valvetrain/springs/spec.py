@@ -71,8 +71,9 @@ class SpringModelSpec:
         for name, value in values.items():
             kept = self.options.model_fields[name]
             if kept.annotation in (int, bool):
+                kind: Any = Annotated[kept.annotation, *kept.metadata, Strict()]
                 try:
-                    TypeAdapter(Annotated[kept.annotation, *kept.metadata, Strict()]).validate_python(value)
+                    TypeAdapter(kind).validate_python(value)
                 except ValidationError as error:
                     words = error.errors()[0]["msg"].removeprefix("Input should be ")
                     raise InputError(f"{name} of a {self.word} spring is {value!r}; it should be {words}") from error
