@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.spring_parts import drive, raised_cosine
 
+from spring_parts import drive, raised_cosine
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Array, Curve
@@ -159,6 +159,16 @@ class SpringDefinition:
         shift = (self.mean_diameter.value(upper) - self.mean_diameter.value(upper - 1)) / 2
         wire = (self.wire_diameter.value(upper) + self.wire_diameter.value(upper - 1)) / 2
         return np.where(inside, np.hypot(rise, shift) - wire, np.inf)
+
+    def telescopes(self, coil: ArrayLike) -> NDArray[np.bool_]:
+        """Whether the wire at ``coil`` passes beside the wire one turn below, which then does not keep it off the seat."""
+        coil = np.asarray(coil, dtype=float)
+        inside = (coil >= 1.0) & (coil <= self.total_coils)
+        upper = np.clip(coil, 1.0, max(self.total_coils, 1.0))
+        shift = np.abs(self.mean_diameter.value(upper) - self.mean_diameter.value(upper - 1)) / 2
+        wire = (self.wire_diameter.value(upper) + self.wire_diameter.value(upper - 1)) / 2
+        found: NDArray[np.bool_] = np.asarray(inside & (shift >= wire), dtype=np.bool_)
+        return found
 
     @property
     def lower_seat_height(self) -> float:
