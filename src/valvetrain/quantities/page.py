@@ -48,7 +48,7 @@ object from the names above to such numbers.
 | `completed` | true when nothing failed |
 | `quantities` | what belongs to no run |
 | `runs` | per run `label`, `spring_model`, `spring_set`, `engine_speed`, `status`, `quantities`, `events` |
-| `status` | `code` (`completed`, `not-converged`, `diverged`, `coil-bind`, `solid`, `refused`, `interrupted`); unless completed also `message`, `time`, `where`, `remedy` |
+| `status` | `code` (`completed`, `not-converged`, `diverged`, `solid`, `interrupted`); unless completed also `message`, `time`, `where`, `remedy` |
 | `events` | per event `kind`, `cam_angle`, `time`, `duration`, `size`, `where`, `details` |
 | `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `published`, `computed`, `difference`, `tolerance`, `verdict`, `source` |
 | `findings`, `notes` | findings of the source beside what was computed; sentences on where a prediction misses |

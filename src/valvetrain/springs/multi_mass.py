@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -142,12 +142,12 @@ class MultiMassSpring:
         """Force on every node (N, towards the seat) and force of every contact."""
         layout = self.layout
         push = layout.stiffness * (np.diff(nodes) + self.stiffness_damping * np.diff(velocities))
-        if not self.pulls:
-            for end in (0, -1):
-                push[end] = max(push[end], 0.0) if np.diff(nodes)[end] > 0 else 0.0
         rows, depth = chain_statics.contact_rows(layout), chain_statics.contact_depths(layout, nodes)
         push_back = layout.contacts.stiffness * (depth + self.contact_damping_time * (rows @ velocities))
         contact = np.where(depth > 0, np.maximum(push_back, 0.0), 0.0)
+        if not self.pulls:
+            for end in (0, -1):
+                push[end] = max(push[end], 0.0) if np.diff(nodes)[end] > 0 else 0.0
         return np.append(push, 0.0) - np.concatenate(([0.0], push)) - contact @ rows, contact
 
     def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
@@ -167,10 +167,11 @@ class MultiMassSpring:
         return EndForces(float(-forces[-1]), float(forces[0]))
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
+        if not self.pulls and self.precompression + retainer_displacement <= state[self.unknowns - 1]:
+            return replace(self, pulls=True).tangent(state, retainer_displacement) - float(self.layout.stiffness[-1])
         depth = chain_statics.contact_depths(self.layout, self._nodes(state, retainer_displacement))
         last = chain_statics.contact_rows(self.layout)[:, -1]
-        last_open = not self.pulls and self._nodes(state, retainer_displacement)[-1] <= self._nodes(state, retainer_displacement)[-2]
-        return float((0.0 if last_open else self.layout.stiffness[-1]) + self.layout.contacts.stiffness * (depth > 0) @ last**2)
+        return float(self.layout.stiffness[-1] + self.layout.contacts.stiffness * (depth > 0) @ last**2)
 
     @cached_property
     def _installed(self) -> Array:
