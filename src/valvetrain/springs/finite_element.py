@@ -36,7 +36,8 @@ POINTS_PER_COIL = 8
 class FiniteElementRod:
     """Rod model of ``definition`` installed at ``precompression`` (m from the free state).
 
-    ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step.
+    ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step. Where it does not pull (``pulls``) its end forces in a
+    train stop at zero; its inactive coils stay on their seats.
     """
 
     definition: SpringDefinition
@@ -47,10 +48,15 @@ class FiniteElementRod:
     seats: str = "planes"
     time_step: float | None = None
     name: str = "finite-element"
+    pulls: bool = True
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.precompression) and self.precompression >= 0):
             raise InputError(f"precompression of spring '{self.name}' is {self.precompression} m; give zero or a positive length")
+        if self.seats not in ("planes", "clamps"):
+            raise InputError(f"seats '{self.seats}' of spring '{self.definition.name}' is unknown; use planes or clamps")
+        if self.dynamics.contact_stiffness > 0:
+            self.definition.refuse_solid(self.precompression)
 
     @cached_property
     def mesh(self) -> RodMesh:
@@ -102,7 +108,7 @@ class FiniteElementRod:
     @cached_property
     def _numbers(self) -> tuple[Array, NDArray[np.int64]]:
         integers, numbers, places = stepping_numbers(self.mesh, self.dynamics, self._step)
-        return np.concatenate(([self.precompression], numbers, places.ravel())), integers
+        return np.concatenate(([self.precompression, float(self.pulls)], numbers, places.ravel())), integers
 
     def parameters(self) -> Array:
         return self._numbers[0].copy()
@@ -267,8 +273,9 @@ def _make(spring: InstalledSpring, options: FiniteElementOptions, rest: SpringAt
         contact_stiffness=spring.contact.stiffness, contact_damping_time=spring.contact.damping_time,
     )  # fmt: skip
     return FiniteElementRod(
-        wire, precompression, options.elements_per_coil, dynamics, options.curvature_correction, seats, options.time_step
-    )
+        wire, precompression, options.elements_per_coil, dynamics, options.curvature_correction, seats, options.time_step,
+        pulls=spring.pulls,
+    )  # fmt: skip
 
 
 SPEC = SpringModelSpec(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -29,7 +29,8 @@ class MultiMassSpring:
     """Chain ``layout`` installed at ``precompression`` (m from the free state).
 
     ``mass_damping`` (1/s) acts on the absolute velocity, ``stiffness_damping`` (s) inside the elements, ``contact_damping_time`` (s)
-    is damping over stiffness of a coil contact (never adhesive). Half the last element and the upper inactive coils move with the retainer.
+    is damping over stiffness of a coil contact (never adhesive). Where it does not pull (``pulls``), an end element longer than free is
+    open: the spring has left its seat or its retainer. Half the last element and the upper inactive coils move with the retainer.
     """
 
     layout: ChainLayout
@@ -38,6 +39,7 @@ class MultiMassSpring:
     stiffness_damping: float = 0.0
     contact_damping_time: float = CONTACT_DAMPING_TIME
     name: str = "multi-mass"
+    pulls: bool = True
 
     def __post_init__(self) -> None:
         for key in ("precompression", "mass_damping", "stiffness_damping", "contact_damping_time"):
@@ -50,8 +52,10 @@ class MultiMassSpring:
         contact_stiffness: float = CONTACT_STIFFNESS, **options: Any,
     ) -> MultiMassSpring:  # fmt: skip
         """From the wire: ``masses_per_coil`` elements per turn; ``contact_stiffness`` in N/m per m of wire (0: coils pass through)."""
-        if masses_per_coil < 1:
-            raise InputError(f"masses_per_coil of spring '{spring.name}' is {masses_per_coil}; give 1 or more (12 is usual)")
+        if masses_per_coil < 1 or masses_per_coil != int(masses_per_coil):
+            raise InputError(f"masses_per_coil of spring '{spring.name}' is {masses_per_coil}; give a whole number, 12 is usual")
+        if contact_stiffness > 0:
+            spring.refuse_solid(precompression)
         first, last = spring.free_coils
         layout = chain_from_definition(spring, max(2, round((last - first) * masses_per_coil)), contact_stiffness)
         return cls(layout, precompression, **options)
@@ -88,7 +92,7 @@ class MultiMassSpring:
 
     def integers(self) -> NDArray[np.int64]:
         c = self.layout.contacts
-        head = [self.unknowns, c.count, c.regular(self.unknowns), c.ends]
+        head = [self.unknowns, c.count, c.regular(self.unknowns), c.ends, int(self.pulls)]
         return np.concatenate((head, c.upper, c.lower, c.spans()[0])).astype(np.int64)
 
     def with_time_step(self, time_step: float) -> MultiMassSpring:
@@ -96,8 +100,15 @@ class MultiMassSpring:
 
     def initial_state(self, retainer_displacement: float) -> Array:
         state = np.zeros(chain_kernels.state_size(self.unknowns, self.layout.contacts.count))
-        state[: self.unknowns] = chain_statics.solve_static(self.layout, self.precompression + retainer_displacement)[1:-1]
+        state[: self.unknowns] = self._at_rest(retainer_displacement)[1:-1]
         return state
+
+    def _at_rest(self, retainer_displacement: float) -> Array:
+        """Nodes at rest; a spring that cannot pull stands free above its free length."""
+        compression = self.precompression + retainer_displacement
+        if self.pulls or compression >= 0:
+            return chain_statics.solve_static(self.layout, compression)
+        return np.append(np.zeros(self.unknowns + 1), compression)
 
     @cached_property
     def _time_step(self) -> float:
@@ -138,6 +149,9 @@ class MultiMassSpring:
         rows, depth = self._contact_rows, chain_statics.contact_depths(layout, nodes)
         push_back = layout.contacts.stiffness * (depth + self.contact_damping_time * (rows @ velocities))
         contact = np.where(depth > 0, np.maximum(push_back, 0.0), 0.0)
+        if not self.pulls:
+            for end in (0, -1):
+                push[end] = max(push[end], 0.0) if np.diff(nodes)[end] > 0 else 0.0
         return np.append(push, 0.0) - np.concatenate(([0.0], push)) - contact @ rows, contact
 
     def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
@@ -148,6 +162,8 @@ class MultiMassSpring:
             kick = self._node_forces(nodes, velocities)[0][1:-1] / self.layout.masses - self.mass_damping * speed
             speed = speed + time_step / 2 * kick
         elastic, contact = chain_statics.potential(self.layout, nodes)
+        if not self.pulls:
+            elastic -= sum(self.layout.stiffness[end] * min(np.diff(nodes)[end], 0.0) ** 2 / 2 for end in (0, -1))
         return SpringEnergy(float(self.layout.masses @ speed**2 / 2), elastic, contact, float(state[2 * self.unknowns]))
 
     def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
@@ -155,6 +171,8 @@ class MultiMassSpring:
         return EndForces(float(-forces[-1]), float(forces[0]))
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
+        if not self.pulls and self.precompression + retainer_displacement <= state[self.unknowns - 1]:
+            return replace(self, pulls=True).tangent(state, retainer_displacement) - float(self.layout.stiffness[-1])
         depth = chain_statics.contact_depths(self.layout, self._nodes(state, retainer_displacement))
         last = self._contact_rows[:, -1]
         return float(self.layout.stiffness[-1] + self.layout.contacts.stiffness * (depth > 0) @ last**2)
@@ -207,9 +225,9 @@ class MultiMassOptions(SpringOptions):
 
 
 def _make(spring: InstalledSpring, options: MultiMassOptions, rest: SpringAtRest | None) -> MultiMassSpring:
-    damping = {
+    damping: dict[str, Any] = {
         "mass_damping": spring.damping.mass_damping, "stiffness_damping": spring.damping.stiffness_damping,
-        "contact_damping_time": spring.contact.damping_time,
+        "contact_damping_time": spring.contact.damping_time, "pulls": spring.pulls,
     }  # fmt: skip
     if spring.card is not None:
         card = spring.card

@@ -29,7 +29,7 @@ class WaveRodWithClash:
     """Rod of ``cells`` cells with the installed ``gaps`` between neighbouring turns.
 
     A contact may be no stiffer than the explicit step resolves (``CONTACT_SHARE`` of a cell), so a clash is softer than steel.
-    ``friction`` mu (1/s). The state counts from a linear free state at ``preload / rate``.
+    ``friction`` mu (1/s). ``pulls``: whether the ends are held. The state counts from a linear free state at ``preload / rate``.
     """
 
     spring: EquivalentSpring
@@ -37,6 +37,7 @@ class WaveRodWithClash:
     cells: int = 200
     friction: float = 0.0
     name: str = "wave-rod-clash"
+    pulls: bool = True
 
     def __post_init__(self) -> None:
         if self.cells < 3:
@@ -56,7 +57,7 @@ class WaveRodWithClash:
         step = COURANT / (self.spring.wave_speed * self.cells)
         return MultiMassSpring(
             layout, self.spring.preload / self.spring.rate, mass_damping=2 * self.friction, contact_damping_time=DAMPING_SHARE * step,
-            name=self.name,
+            name=self.name, pulls=self.pulls,
         )  # fmt: skip
 
     def _contacts(self, coil: Array) -> CoilContacts:
@@ -128,7 +129,7 @@ def _make(spring: InstalledSpring, options: NoOptions, rest: SpringAtRest | None
     assert spring.wire is not None
     equivalent = EquivalentSpring.from_installed(spring)
     gaps = installed_gaps(spring.wire, spring.precompression)
-    return WaveRodWithClash(equivalent, gaps, friction=wave_friction(spring, equivalent))
+    return WaveRodWithClash(equivalent, gaps, friction=wave_friction(spring, equivalent), pulls=spring.pulls)
 
 
 SPEC = SpringModelSpec(
