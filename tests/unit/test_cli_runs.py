@@ -71,7 +71,7 @@ def test_runs_are_listed_and_compared(small):
         assert call("run", "small.toml", *words).exit_code == 0
     call("sweep", "told.toml", "--engine-speed", "7000:8000:500", "--spring", "massless", *QUICK)
     listed = call("runs").stdout
-    assert len([line for line in listed.splitlines() if " completed " in line]) == 3 and "7000 to 8000 (3)" in listed
+    assert len(re.findall(r"^\d\d-\d\d \d\d:\d\d ", listed, re.MULTILINE)) == 3 and "7000–8000 (3)" in listed and "failed" not in listed
     data = json.loads(call("runs", "small", "--json").stdout)["runs"]
     assert [run["spring_models"] for run in data] == [["massless"]] * 2 and data[0]["headline"]["quantity"] == "peak_spring_force"
     compared = call("compare-runs", data[1]["digest"], "small/latest")

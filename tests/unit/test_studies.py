@@ -321,3 +321,13 @@ def test_a_train_far_beyond_its_speed_keeps_every_variant_with_its_status():
     assert len(study.failures) == 2
     swept = sweep_study(case, [14000 * RPM], spring_models=["massless"], spring_sets=["nested-cards"], workers=1)
     assert swept.failures == ()  # in a sweep motion that does not settle is a finding
+
+
+def test_a_run_is_found_by_its_own_speed_however_high():
+    """An SI number may look like a slip of units to a reader; the speed of a run that exists is none."""
+    study = run_study(load_case("job-t"), engine_speeds=[16000 * RPM], spring_models=["massless"])
+    (speed,) = study.engine_speeds
+    assert study.solution("massless", speed) is study.solutions[0] is study.solution("massless", "16000 rpm")
+    assert study.quantities.of_run("massless", speed) == study.quantities.of_run("massless", "16000 rpm") != {}
+    with pytest.raises(InputError, match="without a unit"):
+        study.solution("massless", 1700.0)

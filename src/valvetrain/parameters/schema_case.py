@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -13,8 +14,9 @@ from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.schema_installed import RubbingModel, SpringField
 from valvetrain.parameters.schema_lift import LiftField
 from valvetrain.parameters.schema_published import PublishedModel
-from valvetrain.parameters.schema_types import StrictModel, placed, problem, quantities, quantity
+from valvetrain.parameters.schema_types import StrictModel, guarded, placed, problem, quantities, quantity
 from valvetrain.parameters.train_schema import TrainModel
+from valvetrain.units import si
 
 _OPERATION = Operation()
 
@@ -37,6 +39,8 @@ class OperationModel(StrictModel):
         speeds = self.engine_speeds if self.engine_speeds is not None else tuple(2 * speed for speed in self.cam_speeds or ())
         if any(speed <= 0 for speed in speeds):
             raise problem("a speed must be positive; correct the list")
+        for speed in speeds:
+            guarded(si, f"{speed * 30 / math.pi:.12g} rpm", "engine_speed")
         if not 1 <= self.cycles <= 10_000:
             raise problem("cycles must be a whole number from 1 to 10000", ("cycles",))
         return Operation(speeds, self.cycles, self.output_step)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -108,13 +108,22 @@ class Quantities(Mapping[Quantity, float]):
 
     def of_run(self, label: str, engine_speed: Given) -> dict[str, float]:
         """Name -> value of the run of ``label`` at ``engine_speed`` (of the crank: rad/s, "5600 rpm" or a pint quantity)."""
-        wanted = si(engine_speed, "engine_speed", "engine_speed")
+        wanted = known_speed(engine_speed, (key.engine_speed for key in self._values if key.engine_speed is not None))
         mine = ((key, value) for key, value in self._values.items() if key.label == label)
         return {key.name: value for key, value in mine if key.engine_speed is not None and same_speed(key.engine_speed, wanted)}
 
 
 def _run_words(key: Quantity) -> str:
     return ", ".join(filter(None, (key.label, words(key.engine_speed, "rad/s") if key.engine_speed else "")))
+
+
+def known_speed(given: Given, known: Iterable[float]) -> float:
+    """A crank speed (rad/s) as :func:`valvetrain.units.si` reads it; an SI number that is one of those ``known`` is never a slip."""
+    if not isinstance(given, str) and not hasattr(given, "to_base_units"):
+        own = next((speed for speed in known if same_speed(speed, float(given))), None)
+        if own is not None:
+            return own
+    return si(given, "engine_speed", "engine_speed")
 
 
 def same_speed(one: float | None, other: float | None) -> bool:

@@ -37,6 +37,11 @@ def state_size(masses: int, contacts: int) -> int:
     return 6 * masses + 9 + 3 * contacts
 
 
+def overlap_place(masses: int) -> int:
+    """Place in the state of the overlaps (m) of the contacts; their damping impulses (N s) of the last step follow."""
+    return 6 * masses + 9
+
+
 @njit(**LOOP)
 def _place_nodes(integers, state, top, top_velocity):
     """Positions and velocities of all nodes, ends included, and no forces."""

@@ -17,7 +17,7 @@ from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import chain_kernels, chain_statics
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, uniform_chain
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import WATCH_INTERVAL, Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.spec import SpringModelSpec
 
 CONTACT_STIFFNESS = 1e10
@@ -121,6 +121,10 @@ class MultiMassSpring:
         found: Array = np.sqrt(np.linalg.eigvalsh(matrix)[:count]) / (2 * np.pi)
         return found
 
+    @cached_property
+    def _contact_rows(self) -> Array:
+        return chain_statics.contact_rows(self.layout)
+
     def _nodes(self, state: Array, retainer_displacement: float) -> Array:
         return np.concatenate(([0.0], state[: self.unknowns], [self.precompression + retainer_displacement]))
 
@@ -131,7 +135,7 @@ class MultiMassSpring:
         """Force on every node (N, towards the seat) and force of every contact."""
         layout = self.layout
         push = layout.stiffness * (np.diff(nodes) + self.stiffness_damping * np.diff(velocities))
-        rows, depth = chain_statics.contact_rows(layout), chain_statics.contact_depths(layout, nodes)
+        rows, depth = self._contact_rows, chain_statics.contact_depths(layout, nodes)
         push_back = layout.contacts.stiffness * (depth + self.contact_damping_time * (rows @ velocities))
         contact = np.where(depth > 0, np.maximum(push_back, 0.0), 0.0)
         return np.append(push, 0.0) - np.concatenate(([0.0], push)) - contact @ rows, contact
@@ -152,7 +156,7 @@ class MultiMassSpring:
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
         depth = chain_statics.contact_depths(self.layout, self._nodes(state, retainer_displacement))
-        last = chain_statics.contact_rows(self.layout)[:, -1]
+        last = self._contact_rows[:, -1]
         return float(self.layout.stiffness[-1] + self.layout.contacts.stiffness * (depth > 0) @ last**2)
 
     @cached_property
@@ -166,6 +170,27 @@ class MultiMassSpring:
             float(-forces[-1]), float(forces[0]), self.layout.coil_number, self._installed - nodes, -velocities,
             self.layout.contacts.upper_coil, -chain_statics.contact_depths(self.layout, nodes), contact,
         )  # fmt: skip
+
+    def contact_watch(self) -> ContactWatch | None:
+        """Overlap and damping impulse of every contact, which the kernel leaves behind the positions and velocities."""
+        contacts = self.layout.contacts
+        if not contacts.count:
+            return None
+        order = np.argsort(contacts.upper_coil, kind="stable")
+        stiffness = contacts.stiffness[order]
+
+        def read(record: Array, spacing: float, time_step: float) -> tuple[NDArray[np.int64], Array, Array, Array]:
+            touched = np.flatnonzero(np.max(record[:, : contacts.count], axis=0)[order] > 0)
+            chosen, pushed = order[touched], stiffness[touched, None]
+            overlap, impulse = (np.ascontiguousarray(record[:, first + chosen].T) for first in (0, contacts.count))
+            np.maximum(overlap, 0.0, out=overlap)
+            force = pushed * overlap
+            energy = 0.5 * force * overlap
+            force += np.where(overlap > 0, impulse / time_step, 0.0)
+            return touched, contacts.upper_coil[chosen], force, energy
+
+        first = chain_kernels.overlap_place(self.unknowns)
+        return ContactWatch(np.array([[first, 2 * contacts.count]], dtype=np.int64), WATCH_INTERVAL, read)
 
     def retainer_mass(self) -> float:
         """Half the last element plus the wire of the upper inactive coils (kg)."""

@@ -14,7 +14,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.chain_layout import NO_CONTACTS, ChainLayout, CoilContacts, uniform_chain
-from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import Array, ContactWatch, EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring, InstalledGaps, installed_gaps
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import NoOptions, SpringModelSpec
@@ -114,6 +114,10 @@ class WaveRodWithClash:
 
     def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
         return self.chain.outputs(state, retainer_displacement, retainer_velocity)
+
+    def contact_watch(self) -> ContactWatch | None:
+        """That of the chain."""
+        return self.chain.contact_watch()
 
     def retainer_mass(self) -> float:
         """Half a cell plus the coils resting on the retainer (kg)."""

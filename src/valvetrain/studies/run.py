@@ -33,8 +33,8 @@ from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem, Rest
 
 CARD_WIRE_NOTE = (
-    "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils are assumed, "
-    "and its coils never touch. Its clashes and stresses are not those of the real spring."
+    "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils with "
+    "wide gaps are assumed. Its clashes and stresses are not those of the real spring."
 )
 ReadyPoint = tuple[int, float]
 
