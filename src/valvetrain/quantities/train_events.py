@@ -22,8 +22,7 @@ PLACES = {"cam": "loft", "tappet": "loss-of-contact", "rocker": "loss-of-contact
 CAUSE_INERTIA = "inertia exceeds the spring force (rigid theory loses contact here too)"
 CAUSE_SURGE = "surge lowers the spring force below its static value"
 CAUSE_VIBRATION = "vibration of the train unloads the contact"
-#: Kinds that this module finds; closings of contacts that the integrator logged are read and not kept.
-FOUND = (*dict.fromkeys(PLACES.values()), "float", "seating", "bounce")
+#: Closings of contacts that the integrator logged are read and not kept.
 LOGGED = ("touch",)
 
 
