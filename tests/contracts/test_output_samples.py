@@ -19,6 +19,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.ready import make_ready
+from valvetrain.studies.run import run_study
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import PrescribedSpring
 
@@ -99,3 +100,16 @@ def test_clashes_of_a_pair_under_prescribed_motion_name_their_spring(word, tmp_p
     agree(found)
     save_netcdf(found[0], tmp_path / "run.nc")
     assert evaluate(load_netcdf(tmp_path / "run.nc")).identical(found[0])
+
+
+@pytest.mark.parametrize(("case", "word"), [("gu2021-beehive", "multi-mass"), ("job-c", "finite-element")])
+def test_surge_orders_do_not_depend_on_the_samples_kept(case, word):
+    """High frequencies of clashes fold into the low orders of coarse samples; the force is read as finely as it is known."""
+    found = []
+    for step in ("1 deg", "0.25 deg"):
+        study = run_study(load_case(case, {"operation.output_step": step}), spring_models=[word], workers=1)
+        found.append(study.solutions[-1].quantities)
+    names = [name for name in found[1] if name.startswith("surge_") and name.endswith("_force")]
+    assert len(names) == 41
+    scale = max(found[1][name] for name in names)
+    assert [found[0][name] for name in names] == pytest.approx([found[1][name] for name in names], abs=1e-3 * scale)
