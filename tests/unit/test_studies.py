@@ -58,7 +58,7 @@ CARD = '[spring]\nname = "card"\nrate = "30 N/mm"\npreload = "250 N"\nmass = "40
 )
 
 
-def counted(monkeypatch, place, name: str, counts: Counter[str], key: str = ""):
+def counted(monkeypatch, place, name: str, counts: Counter[object], key: str = ""):
     """Count the calls of a function or the making of a class, which goes on as before."""
     real = getattr(place, name)
 
@@ -70,15 +70,15 @@ def counted(monkeypatch, place, name: str, counts: Counter[str], key: str = ""):
 
 
 @pytest.fixture
-def counts(monkeypatch) -> Counter[str]:
-    """How often each part was made."""
+def counts(monkeypatch) -> Counter[object]:
+    """How often each part was made; spring models by their word and the installed spring they stand for."""
     from valvetrain.mechanism import build as mechanisms
     from valvetrain.mechanism import parts
     from valvetrain.springs import finite_element
     from valvetrain.studies import ready
     from valvetrain.system import build as building
 
-    found: Counter[str] = Counter()
+    found: Counter[object] = Counter()
     counted(monkeypatch, building, "build_lift_law", found)
     counted(monkeypatch, building, "build_mechanism", found)
     counted(monkeypatch, finite_element, "mesh_spring", found)
@@ -91,7 +91,7 @@ def counts(monkeypatch) -> Counter[str]:
     real = SpringModelSpec.build
 
     def building_spring(self, spring, rest=None):
-        found[f"spring {self.word} {spring.name}"] += 1
+        found[self.word, spring] += 1
         return real(self, spring, rest)
 
     monkeypatch.setattr(SpringModelSpec, "build", building_spring)
@@ -99,10 +99,11 @@ def counts(monkeypatch) -> Counter[str]:
 
 
 def test_every_part_of_a_spring_study_is_built_once(counts):
-    study = run_study(load_case("gu2021-beehive", COARSE), engine_speeds=[4000 * RPM], workers=1)
+    case = load_case("gu2021-beehive", COARSE)
+    study = run_study(case, engine_speeds=[4000 * RPM], workers=1)
     assert not study.failures
-    name = study.rest[0].spring
-    assert counts == {"build_lift_law": 1, "mesh_spring": 1, f"spring finite-element {name}": 1, f"spring modal-varied {name}": 1}
+    (spring,) = case.springs
+    assert counts == {"build_lift_law": 1, "mesh_spring": 1, ("finite-element", spring): 1, ("modal-varied", spring): 1}
 
 
 def test_every_part_of_a_spring_study_is_built_once_for_any_number_of_speeds(counts):
@@ -119,13 +120,42 @@ def test_parts_of_a_train_and_its_variants_are_built_once(counts):
     assert len(study.solutions) == len(variants) > 3
     assert counts["build_lift_law"] == 1
     # a mechanism per train that differs in more than its springs, as a damper on the valve
-    bare = {(variant.lash, variant.valve_damping) for variant in variants}
-    assert counts["build_mechanism"] == len(bare)
+    trains = {(variant.lash, variant.valve_damping) for variant in variants}
+    assert counts["build_mechanism"] == len(trains)
     assert counts["build_contact_law"] == counts["build_mechanism"] * len(case.train.contacts)
-    # one model per variant, whose springs differ, and a massless one per spring set for what rigid theory says of it
-    sets = {variant.spring_set or case.train.spring_set for variant in variants}
-    assert sum(count for key, count in counts.items() if key.startswith("spring ")) == len(variants) + len(sets)
-    assert counts["rest_of"] == counts["rigid_motion"] == len(variants) + len(sets)
+    # with preload by a chain, without it massless, and massless with it for what rigid theory says: of either set, damped or not
+    springs = [one for (one,) in case.train.springs.values()]
+    bare = [spring.without_preload() for spring in springs]
+    assert models_built(counts) == {("multi-mass", one) for one in springs} | {("massless", one) for one in (*springs, *bare)}
+    assert counts["rest_of"] == counts["rigid_motion"] == len(variants) + len(springs)
+
+
+def models_built(counts: Counter[object]) -> set[object]:
+    """The spring models that were built, each of which once."""
+    found = {key: count for key, count in counts.items() if isinstance(key, tuple)}
+    assert set(found.values()) == {1}, found
+    return set(found)
+
+
+def test_variants_that_differ_in_lash_share_their_springs_and_rigid_theory_shares_a_massless_variant(counts):
+    case = load_case("vaz-ohc", {"train.cycles": 1})
+    study = run_study(case, engine_speeds=[2000 * RPM], workers=1)
+    variants = case.train.variants
+    assert len(study.solutions) == len(variants) == 8
+    wires, cards = case.train.spring_parts("nested"), case.train.spring_parts("nested-cards")
+    words = {("massless", one) for one in (*wires, *cards)} | {("finite-element", one) for one in wires}
+    assert models_built(counts) == words | {(word, one) for word in ("multi-mass", "wave-rod") for one in cards}
+    assert counts["mesh_spring"] == len(wires) and counts["build_mechanism"] == 2
+    # the single mass on its cards is a variant, so only that of the wires comes to the variants
+    assert counts["rest_of"] == counts["rigid_motion"] == len(variants) + 1
+
+
+def test_a_comparison_builds_every_model_once_for_motion_and_rest(counts):
+    case = load_case("job-t", COARSE)
+    study = compare_study(case, engine_speeds=[4000 * RPM], workers=2)
+    assert models_built(counts) == {(word, case.springs[0]) for word in study.labels} and len(study.labels) == 6
+    assert counts["mesh_spring"] == counts["build_lift_law"] == 1
+    assert len(study.rest) == 6
 
 
 @pytest.mark.parametrize("name", ["job-t", "vaz-ohc"])

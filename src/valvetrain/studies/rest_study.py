@@ -51,9 +51,9 @@ def rest_study(
             if reason := spec.why_not(spring):
                 raise InputError(reason, "--spring")
             if spec.needs_rest and rest is None:
-                rest = _by_rod(spring, reach, steps, max(modes, 8))
-            one = _by_rod(spring, reach, steps, modes) if word == WIRE else rest_by_model(
-                spring, word, np.linspace(0.0, reach, steps + 1), rest, modes
+                rest = _by_rod(problem, spring, reach, steps, max(modes, 8))
+            one = _by_rod(problem, spring, reach, steps, modes) if word == WIRE else rest_by_model(
+                spring, word, problem.model_of(word, spring, rest), np.linspace(0.0, reach, steps + 1), modes
             )  # fmt: skip
             found.append(one)
             if progress is not None:
@@ -64,8 +64,8 @@ def rest_study(
     return Study(record, command, (), tuple(found), still, provenance=origin, wall_time=time.perf_counter() - begun)
 
 
-def _by_rod(spring: InstalledSpring, reach: float, steps: int, modes: int) -> SpringAtRest:
-    rod = spring_model(WIRE).build(spring)
+def _by_rod(problem: Problem, spring: InstalledSpring, reach: float, steps: int, modes: int) -> SpringAtRest:
+    rod = problem.model_of(WIRE, spring)
     assert isinstance(rod, FiniteElementRod)
     return at_rest(rod, reach, steps, modes)
 
