@@ -68,7 +68,10 @@ class Member:
         if self.model.no_motion:
             raise InputError(self.model.no_motion)
         models: BuiltModels = {} if built is None else built
-        springs: tuple[SpringModel, ...] = tuple(_once(models, self.model, spring, (rest or {}).get(spring)) for spring in self.springs)
+        still: Rest = rest or {}
+        springs: tuple[SpringModel, ...] = tuple(
+            built_once(models, self.model, spring, (rest or {}).get(spring)) for spring in self.springs
+        )
         if self.rubbing is not None and len(springs) == 2:
             springs = (NestedSprings(springs[0], springs[1], self.rubbing, name=self.model.word),)
         if self.gear is None:
@@ -114,10 +117,11 @@ class Problem:
 
     def model_of(self, word: str, spring: InstalledSpring, rest: SpringAtRest | None = None) -> SpringModel:
         """The model of an installed spring, the one of a member where it runs. Raises :class:`InputError` where it cannot stand for it."""
-        return _once(self.built, spring_model(word), spring, rest)
+        return built_once(self.built, spring_model(word), spring, rest)
 
 
-def _once(built: BuiltModels, spec: SpringModelSpec, spring: InstalledSpring, rest: SpringAtRest | None) -> SpringModel:
+def built_once(built: BuiltModels, spec: SpringModelSpec, spring: InstalledSpring, rest: SpringAtRest | None = None) -> SpringModel:
+    """The model of an installed spring from those ``built`` already, else a new one that is kept there."""
     key = (spec.word, spring, rest if spec.needs_rest else None)
     if key not in built:
         built[key] = spec.build(spring, key[2])
