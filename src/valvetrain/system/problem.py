@@ -68,6 +68,7 @@ class Member:
         if self.model.no_motion:
             raise InputError(self.model.no_motion)
         models: BuiltModels = {} if built is None else built
+        still: Rest = rest or {}
         springs: tuple[SpringModel, ...] = tuple(
             built_once(models, self.model, spring, (rest or {}).get(spring)) for spring in self.springs
         )
