@@ -102,7 +102,7 @@ def _by_each_model(
                     jobs.append(pool.submit(solid_motion, name, spring, lift_law, motion, cancel))
             for word in dict.fromkeys(order):
                 if not spring_model(word).why_not(spring):
-                    found[word] = rest_by_model(spring, word, compressions, own, 20 if with_solid else 12, problem.built)
+                    found[word] = rest_by_model(spring, word, problem.model_of(word, spring, own), compressions, 20 if with_solid else 12)
             results = [job.result() for job in jobs]
         except BaseException:
             cancel.flag.set()  # the solver's own loop sees it and stops the solver

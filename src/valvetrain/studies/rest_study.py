@@ -20,7 +20,7 @@ from valvetrain.springs.spec import spring_model
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
 from valvetrain.system.build import build
-from valvetrain.system.problem import BuiltModels, Problem, built_once
+from valvetrain.system.problem import Problem
 
 #: What computes a spring at rest where nothing else is asked for: of a wire, of a card with and without a mass.
 WIRE, CARD, BARE = "finite-element", "modal-uniform", "massless"
@@ -51,9 +51,9 @@ def rest_study(
             if reason := spec.why_not(spring):
                 raise InputError(reason, "--spring")
             if spec.needs_rest and rest is None:
-                rest = _by_rod(spring, reach, steps, max(modes, 8), problem.built)
-            one = _by_rod(spring, reach, steps, modes, problem.built) if word == WIRE else rest_by_model(
-                spring, word, np.linspace(0.0, reach, steps + 1), rest, modes, problem.built
+                rest = _by_rod(problem, spring, reach, steps, max(modes, 8))
+            one = _by_rod(problem, spring, reach, steps, modes) if word == WIRE else rest_by_model(
+                spring, word, problem.model_of(word, spring, rest), np.linspace(0.0, reach, steps + 1), modes
             )  # fmt: skip
             found.append(one)
             if progress is not None:
@@ -64,8 +64,8 @@ def rest_study(
     return Study(record, command, (), tuple(found), still, provenance=origin, wall_time=time.perf_counter() - begun)
 
 
-def _by_rod(spring: InstalledSpring, reach: float, steps: int, modes: int, built: BuiltModels | None = None) -> SpringAtRest:
-    rod = built_once({} if built is None else built, spring_model(WIRE), spring)
+def _by_rod(problem: Problem, spring: InstalledSpring, reach: float, steps: int, modes: int) -> SpringAtRest:
+    rod = problem.model_of(WIRE, spring)
     assert isinstance(rod, FiniteElementRod)
     return at_rest(rod, reach, steps, modes)
 

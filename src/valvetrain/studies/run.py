@@ -153,7 +153,7 @@ def _rest(problem: Problem, spring: InstalledSpring, maximum_lift: float) -> Spr
         assert spring.card is not None
         word = "modal-uniform" if spring.card.mass is not None else "massless"
         reach = spring.precompression + max(1.06 * maximum_lift, 0.2 * spring.precompression)
-        return rest_by_model(spring, word, np.linspace(0.0, reach, 33), built=problem.built)
+        return rest_by_model(spring, word, problem.model_of(word, spring), np.linspace(0.0, reach, 33))
     rod = problem.model_of("finite-element", spring)
     assert isinstance(rod, FiniteElementRod)
     return at_rest(rod, reach_of(spring, maximum_lift))

@@ -68,10 +68,7 @@ class Member:
         if self.model.no_motion:
             raise InputError(self.model.no_motion)
         models: BuiltModels = {} if built is None else built
-        still: Rest = rest or {}
-        springs: tuple[SpringModel, ...] = tuple(
-            built_once(models, self.model, spring, (rest or {}).get(spring)) for spring in self.springs
-        )
+        springs: tuple[SpringModel, ...] = tuple(_once(models, self.model, spring, (rest or {}).get(spring)) for spring in self.springs)
         if self.rubbing is not None and len(springs) == 2:
             springs = (NestedSprings(springs[0], springs[1], self.rubbing, name=self.model.word),)
         if self.gear is None:
@@ -117,11 +114,10 @@ class Problem:
 
     def model_of(self, word: str, spring: InstalledSpring, rest: SpringAtRest | None = None) -> SpringModel:
         """The model of an installed spring, the one of a member where it runs. Raises :class:`InputError` where it cannot stand for it."""
-        return built_once(self.built, spring_model(word), spring, rest)
+        return _once(self.built, spring_model(word), spring, rest)
 
 
-def built_once(built: BuiltModels, spec: SpringModelSpec, spring: InstalledSpring, rest: SpringAtRest | None = None) -> SpringModel:
-    """The model of an installed spring from those ``built`` already, else a new one that is kept there."""
+def _once(built: BuiltModels, spec: SpringModelSpec, spring: InstalledSpring, rest: SpringAtRest | None) -> SpringModel:
     key = (spec.word, spring, rest if spec.needs_rest else None)
     if key not in built:
         built[key] = spec.build(spring, key[2])
