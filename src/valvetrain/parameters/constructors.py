@@ -61,7 +61,7 @@ def cylindrical(
     >>> round(spring.free_length, 6)
     0.0391
     """
-    law = _even_pitch(total_coils, wire_diameter, pitch, closed_coils)
+    law = _pitch_law(total_coils, wire_diameter, pitch, closed_coils)
     return _spring(wire_diameter, Constant(_coil(mean_diameter)), law, total_coils, material, lower_end, upper_end, name, closed_coils)
 
 
@@ -78,7 +78,7 @@ def conical(
     np.float64(0.022)
     """
     diameter = PiecewiseLinear((0.0, total_coils), (_coil(lower_mean_diameter), _coil(upper_mean_diameter)))
-    law = _even_pitch(total_coils, wire_diameter, pitch, closed_coils)
+    law = _pitch_law(total_coils, wire_diameter, pitch, closed_coils)
     return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name, closed_coils)
 
 
@@ -94,7 +94,7 @@ def barrel(
     >>> barrel("4 mm", "20 mm", "26 mm", "8 mm", 7).mean_diameter.value(3.5).round(6)
     np.float64(0.026)
     """
-    law = _even_pitch(total_coils, wire_diameter, pitch, closed_coils)
+    law = _pitch_law(total_coils, wire_diameter, pitch, closed_coils)
     diameter = Parabola(_coil(end_mean_diameter), _coil(middle_mean_diameter), total_coils)
     return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name, closed_coils)
 
@@ -118,27 +118,28 @@ def hourglass(
 
 
 def beehive(
-    wire_diameter: Given, mean_diameter: Given, top_mean_diameter: Given, taper_from_coil: float, pitch: Curve, total_coils: float, *,
-    material: Material = OTEVA_90_SC, lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "beehive",
+    wire_diameter: Given, mean_diameter: Given, top_mean_diameter: Given, taper_from_coil: float, pitch: Curve | Given, total_coils: float,
+    *, material: Material = OTEVA_90_SC, lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "beehive",
 ) -> SpringDefinition:  # fmt: skip
     """Beehive spring: cylindrical up to coil number ``taper_from_coil``, then tapering linearly to ``top_mean_diameter`` (a length).
 
-    ``pitch``: curve over the coil number (m per turn), such as :func:`pitch_with_closed_ends`. Other arguments and errors as
-    :func:`cylindrical`; ends left out are closed and ground.
+    ``pitch``: curve over the coil number (m per turn), or a length: :func:`pitch_with_closed_ends` with one closed turn at either end.
+    Other arguments and errors as :func:`cylindrical`; ends left out are closed and ground.
 
     >>> law = pitch_with_closed_ends(7, "3.8 mm", "7 mm")
     >>> beehive("3.8 mm", "22 mm", "18 mm", 4, law, 7).mean_diameter.value(7.0).round(6)
     np.float64(0.018)
     """
     diameter = PiecewiseLinear((0.0, taper_from_coil, total_coils), (_coil(mean_diameter), _coil(mean_diameter), _coil(top_mean_diameter)))
-    return _spring(wire_diameter, diameter, pitch, total_coils, material, lower_end, upper_end, name)
+    law = _pitch_law(total_coils, wire_diameter, pitch, 1.0)
+    return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name)
 
 
 def variable_pitch(
-    wire_diameter: Given, mean_diameter: Given, pitch: Curve, total_coils: float, *, material: Material = OTEVA_90_SC,
+    wire_diameter: Given, mean_diameter: Given, pitch: Curve | Given, total_coils: float, *, material: Material = OTEVA_90_SC,
     lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "variable pitch",
 ) -> SpringDefinition:  # fmt: skip
-    """Cylindrical spring whose pitch follows any curve over the coil number (m per turn).
+    """Cylindrical spring whose pitch follows any curve over the coil number (m per turn; a length as in :func:`beehive`).
 
     Other arguments and errors as :func:`cylindrical`; ends left out are closed and ground.
 
@@ -146,14 +147,17 @@ def variable_pitch(
     >>> variable_pitch("3.8 mm", "22 mm", law, 7).total_coils
     7
     """
-    return _spring(wire_diameter, Constant(_coil(mean_diameter)), pitch, total_coils, material, lower_end, upper_end, name)
+    law = _pitch_law(total_coils, wire_diameter, pitch, 1.0)
+    return _spring(wire_diameter, Constant(_coil(mean_diameter)), law, total_coils, material, lower_end, upper_end, name)
 
 
 def _coil(mean_diameter: Given) -> float:
     return si(mean_diameter, "mean_diameter", "mean diameter")
 
 
-def _even_pitch(total_coils: float, wire_diameter: Given, pitch: Given, closed_coils: float) -> Curve:
+def _pitch_law(total_coils: float, wire_diameter: Given, pitch: Curve | Given, closed_coils: float) -> Curve:
+    if isinstance(pitch, Curve):
+        return pitch
     if closed_coils <= 0:
         return Constant(si(pitch, "pitch", "pitch"))
     return pitch_with_closed_ends(total_coils, wire_diameter, pitch, closed_coils, closed_coils)

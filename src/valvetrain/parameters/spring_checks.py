@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Array, Curve
+from valvetrain.units import si
 
 #: Depth, as a share of the wire diameter, up to which free coils may overlap (drawing and rounding slack).
 OVERLAP_SLACK = 0.02
@@ -57,6 +58,8 @@ def check_spring(spring: WireShape) -> None:
         _refuse(~(values > 0), coil, spring, f"{label} is not positive; give a positive length")
     _refuse(~np.isfinite(spring.pitch.value(coil)), coil, spring, "pitch is not a finite number")
     _refuse(spring.pitch.value(coil) < 0, coil, spring, "pitch is negative, so the wire runs back through itself; make it positive")
+    for law, quantity in ((spring.wire_diameter, "wire_diameter"), (spring.mean_diameter, "mean_diameter"), (spring.pitch, "pitch")):
+        si(float(np.max(law.value(coil))), quantity, f"{quantity} of spring '{spring.name}'")
     thick = spring.index(coil) <= 1.0
     _refuse(thick, coil, spring, "mean coil diameter does not exceed the wire diameter (index at most 1); widen the coil")
     _refuse_jumps(spring, coil)

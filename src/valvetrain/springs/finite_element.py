@@ -26,6 +26,7 @@ from valvetrain.springs import finite_element_kernel as stepping
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.springs.wire_from_card import wire_from_card
+from valvetrain.units import keep_si
 
 _SCRATCH = threading.local()
 
@@ -47,6 +48,7 @@ class FiniteElementRod:
     name: str = "finite-element"
 
     def __post_init__(self) -> None:
+        keep_si(self, f"spring '{self.name}'", precompression="compression", time_step="time")
         if not (np.isfinite(self.precompression) and self.precompression >= 0):
             raise InputError(f"precompression of spring '{self.name}' is {self.precompression} m; give zero or a positive length")
 
