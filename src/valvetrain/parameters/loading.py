@@ -26,6 +26,13 @@ from valvetrain.parameters.toml_text import resolved, toml_text
 LIBRARY = Path(__file__).parent / "library"
 #: Larger files are no case file.
 MOST_BYTES = 5_000_000
+#: A case, the name of a library case or the path of a case file.
+AnyCase = Case | str | os.PathLike[str]
+
+
+def case_of(case: AnyCase) -> Case:
+    """The case itself, or the one of that name or path; errors as :func:`load_case`."""
+    return case if isinstance(case, Case) else load_case(case)
 
 
 def load_case(name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None) -> Case:
