@@ -98,5 +98,5 @@ def test_a_public_function_tells_its_arguments_its_errors_and_an_example(name):
     arguments, _, _ = text.partition("Parameters\n----------\n")[2].partition("\n\n")
     told = {word.strip() for line in arguments.splitlines() if not line.startswith(" ") for word in line.partition(" : ")[0].split(",")}
     assert told == set(inspect.signature(function).parameters), "every argument stands on a line 'name : what it is, its unit and shape'"
-    assert "Raises\n------\n" in text
+    assert "Raises\n------\n" in text or "Raises nothing" in text
     assert name in {example.name for example in examples()}, "an example is missing"

@@ -67,9 +67,7 @@ def study_json(study: Study) -> dict[str, Any]:
     -------
     dict that ``json.dumps`` takes
 
-    Raises
-    ------
-    KeyError : a quantity that the table of quantities does not hold
+    Raises nothing of its own.
 
     Examples
     --------

@@ -60,7 +60,7 @@ def write_study(study: Study, folder: str | os.PathLike[str], page: bool = True,
     Parameters
     ----------
     study : what ``simulate``, ``compare`` or ``sweep`` gave
-    folder : made if absent; files of an earlier study there are removed
+    folder : made if absent; files of an earlier study there that nobody changed are removed
     page : write report.html, one file that needs no network
     figures : write every chart of the page as an SVG picture too
 

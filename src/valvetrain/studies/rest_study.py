@@ -64,12 +64,12 @@ def rest_study(
     return Study(record, command, (), tuple(found), still, provenance=origin, wall_time=time.perf_counter() - begun)
 
 
-def curve_by_model(spring: InstalledSpring, word: str, lift: float, wanted: float | None, steps: int) -> StaticCurve:
-    """Static curve of one spring by a model up to ``wanted`` (m from the free state), None for a little beyond ``lift`` (m).
+def curve_by_model(spring: InstalledSpring, word: str, valve_lift: float, wanted: float | None, steps: int) -> StaticCurve:
+    """Static curve of one spring by a model up to ``wanted`` (m from the free state), None for a little beyond ``valve_lift`` (m).
 
     Raises :class:`InputError` for a model that cannot stand for the spring or has no static curve, and for a compression beyond coil bind.
     """
-    spec, reach = spring_model(word, "spring_model"), _reach(spring, lift, wanted, "largest_compression")
+    spec, reach = spring_model(word, "spring_model"), _reach(spring, valve_lift, wanted, "largest_compression")
     if reason := spec.why_not(spring):
         raise InputError(reason, "spring_model")
     if spec.no_motion:
