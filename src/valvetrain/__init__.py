@@ -53,6 +53,7 @@ _HOMES = {
     "simulate": "studies.api",
     "compare": "studies.api",
     "sweep": "studies.api",
+    "static_curve": "studies.api",
     "Study": "solution.study",
     "simulate_batch": "cosserat.batch",
     "RodBatch": "cosserat.batch",
@@ -138,6 +139,7 @@ if TYPE_CHECKING:
     from valvetrain.springs.wave_rod_clash import WaveRodWithClash as WaveRodWithClash
     from valvetrain.studies.api import compare as compare
     from valvetrain.studies.api import simulate as simulate
+    from valvetrain.studies.api import static_curve as static_curve
     from valvetrain.studies.api import sweep as sweep
     from valvetrain.studies.batch import map_cases as map_cases
     from valvetrain.system.build import build as build

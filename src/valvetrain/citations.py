@@ -64,10 +64,14 @@ def cite(keys: str | Iterable[str]) -> str:
 
     Parameters
     ----------
-    keys : one key of references.bib or several; each work is given once.
+    keys : one key of references.bib or several; each work is given once
 
-    Raises :class:`InputError`, which names the nearest key, for one that is unknown.
+    Raises
+    ------
+    InputError : an unknown key; the sentence names the nearest
 
+    Examples
+    --------
     >>> cite("gu2021")[:30]
     'Zewen Gu, Xiaonan Hou, Elspeth'
     """
@@ -75,8 +79,18 @@ def cite(keys: str | Iterable[str]) -> str:
 
 
 def bibtex(keys: str | Iterable[str]) -> str:
-    """BibTeX entries; arguments and errors as :func:`cite`.
+    """BibTeX entries, an empty line between them.
 
+    Parameters
+    ----------
+    keys : one key of references.bib or several; each work is given once
+
+    Raises
+    ------
+    InputError : an unknown key; the sentence names the nearest
+
+    Examples
+    --------
     >>> bibtex("gu2021").startswith("@article{gu2021,")
     True
     """

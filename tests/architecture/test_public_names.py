@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import doctest
 import importlib
+import inspect
 import os
 import re
 import subprocess
@@ -71,18 +72,31 @@ def examples() -> list[doctest.DocTest]:
 
 
 @pytest.mark.parametrize("example", examples(), ids=lambda example: example.name)
-def test_the_example_of_a_docstring_gives_what_it_shows(example):
+def test_the_example_of_a_docstring_gives_what_it_shows(example, tmp_path, monkeypatch):
+    """In an empty folder, where examples may write."""
+    monkeypatch.chdir(tmp_path)
     said: list[str] = []
     result = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(example, out=said.append)
     assert result.failed == 0, "".join(said)
 
 
-#: Public functions and results that carry an example; a name may be added, never taken out.
+#: Public classes that carry an example; a name may be added, never taken out.
 WITH_EXAMPLE = {
-    "cylindrical", "conical", "barrel", "hourglass", "beehive", "variable_pitch", "EndCoil", "Material", "load_case", "list_cases",
-    "cite", "bibtex", "Quantities", "Study", "Solution", "StaticCurve",
+    "EndCoil", "Material", "Constant", "PiecewiseLinear", "Table", "Quantity", "Quantities", "Study", "Solution", "StaticCurve",
 }  # fmt: skip
+FUNCTIONS = [name for name in valvetrain._HOMES if inspect.isfunction(getattr(valvetrain, name))]
 
 
 def test_public_names_carry_an_example():
     assert not WITH_EXAMPLE - {example.name for example in examples()}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_public_function_tells_its_arguments_its_errors_and_an_example(name):
+    function = getattr(valvetrain, name)
+    text = inspect.getdoc(function) or ""
+    arguments, _, _ = text.partition("Parameters\n----------\n")[2].partition("\n\n")
+    told = {word.strip() for line in arguments.splitlines() if not line.startswith(" ") for word in line.partition(" : ")[0].split(",")}
+    assert told == set(inspect.signature(function).parameters), "every argument stands on a line 'name : what it is, its unit and shape'"
+    assert "Raises\n------\n" in text or "Raises nothing" in text
+    assert name in {example.name for example in examples()}, "an example is missing"

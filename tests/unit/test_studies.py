@@ -9,6 +9,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
+import valvetrain as vt
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
@@ -331,3 +332,31 @@ def test_a_run_is_found_by_its_own_speed_however_high():
     assert study.quantities.of_run("massless", speed) == study.quantities.of_run("massless", "16000 rpm") != {}
     with pytest.raises(InputError, match="without a unit"):
         study.solution("massless", 1700.0)
+
+
+def test_a_sweep_keeps_whole_solutions_where_asked():
+    whole, reduced = (vt.sweep("job-t", "2000 rpm", spring_models=["massless"], whole=whole).solutions[0] for whole in (True, False))
+    assert whole.channels.sizes["sample"] > 0 and not reduced.channels.data_vars
+    assert whole.quantities["peak_spring_force"] == pytest.approx(reduced.quantities["peak_spring_force"], rel=1e-3)
+
+
+def test_the_static_curve_of_a_spring_of_ones_own_follows_its_rate_until_coils_close():
+    """F = G d^4 x / (8 D^3 n) with the active turns of the spring, within 5 % (curvature, ends that are not fixed)."""
+    spring = vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
+    rate = spring.material.shear_modulus * 3.8e-3**4 / (8 * 22e-3**3 * spring.active_coils)
+    for word in ("finite-element", "multi-mass", "massless"):
+        curve = vt.static_curve(spring, "2 mm", spring_model=word, steps=8)
+        assert curve.force_at("1 mm") == pytest.approx(rate * 1e-3, rel=0.05)
+    installed = vt.load_case("gu2021-beehive").springs[0]
+    by_case, by_spring = (vt.static_curve(one, "8 mm", spring_model="multi-mass", steps=4) for one in ("gu2021-beehive", installed))
+    assert (by_case.force == by_spring.force).all()
+
+
+@pytest.mark.parametrize(("wanted", "sentence"), [("30 mm", "solid at"), (8, "8 mm"), ("8 kg", "length"), ("0 mm", "positive")])
+def test_a_static_curve_that_cannot_be_is_refused(wanted, sentence):
+    with pytest.raises(vt.InputError, match=sentence):
+        vt.static_curve(vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), wanted)
+
+
+def test_a_problem_is_built_from_a_name_a_path_or_a_case():
+    assert vt.build("job-t").record == vt.build(vt.load_case("job-t")).record

@@ -97,7 +97,7 @@ def test_the_impossible_is_refused_in_one_sentence(make, words):
 def test_a_step_too_long_for_the_force_that_came_is_reported_as_a_status():
     """A contact that hardens with its force, judged at too low a force: the run says that the step was too long, and what to do."""
     stiff = ContactParameters("impact", {"contact_stiffness": 1e17, "exponent": 2.5, "damping": 0.0, "full_damping_depth": 1e-5})
-    built = system(direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), stiff)), spring=MasslessSpring(5.0, 5.0))
+    built = system(direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), stiff)), spring=MasslessSpring(150.0, 5.0))
     ready = runner(built, 900.0, TrainOptions(samples=720, step_fraction=0.99))
     state = ready.initial_state()
     for _ in range(4):

@@ -17,6 +17,7 @@ from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.time_stepping import LOWER_END, STRETCHES, UPPER_START
 from valvetrain.cosserat.transient import DENSE_INTERVAL, simulate
 from valvetrain.errors import InputError
+from valvetrain.units import Given, si
 
 Array = NDArray[np.float64]
 
@@ -42,17 +43,45 @@ class RodBatch:
 
 
 def simulate_batch(
-    meshes: Sequence[RodMesh], starts: Sequence[RodState], motion: Callable[[Array], ArrayLike], sample_interval: float,
-    samples: int, dynamics: RodDynamics, time_step: float | None = None, workers: int = 1,
+    meshes: Sequence[RodMesh], starts: Sequence[RodState], motion: Callable[[Array], ArrayLike], sample_interval: Given,
+    samples: int, dynamics: RodDynamics, time_step: Given | None = None, workers: int = 1,
 ) -> RodBatch:  # fmt: skip
-    """Integrate all ``meshes`` from their equilibria ``starts`` over ``samples`` intervals of ``sample_interval`` (s) under one motion.
+    """Integrate many variants of one rod from their equilibria under one motion, side by side.
 
-    The variants share step, motion and mesh numbers; sections, geometry and gaps may differ. The step is the
-    smallest stable one of all unless given; ``workers`` threads change no bit. A mesh too long for the lanes runs one by one.
-    Raises :class:`InputError` when the meshes are not of one size.
+    The variants share step, motion and mesh numbers; sections, geometry and gaps may differ. A mesh too long for the lanes runs one by one.
+
+    Parameters
+    ----------
+    meshes : n rods, ``FiniteElementRod.mesh``
+    starts : n equilibria, ``FiniteElementRod.installed.state``
+    motion : compression (m from the free state) of times (s), arrays of one shape
+    sample_interval : between the samples (s, "20 us" or a pint quantity)
+    samples : intervals to integrate
+    dynamics : damping and coil contact of all
+    time_step : s, as ``sample_interval``; None for the smallest stable one of all
+    workers : threads; they change no bit
+
+    Returns
+    -------
+    RodBatch with ``time`` (samples + 1,) s and forces (n, samples + 1) N
+
+    Raises
+    ------
+    InputError : meshes that are not of one size, as many starts as meshes missing, a slip of units
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import valvetrain as vt
+    >>> rods = [vt.FiniteElementRod(vt.cylindrical(wire, "22 mm", "7 mm", 4), "2 mm", 12) for wire in ("3.8 mm", "3.9 mm")]
+    >>> meshes, starts = [rod.mesh for rod in rods], [rod.installed.state for rod in rods]
+    >>> batch = vt.simulate_batch(meshes, starts, lambda time: np.full_like(time, 2e-3), "20 us", 5, rods[0].dynamics)
+    >>> batch.seat_force.shape, batch.completed.tolist()
+    ((2, 6), [True, True])
     """
     _check(meshes, starts)
-    limit = min(stable_time_step(mesh, dynamics) for mesh in meshes) if time_step is None else time_step
+    sample_interval = si(sample_interval, "time", "sample_interval")
+    limit = min(stable_time_step(mesh, dynamics) for mesh in meshes) if time_step is None else si(time_step, "time", "time_step")
     dense = max(1, round(sample_interval / DENSE_INTERVAL))
     sub = max(1, int(np.ceil(sample_interval / dense / limit * (1 - 1e-9))))
     step, steps = sample_interval / (dense * sub), samples * dense * sub

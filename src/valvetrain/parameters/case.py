@@ -15,6 +15,7 @@ from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.solution.record import CaseRecord, CaseValue, PublishedValue
+from valvetrain.units import keep_si, si_speeds
 
 __all__ = [
     "Case", "CaseSummary", "CoilContact", "DampingParameters", "InstalledSpring", "LiftLawParameters",
@@ -41,6 +42,12 @@ class Operation:
     engine_speeds: tuple[float, ...] = ()
     cycles: int = 2
     output_step: float = math.radians(0.5)
+
+    def __post_init__(self) -> None:
+        # an empty row stays one: a case may leave its speeds to whoever runs it
+        if self.engine_speeds or not isinstance(self.engine_speeds, tuple):
+            object.__setattr__(self, "engine_speeds", si_speeds(self.engine_speeds, where="engine_speeds"))
+        keep_si(self, "the operation", output_step="cam_angle")
 
     @property
     def cam_speeds(self) -> tuple[float, ...]:
@@ -89,10 +96,12 @@ class Case:
     def replace(self, changes: Mapping[str, Any] | None = None, /, **fields: Any) -> Case:
         """A copy with fields changed; ``changes`` takes dotted paths: ``case.replace({"springs.0.precompression": 0.006}, name="short")``.
 
-        The new values are SI and stand behind ``text`` as remarks; ``changed`` names their paths.
-        Raises :class:`InputError` for a path that does not exist, with the nearest one that does.
+        The new values are SI, text with a unit ("6 mm") or pint quantities and stand behind ``text`` as remarks; ``changed`` names their
+        paths. Raises :class:`InputError` for a path that does not exist, with the nearest one that does, and for a wrong unit.
         """
-        every = {**(changes or {}), **fields}
+        from valvetrain.parameters.words import si_at
+
+        every = {path: si_at(path, value) for path, value in {**(changes or {}), **fields}.items()}
         result = changed(self, every)
         assert isinstance(result, Case)
         told = [path for path in every if path.split(".")[0] not in ("name", "title", "description", "text", "changed")]

@@ -47,21 +47,25 @@ def cylindrical(
 
     Parameters
     ----------
-    wire_diameter, mean_diameter : lengths (m, "3.8 mm" or a pint quantity); the mean diameter is that of the wire's axis.
-    pitch : rise of the wire's axis per turn, a length, between the closed turns.
-    total_coils : all turns, tip to tip.
-    material : of the wire, :class:`Material`.
-    closed_coils : turns lying closed at either end; 0 for open ends.
-    lower_end, upper_end : how the ends meet their seats; left out, closed and ground, or open where ``closed_coils`` is 0.
-    name : word for the spring in messages and results.
+    wire_diameter, mean_diameter : lengths (m, "4 mm" or a pint quantity); the mean diameter is that of the wire's axis
+    pitch : rise of the wire's axis per turn, a length, between the closed turns
+    total_coils : all turns, tip to tip
+    material : of the wire, :class:`Material`
+    closed_coils : turns lying closed at either end; 0 for open ends
+    lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and ground, or open where ``closed_coils`` is 0
+    name : word for the spring in messages and results
 
-    Raises :class:`InputError` for a spring that cannot exist and for slips of units.
+    Raises
+    ------
+    InputError : a spring that cannot exist, a slip of units
 
+    Examples
+    --------
     >>> spring = cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
     >>> round(spring.free_length, 6)
     0.0391
     """
-    law = _even_pitch(total_coils, wire_diameter, pitch, closed_coils)
+    law = _pitch_law(total_coils, wire_diameter, pitch, closed_coils)
     return _spring(wire_diameter, Constant(_coil(mean_diameter)), law, total_coils, material, lower_end, upper_end, name, closed_coils)
 
 
@@ -70,15 +74,29 @@ def conical(
     material: Material = OTEVA_90_SC, closed_coils: float = 1.0, lower_end: EndCoil | None = None,
     upper_end: EndCoil | None = None, name: str = "conical",
 ) -> SpringDefinition:  # fmt: skip
-    """Conical spring: mean diameter linear from ``lower_mean_diameter`` to ``upper_mean_diameter`` (lengths).
+    """Conical spring: mean diameter linear from the lower to the upper end.
 
-    Other arguments and errors as :func:`cylindrical`.
+    Parameters
+    ----------
+    wire_diameter, lower_mean_diameter, upper_mean_diameter : lengths (m, "4 mm" or a pint quantity)
+    pitch : rise of the wire's axis per turn, a length, between the closed turns
+    total_coils : all turns, tip to tip
+    material : of the wire, :class:`Material`
+    closed_coils : turns lying closed at either end; 0 for open ends
+    lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and ground, or open where ``closed_coils`` is 0
+    name : word for the spring in messages and results
 
+    Raises
+    ------
+    InputError : a spring that cannot exist, a slip of units
+
+    Examples
+    --------
     >>> conical("3 mm", "26 mm", "18 mm", "6 mm", 6).mean_diameter.value(3.0).round(6)
     np.float64(0.022)
     """
     diameter = PiecewiseLinear((0.0, total_coils), (_coil(lower_mean_diameter), _coil(upper_mean_diameter)))
-    law = _even_pitch(total_coils, wire_diameter, pitch, closed_coils)
+    law = _pitch_law(total_coils, wire_diameter, pitch, closed_coils)
     return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name, closed_coils)
 
 
@@ -87,14 +105,28 @@ def barrel(
     material: Material = OTEVA_90_SC, closed_coils: float = 1.0, lower_end: EndCoil | None = None,
     upper_end: EndCoil | None = None, name: str = "barrel",
 ) -> SpringDefinition:  # fmt: skip
-    """Barrel (or, with a slimmer middle, hourglass) spring: mean diameter parabolic from the ends to the middle (lengths).
+    """Barrel (or, with a slimmer middle, hourglass) spring: mean diameter parabolic from the ends to the middle.
 
-    Other arguments and errors as :func:`cylindrical`.
+    Parameters
+    ----------
+    wire_diameter, end_mean_diameter, middle_mean_diameter : lengths (m, "4 mm" or a pint quantity)
+    pitch : rise of the wire's axis per turn, a length, between the closed turns
+    total_coils : all turns, tip to tip
+    material : of the wire, :class:`Material`
+    closed_coils : turns lying closed at either end; 0 for open ends
+    lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and ground, or open where ``closed_coils`` is 0
+    name : word for the spring in messages and results
 
+    Raises
+    ------
+    InputError : a spring that cannot exist, a slip of units
+
+    Examples
+    --------
     >>> barrel("4 mm", "20 mm", "26 mm", "8 mm", 7).mean_diameter.value(3.5).round(6)
     np.float64(0.026)
     """
-    law = _even_pitch(total_coils, wire_diameter, pitch, closed_coils)
+    law = _pitch_law(total_coils, wire_diameter, pitch, closed_coils)
     diameter = Parabola(_coil(end_mean_diameter), _coil(middle_mean_diameter), total_coils)
     return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name, closed_coils)
 
@@ -104,10 +136,26 @@ def hourglass(
     material: Material = OTEVA_90_SC, closed_coils: float = 1.0, lower_end: EndCoil | None = None,
     upper_end: EndCoil | None = None, name: str = "hourglass",
 ) -> SpringDefinition:  # fmt: skip
-    """Hourglass spring: as :func:`barrel`, with a middle slimmer than the ends (:class:`InputError` otherwise).
+    """Hourglass spring: mean diameter parabolic from the ends to a slimmer middle.
 
-    >>> hourglass("4 mm", "26 mm", "20 mm", "8 mm", 7).name
-    'hourglass'
+    Parameters
+    ----------
+    wire_diameter, end_mean_diameter, middle_mean_diameter : lengths (m, "4 mm" or a pint quantity)
+    pitch : rise of the wire's axis per turn, a length, between the closed turns
+    total_coils : all turns, tip to tip
+    material : of the wire, :class:`Material`
+    closed_coils : turns lying closed at either end; 0 for open ends
+    lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and ground, or open where ``closed_coils`` is 0
+    name : word for the spring in messages and results
+
+    Raises
+    ------
+    InputError : a middle no slimmer than the ends, a spring that cannot exist, a slip of units
+
+    Examples
+    --------
+    >>> hourglass("4 mm", "26 mm", "20 mm", "8 mm", 7).mean_diameter.value(3.5).round(6)
+    np.float64(0.02)
     """
     if _coil(middle_mean_diameter) >= _coil(end_mean_diameter):
         raise InputError("an hourglass spring is slimmer in the middle than at its ends; use barrel for the other way round")
@@ -118,44 +166,73 @@ def hourglass(
 
 
 def beehive(
-    wire_diameter: Given, mean_diameter: Given, top_mean_diameter: Given, taper_from_coil: float, pitch: Curve, total_coils: float, *,
-    material: Material = OTEVA_90_SC, lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "beehive",
+    wire_diameter: Given, mean_diameter: Given, top_mean_diameter: Given, taper_from_coil: float, pitch: Curve | Given, total_coils: float,
+    *, material: Material = OTEVA_90_SC, lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "beehive",
 ) -> SpringDefinition:  # fmt: skip
-    """Beehive spring: cylindrical up to coil number ``taper_from_coil``, then tapering linearly to ``top_mean_diameter`` (a length).
+    """Beehive spring: cylindrical up to a coil number, then tapering linearly.
 
-    ``pitch``: curve over the coil number (m per turn), such as :func:`pitch_with_closed_ends`. Other arguments and errors as
-    :func:`cylindrical`; ends left out are closed and ground.
+    Parameters
+    ----------
+    wire_diameter, mean_diameter, top_mean_diameter : lengths (m, "4 mm" or a pint quantity)
+    taper_from_coil : coil number (turns from the lower tip) from which the mean diameter falls to ``top_mean_diameter``
+    pitch : curve over the coil number (m per turn), or a length, which holds between one closed turn at either end
+    total_coils : all turns, tip to tip
+    material : of the wire, :class:`Material`
+    lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and ground
+    name : word for the spring in messages and results
 
-    >>> law = pitch_with_closed_ends(7, "3.8 mm", "7 mm")
-    >>> beehive("3.8 mm", "22 mm", "18 mm", 4, law, 7).mean_diameter.value(7.0).round(6)
+    Raises
+    ------
+    InputError : a spring that cannot exist, a slip of units
+
+    Examples
+    --------
+    >>> beehive("3.8 mm", "22 mm", "18 mm", 4, "7 mm", 7).mean_diameter.value(7.0).round(6)
     np.float64(0.018)
     """
     diameter = PiecewiseLinear((0.0, taper_from_coil, total_coils), (_coil(mean_diameter), _coil(mean_diameter), _coil(top_mean_diameter)))
-    return _spring(wire_diameter, diameter, pitch, total_coils, material, lower_end, upper_end, name)
+    law = _pitch_law(total_coils, wire_diameter, pitch, 1.0)
+    return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name)
 
 
 def variable_pitch(
-    wire_diameter: Given, mean_diameter: Given, pitch: Curve, total_coils: float, *, material: Material = OTEVA_90_SC,
+    wire_diameter: Given, mean_diameter: Given, pitch: Curve | Given, total_coils: float, *, material: Material = OTEVA_90_SC,
     lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "variable pitch",
 ) -> SpringDefinition:  # fmt: skip
-    """Cylindrical spring whose pitch follows any curve over the coil number (m per turn).
+    """Cylindrical spring whose pitch follows any curve over the coil number.
 
-    Other arguments and errors as :func:`cylindrical`; ends left out are closed and ground.
+    Parameters
+    ----------
+    wire_diameter, mean_diameter : lengths (m, "4 mm" or a pint quantity)
+    pitch : curve over the coil number (m per turn), or a length, which holds between one closed turn at either end
+    total_coils : all turns, tip to tip
+    material : of the wire, :class:`Material`
+    lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and ground
+    name : word for the spring in messages and results
 
-    >>> law = PiecewiseLinear((0, 1, 2, 5, 6, 7), (3.8e-3, 3.8e-3, 6e-3, 8e-3, 3.8e-3, 3.8e-3))
+    Raises
+    ------
+    InputError : a spring that cannot exist, a slip of units
+
+    Examples
+    --------
+    >>> law = PiecewiseLinear((0, 1, 2, 5, 6, 7), "3.8, 3.8, 6, 8, 3.8, 3.8 mm")
     >>> variable_pitch("3.8 mm", "22 mm", law, 7).total_coils
     7
     """
-    return _spring(wire_diameter, Constant(_coil(mean_diameter)), pitch, total_coils, material, lower_end, upper_end, name)
+    law = _pitch_law(total_coils, wire_diameter, pitch, 1.0)
+    return _spring(wire_diameter, Constant(_coil(mean_diameter)), law, total_coils, material, lower_end, upper_end, name)
 
 
 def _coil(mean_diameter: Given) -> float:
     return si(mean_diameter, "mean_diameter", "mean diameter")
 
 
-def _even_pitch(total_coils: float, wire_diameter: Given, pitch: Given, closed_coils: float) -> Curve:
+def _pitch_law(total_coils: float, wire_diameter: Given, pitch: Curve | Given, closed_coils: float) -> Curve:
     if not (np.isfinite(closed_coils) and closed_coils >= 0):
         raise InputError(f"closed_coils is {closed_coils:g}; give the turns that lie closed at either end, 0 for open ends")
+    if isinstance(pitch, Curve):
+        return pitch
     if closed_coils == 0:
         return Constant(si(pitch, "pitch", "pitch"))
     return pitch_with_closed_ends(total_coils, wire_diameter, pitch, closed_coils, closed_coils)

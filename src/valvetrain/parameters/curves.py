@@ -6,7 +6,7 @@ derivative per turn and its integral from zero. One class per kind; a new kind i
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.units import Given, si, si_each
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
@@ -34,9 +35,22 @@ class Curve(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """The same value at every coil number."""
+    """The same length at every coil number: ``level`` in m, as text with a unit ("7 mm") or as a pint quantity.
+
+    Raises :class:`InputError` for what is no length.
+
+    >>> Constant("7 mm").level
+    0.007
+    """
 
     level: float
+
+    if TYPE_CHECKING:  # what may be given is wider than what is kept
+
+        def __init__(self, level: Given) -> None: ...
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "level", si(self.level, "length", "level of a constant curve"))
 
     def value(self, coil: ArrayLike) -> Array:
         return np.full_like(np.asarray(coil, dtype=float), self.level)
@@ -52,13 +66,23 @@ class Constant:
 class PiecewiseLinear:
     """Straight lines between (coil, value) knots, held constant beyond the first and last knot.
 
-    Raises :class:`InputError` when fewer than two knots are given or the coils do not increase.
+    ``coils``: rising coil numbers; ``values``: as many lengths (m, text with a unit, pint quantities), or text such as "4, 7, 4 mm".
+    Raises :class:`InputError` when fewer than two knots are given, the coils do not increase or a value is no length.
+
+    >>> PiecewiseLinear((0, 3, 6), "4, 7, 4 mm").values
+    (0.004, 0.007, 0.004)
     """
 
     coils: tuple[float, ...]
     values: tuple[float, ...]
 
+    if TYPE_CHECKING:
+
+        def __init__(self, coils: Iterable[float], values: str | Iterable[Given]) -> None: ...
+
     def __post_init__(self) -> None:
+        object.__setattr__(self, "coils", si_each(self.coils, "ratio", "coils of a curve"))
+        object.__setattr__(self, "values", si_each(self.values, "length", "values of a curve"))
         _check_knots(self.coils, self.values)
 
     def value(self, coil: ArrayLike) -> Array:
@@ -87,12 +111,25 @@ class PiecewiseLinear:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A measured or drawn table, interpolated by a shape-preserving cubic (PCHIP): C1, no overshoot."""
+    """A measured or drawn table, interpolated by a shape-preserving cubic (PCHIP): C1, no overshoot.
+
+    ``coils``: rising coil numbers; ``values``: as many lengths (m, text with a unit, pint quantities), or text such as "4, 7, 4 mm".
+    Raises :class:`InputError` when fewer than two knots are given, the coils do not increase or a value is no length.
+
+    >>> Table((0, 3, 6), "4, 7, 4 mm").values
+    (0.004, 0.007, 0.004)
+    """
 
     coils: tuple[float, ...]
     values: tuple[float, ...]
 
+    if TYPE_CHECKING:
+
+        def __init__(self, coils: Iterable[float], values: str | Iterable[Given]) -> None: ...
+
     def __post_init__(self) -> None:
+        object.__setattr__(self, "coils", si_each(self.coils, "ratio", "coils of a curve"))
+        object.__setattr__(self, "values", si_each(self.values, "length", "values of a curve"))
         _check_knots(self.coils, self.values)
 
     def _interpolant(self) -> PchipInterpolator:

@@ -13,6 +13,7 @@ from valvetrain.parameters.damping import DampingParameters
 from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.spring_options import options_problem
+from valvetrain.units import keep_si
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +25,7 @@ class CoilContact:
     damping_time: float = 1e-6
 
     def __post_init__(self) -> None:
+        keep_si(self, "the coil contact", stiffness="line stiffness", damping_time="time")
         for name in ("stiffness", "damping_time"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value >= 0):
@@ -51,6 +53,7 @@ class InstalledSpring:
     tied: bool = False
 
     def __post_init__(self) -> None:
+        keep_si(self, "an installed spring", precompression="compression")
         object.__setattr__(self, "options", FrozenMapping({word: FrozenMapping(values) for word, values in self.options.items()}))
         if (self.wire is None) == (self.card is None):
             raise InputError("an installed spring is known by its wire or by its card; give one of them")

@@ -26,6 +26,13 @@ from valvetrain.parameters.toml_text import resolved, toml_text
 LIBRARY = Path(__file__).parent / "library"
 #: Larger files are no case file.
 MOST_BYTES = 5_000_000
+#: A case, the name of a library case or the path of a case file.
+AnyCase = Case | str | os.PathLike[str]
+
+
+def case_of(case: AnyCase) -> Case:
+    """The case itself, or the one of that name or path; errors as :func:`load_case`."""
+    return case if isinstance(case, Case) else load_case(case)
 
 
 def load_case(name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None) -> Case:
@@ -33,11 +40,19 @@ def load_case(name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] |
 
     Parameters
     ----------
-    name_or_path : name of a library case (:func:`list_cases`), such as ``gu2021-beehive``, or path of a TOML file.
-    changes : key path -> value, as a file would hold it.
+    name_or_path : name of a library case (:func:`list_cases`), such as ``gu2021-beehive``, or path of a TOML file
+    changes : key path -> value, as a file would hold it: {"spring.wire_diameter": "4.1 mm"}
 
-    Raises :class:`InputError` with one sentence: file, line, key path, what is wrong and the remedy.
+    Returns
+    -------
+    Case, frozen, in SI
 
+    Raises
+    ------
+    InputError : one sentence: file, line, key path, what is wrong and the remedy
+
+    Examples
+    --------
     >>> case = load_case("gu2021-beehive", {"spring.wire_diameter": "4.1 mm"})
     >>> case.spring.wire_diameter.value(0.0).round(6)
     np.float64(0.0041)
@@ -91,6 +106,16 @@ def library_names() -> tuple[str, ...]:
 def list_cases() -> tuple[CaseSummary, ...]:
     """One line per library case; what each holds is read from its tables, without building it.
 
+    Returns
+    -------
+    tuple of CaseSummary: ``name``, ``title``, ``holds`` (tables of the case) and ``sources`` (keys of references)
+
+    Raises
+    ------
+    InputError : a library file that cannot be read
+
+    Examples
+    --------
     >>> [summary.name for summary in list_cases() if "gu2021" in summary.sources]
     ['gu2021-beehive']
     """

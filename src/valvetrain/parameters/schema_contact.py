@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator
@@ -13,7 +14,7 @@ from valvetrain.parameters.schema_types import Force, Length, Ratio, StrictModel
 from valvetrain.parameters.train import ContactParameters
 from valvetrain.units import dimension_powers
 
-#: Their dimension depends on the law, so the units written tell it (:func:`_written_for`).
+#: Their dimension depends on the law, so the units written tell it (:func:`written_for`).
 ContactStiffness = Annotated[float, quantity(None)]
 ContactDamping = Annotated[float, quantity(None)]
 Velocity = Annotated[float, quantity("velocity")]
@@ -58,7 +59,7 @@ def _read_contact(raw: Any) -> ContactParameters:
         if key not in common:
             values[key] = getattr(validate_as(_table_with(key, law), {"law": law, key: value}), key)
     friction = {key: values.pop(key) for key in _FRICTION if key in values}
-    units = guarded(_written_for, raw)
+    units = guarded(written_for, raw)
     built: ContactParameters = guarded(lambda: ContactParameters(law, values, **friction, **units))
     return built
 
@@ -70,7 +71,7 @@ def _table_with(key: str, law: str) -> type[ContactTable]:
     return next((table for table in tables if key in table.model_fields), tables[0])
 
 
-def _written_for(raw: dict[str, Any]) -> dict[str, Any]:
+def written_for(raw: Mapping[str, Any]) -> dict[str, Any]:
     """The exponent of the stiffness and the kind of damping that the units of a contact table tell; refuses other units."""
     found: dict[str, Any] = {}
     if isinstance(text := raw.get("contact_stiffness"), str):

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.curves import Array, Curve
+from valvetrain.parameters.curves import Array, Constant, Curve
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring_checks import check_spring
+from valvetrain.units import si
 
 EndKind = Literal["closed-ground", "closed", "open"]
 #: Kind -> inactive and ground turns where none are given.
@@ -55,7 +56,7 @@ OPEN_END = EndCoil("open")
 class SpringDefinition:
     """A coil spring: laws over the coil number ``u`` in [0, total_coils], counted from the lower wire tip.
 
-    ``wire_diameter`` and ``mean_diameter`` in m, ``pitch`` = rise of the wire axis per turn dz/du in m.
+    ``wire_diameter`` and ``mean_diameter`` in m, ``pitch`` = rise of the wire axis per turn dz/du in m; a length stands for a constant.
     The pitch must be continuous (its slope may jump). Raises :class:`InputError` with the reason for a
     spring that cannot exist.
     """
@@ -74,6 +75,9 @@ class SpringDefinition:
         for place in ("lower_end", "upper_end"):
             if not isinstance(getattr(self, place), EndCoil):
                 raise InputError(f"{place} of spring '{self.name}' is no EndCoil; write EndCoil('closed-ground'), 'closed' or 'open'")
+        for key in ("wire_diameter", "mean_diameter", "pitch"):
+            if not isinstance(law := getattr(self, key), Curve):
+                object.__setattr__(self, key, Constant(si(law, key, f"{key} of spring '{self.name}'")))
         check_spring(self)
 
     def replace(self, **changes: Any) -> SpringDefinition:

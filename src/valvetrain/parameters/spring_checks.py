@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Array, Curve
 from valvetrain.parameters.material import Material
+from valvetrain.units import si
 
 #: Depth, as a share of the wire diameter, up to which free coils may overlap (drawing and rounding slack).
 OVERLAP_SLACK = 0.02
@@ -73,6 +74,10 @@ def check_spring(spring: WireShape) -> None:
         bad = ~(np.isfinite(law.value(beyond)) & np.isfinite(law.derivative(beyond)))
         remedy = f"let its curve go on {BEYOND_TIPS:g} turns past both tips, such as by np.clip of the coil number"
         _refuse(bad, beyond, spring, f"{label} is not a finite number with a slope; {remedy}")
+    for law, quantity in ((spring.wire_diameter, "wire_diameter"), (spring.mean_diameter, "mean_diameter"), (spring.pitch, "pitch")):
+        # millimetres taken for metres are 0.2 m or more; smaller values meet the checks of the shape
+        if (largest := float(np.max(law.value(coil)))) >= 0.2:
+            si(largest, quantity, f"{quantity} of spring '{spring.name}'")
     thick = spring.index(coil) <= 1.0
     _refuse(thick, coil, spring, "mean coil diameter does not exceed the wire diameter (index at most 1); widen the coil")
     _refuse_jumps(spring, coil)

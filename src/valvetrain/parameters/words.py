@@ -12,7 +12,7 @@ from valvetrain.parameters.curves import Constant, PiecewiseLinear, Table
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.train import ContactParameters
-from valvetrain.units import unit_factor
+from valvetrain.units import dimension_of, parse_quantities, si, unit_factor
 
 #: Last word of a key path -> unit shown.
 _UNITS = {
@@ -28,6 +28,26 @@ _UNITS = {
     "stiffness": "kN/mm", "stem_stiffness": "kN/mm", "damping": "N s/m", "stem_damping": "N s/m", "valve_damping": "N s/m",
     "normal_force": "N", "damping_time": "s", "output_step": "deg", "time_step": "s", "card_lift": "mm", "friction_velocity": "m/s",
 }  # fmt: skip
+
+#: Last word of a key path -> dimension, where its unit measures several.
+_DIMENSIONS = {"youngs_modulus": "modulus", "shear_modulus": "modulus", "mass_damping": "damping rate"}
+
+
+def si_at(path: str, value: Any) -> Any:
+    """A value for a key path as given, text with a unit or a pint quantity made SI; others, and those their part reads itself, as they are.
+
+    Raises :class:`valvetrain.errors.InputError` for a wrong or missing unit.
+    """
+    keys = path.split(".")
+    unit = "N/mm^2" if keys[-2:] == ["contact", "stiffness"] else _UNITS.get(keys[-1], "turns")
+    # speeds are read by Operation, a contact's numbers by their law
+    if unit in ("turns", "rpm") or "contacts" in keys or not (isinstance(value, str) or hasattr(value, "to_base_units")):
+        return value
+    dimension = dimension_of(unit)
+    assert dimension is not None
+    if isinstance(value, str) and "," in value:
+        return parse_quantities(value, dimension, path)
+    return si(value, _DIMENSIONS.get(keys[-1], dimension), path)
 
 
 def words_at(holder: Any, path: str) -> str:

@@ -18,7 +18,27 @@ _MOST_SPEEDS = 6
 
 
 def study_page(study: Study) -> Page:
-    """The whole page of a study, whatever was studied; a section without blocks is left out, one that fails is named in its place."""
+    """The whole page of a study, whatever was studied; a section without blocks is left out, one that fails is named in its place.
+
+    Parameters
+    ----------
+    study : what ``simulate``, ``compare`` or ``sweep`` gave
+
+    Returns
+    -------
+    Page with title, facts and sections, which :func:`write_study` writes as HTML
+
+    Raises
+    ------
+    InputError : a section added by another package that cannot be loaded
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> page = vt.study_page(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
+    >>> len(page.sections) > 3
+    True
+    """
     sections = tuple(section for word in words("sections") if (section := _section(find("sections", word), study)) is not None)
     record = study.record
     told = sentences(record.description) if told_by_source(study) else []

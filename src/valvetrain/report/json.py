@@ -61,7 +61,25 @@ def comparison_object(row: Comparison) -> dict[str, Any]:
 
 
 def study_json(study: Study) -> dict[str, Any]:
-    """The study as plain dictionaries and lists, keys as in docs/quantities.md."""
+    """The study as plain dictionaries and lists, keys as in docs/quantities.md; every number stands with its unit.
+
+    Parameters
+    ----------
+    study : what ``simulate``, ``compare`` or ``sweep`` gave
+
+    Returns
+    -------
+    dict that ``json.dumps`` takes
+
+    Raises nothing of its own.
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> found = vt.study_json(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
+    >>> found["runs"][0]["quantities"]["peak_spring_force"]["unit"]
+    'N'
+    """
     still = {label: quantities_object(values) for label, values in study.still.items()}
     return {
         "command": study.command, "case": study.record.name, "title": study.record.title, "digest": study.record.digest,

@@ -55,9 +55,30 @@ class _Names:
 
 
 def write_study(study: Study, folder: str | os.PathLike[str], page: bool = True, figures: bool = False) -> StudyFiles:
-    """Data files, and on request the page (report.html) and its figures as SVG pictures; ``folder`` is made if absent.
+    """Write the data files of a study and, on request, its page and pictures.
 
-    Raises :class:`valvetrain.errors.InputError` when the folder cannot be written.
+    Parameters
+    ----------
+    study : what ``simulate``, ``compare`` or ``sweep`` gave
+    folder : made if absent; files of an earlier study there that nobody changed are removed
+    page : write report.html, one file that needs no network
+    figures : write every chart of the page as an SVG picture too
+
+    Returns
+    -------
+    StudyFiles with the paths: folder, page (None without), data, figures
+
+    Raises
+    ------
+    InputError : a folder that cannot be written
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> study = vt.simulate("job-t", "2000 rpm", spring_models=["massless"])
+    >>> written = vt.write_study(study, "results", page=False)
+    >>> sorted(file.name for file in written.data)[:3]
+    ['massless-2000rpm.csv', 'massless-2000rpm.nc', 'modes-job-t-finite-element.csv']
     """
     target, names = Path(folder), _Names()
     data: list[Path] = []

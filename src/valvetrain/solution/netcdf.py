@@ -24,7 +24,29 @@ _PathLike = str | os.PathLike[str]
 
 
 def save_netcdf(solution: Solution, path: _PathLike) -> Path:
-    """Write a solution with its events, status, statistics and provenance; whole or not at all."""
+    """Write a solution with its events, status, statistics, quantities and provenance; whole or not at all.
+
+    Parameters
+    ----------
+    solution : one run, whole or reduced
+    path : file to write; its folder is made if absent
+
+    Returns
+    -------
+    Path of the file
+
+    Raises
+    ------
+    InputError : a path that cannot be written
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> (run,) = vt.simulate("job-t", "2000 rpm", spring_models=["massless"]).solutions
+    >>> path = vt.save_netcdf(run, "run.nc")
+    >>> vt.load_netcdf(path).quantities["peak_spring_force"] == run.quantities["peak_spring_force"]
+    True
+    """
     text = metadata.pack(
         "solution", status=solution.status, provenance=solution.provenance, events=solution.events, statistics=dict(solution.statistics),
         quantities=dict(solution.quantities),
@@ -33,7 +55,27 @@ def save_netcdf(solution: Solution, path: _PathLike) -> Path:
 
 
 def load_netcdf(path: _PathLike) -> Solution:
-    """Read what :func:`save_netcdf` wrote; :class:`InputError` for a file that is not one, or is truncated."""
+    """Read what :func:`save_netcdf` wrote, without loss.
+
+    Parameters
+    ----------
+    path : the file
+
+    Returns
+    -------
+    Solution with channels, events, status, statistics, quantities and provenance
+
+    Raises
+    ------
+    InputError : no such file, another file, or one that is truncated
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> (run,) = vt.simulate("job-t", "2000 rpm", spring_models=["massless"]).solutions
+    >>> vt.load_netcdf(vt.save_netcdf(run, "run.nc")).label
+    'massless'
+    """
     dataset, content = _read(path, "solution")
     words = content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", "")
     return Solution(dataset, *words, content.get("quantities", {}))

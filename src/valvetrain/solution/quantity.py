@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from valvetrain.errors import InputError
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.display import frame, table, words
-from valvetrain.units import Given, si
+from valvetrain.units import Given, keep_si, si
 
 if TYPE_CHECKING:
     import pandas
@@ -20,11 +20,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A named scalar: ``engine_speed`` in rad/s of the crank (None where none applies), ``label`` of the run (empty where none applies)."""
+    """A named scalar: ``engine_speed`` of the crank (rad/s, "5600 rpm", pint; None where none applies) and ``label`` of the run.
+
+    >>> Quantity("peak_seat_force", "2000 rpm", "massless").unit
+    'N'
+    """
 
     name: str
     engine_speed: float | None = None
     label: str = ""
+
+    if TYPE_CHECKING:  # what may be given is wider than what is kept
+
+        def __init__(self, name: str, engine_speed: Given | None = None, label: str = "") -> None: ...
+
+    def __post_init__(self) -> None:
+        keep_si(self, f"quantity '{self.name}'", engine_speed="engine_speed")
 
     @property
     def unit(self) -> str:
@@ -63,7 +74,12 @@ class Quantities(Mapping[Quantity, float]):
 
     def __getitem__(self, key: Quantity | str) -> float:
         if isinstance(key, Quantity):
-            return self._values[key]
+            near = (
+                one
+                for one in self._values
+                if (one.name, one.label) == (key.name, key.label) and same_speed(one.engine_speed, key.engine_speed)
+            )
+            return self._values[key if key in self._values else next(near, key)]
         found = [one for one in self._values if one.name == key]
         if len(found) == 1:
             return self._values[found[0]]

@@ -21,10 +21,31 @@ _MARK = "# valvetrain solution as CSV; the next line describes it, the one after
 
 
 def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
-    """Write a solution as one wide table; whole or not at all.
+    """Write a solution as one wide table of text; whole or not at all.
 
     Channels with a second dimension take one column per wire point or coil pair, named with its coil number. Floats are
     written with as many digits as it takes to read the same number back.
+
+    Parameters
+    ----------
+    solution : one run
+    path : file to write; its folder is made if absent
+
+    Returns
+    -------
+    Path of the file
+
+    Raises
+    ------
+    InputError : a path that cannot be written
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> (run,) = vt.simulate("job-t", "2000 rpm", spring_models=["massless"]).solutions
+    >>> path = vt.save_csv(run, "run.csv")
+    >>> path.read_text().splitlines()[2].split(",")[0]
+    'time [s]'
     """
     dataset = solution.channels
     names = [*dataset.coords, *dataset.data_vars]
@@ -47,7 +68,27 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
 
 
 def load_csv(path: str | os.PathLike[str]) -> Solution:
-    """Read what :func:`save_csv` wrote; :class:`InputError` for a file that is not one, or is truncated."""
+    """Read what :func:`save_csv` wrote, without loss.
+
+    Parameters
+    ----------
+    path : the file
+
+    Returns
+    -------
+    Solution with channels, events, status, statistics, quantities and provenance
+
+    Raises
+    ------
+    InputError : no such file, another file, or one that is truncated
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> (run,) = vt.simulate("job-t", "2000 rpm", spring_models=["massless"]).solutions
+    >>> vt.load_csv(vt.save_csv(run, "run.csv")).channels.equals(run.channels)
+    True
+    """
     where = str(path)
     if not Path(path).is_file():
         raise InputError("no such file; check the path", where)

@@ -14,6 +14,7 @@ from valvetrain.springs.chain_layout import Array, ChainLayout, chain_from_defin
 from valvetrain.springs.chain_statics import contact_depths, solve_static, static_curve
 from valvetrain.springs.masses import check_masses
 from valvetrain.springs.multi_mass import CONTACT_STIFFNESS, MultiMassSpring
+from valvetrain.units import Given, keep_si, si
 
 #: Elements per turn of the chain that reduces a definition.
 REDUCTION_MESH = 24
@@ -43,6 +44,7 @@ class EquivalentSpring:
     name: str = "spring"
 
     def __post_init__(self) -> None:
+        keep_si(self, f"spring '{self.name}'", rate="spring_rate", preload="force", active_mass="mass", inactive_mass="mass")
         if not (np.isfinite(self.rate) and self.rate > 0):
             raise InputError(f"rate of spring '{self.name}' is {self.rate} N/m; give a positive rate")
         if not self.active_mass > 0:
@@ -57,12 +59,13 @@ class EquivalentSpring:
         return cls(card.rate, card.preload, card.mass, name=name)
 
     @classmethod
-    def from_definition(cls, spring: SpringDefinition, precompression: float) -> EquivalentSpring:
+    def from_definition(cls, spring: SpringDefinition, precompression: Given) -> EquivalentSpring:
         """Same tangent rate, preload and first surge frequency as the wire at its installed state, coils that touch kept closed.
 
         Equal first frequency fixes the mass (rate / (4 f1**2)): for a cylindrical spring the wire's own, for a beehive the mass that
         vibrates. Turns resting on the retainer count as inactive.
         """
+        precompression = si(precompression, "compression", f"precompression of spring '{spring.name}'")
         layout = reduction_chain(spring)
         force, rate = static_curve(layout, np.array([precompression]))
         first = float(MultiMassSpring(layout, precompression).frequencies(0.0, 1)[0])

@@ -26,6 +26,7 @@ from valvetrain.springs import finite_element_kernel as stepping
 from valvetrain.springs.contract import WATCH_INTERVAL, Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.springs.wire_from_card import wire_from_card
+from valvetrain.units import keep_si
 
 _SCRATCH = threading.local()
 #: Wire points and coil pairs are reported at every eighth of a turn.
@@ -51,6 +52,7 @@ class FiniteElementRod:
     pulls: bool = True
 
     def __post_init__(self) -> None:
+        keep_si(self, f"spring '{self.name}'", precompression="compression", time_step="time")
         if not (np.isfinite(self.precompression) and self.precompression >= 0):
             raise InputError(f"precompression of spring '{self.name}' is {self.precompression} m; give zero or a positive length")
         if self.seats not in ("planes", "clamps"):

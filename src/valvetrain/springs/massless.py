@@ -24,6 +24,7 @@ from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOu
 from valvetrain.springs.equivalent import EquivalentSpring, reduction_chain
 from valvetrain.springs.masses import RAYLEIGH_FRACTION, check_masses
 from valvetrain.springs.spec import SpringModelSpec
+from valvetrain.units import keep_si, si_each
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class MasslessSpring:
     pulls: bool = True
 
     def __post_init__(self) -> None:
+        keep_si(self, f"spring '{self.name}'", rate="spring_rate", preload="force", active_mass="mass", inactive_mass="mass")
         if not (np.isfinite(self.rate) and self.rate > 0):
             raise InputError(f"rate of spring '{self.name}' is {self.rate} N/m; give a positive rate")
         check_masses(self.name, self.preload, self.active_mass, self.effective_mass_fraction, self.inactive_mass)
@@ -112,6 +114,10 @@ class MasslessTable:
     pulls: bool = True
 
     def __post_init__(self) -> None:
+        where = f"static curve of spring '{self.name}'"
+        object.__setattr__(self, "displacements", si_each(self.displacements, "compression", where))
+        object.__setattr__(self, "forces", si_each(self.forces, "force", where))
+        keep_si(self, f"spring '{self.name}'", active_mass="mass", inactive_mass="mass")
         if len(self.displacements) != len(self.forces) or len(self.forces) < 2:
             raise InputError(f"static curve of spring '{self.name}' needs at least two points, each with displacement and force")
         if not (np.all(np.isfinite(self.displacements)) and np.all(np.isfinite(self.forces))):

@@ -23,6 +23,7 @@ from valvetrain.springs import modal_kernels
 from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import SpringModelSpec
+from valvetrain.units import keep_si, si_each
 
 #: Places along the spring at which section motion is shown.
 SECTIONS = 25
@@ -48,6 +49,8 @@ class ModalUniform:
     pulls: bool = True
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "natural_frequencies", si_each(self.natural_frequencies, "frequency", "natural_frequencies"))
+        keep_si(self, f"modal spring '{self.spring.name}'", mass_damping="damping rate", stiffness_damping="time")
         label = f"modal spring '{self.spring.name}'"
         if self.modes < 1:
             raise InputError(f"{label} has {self.modes} modes; give at least 1")

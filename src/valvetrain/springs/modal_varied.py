@@ -29,6 +29,7 @@ from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOu
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.modal_uniform import SECTIONS
 from valvetrain.springs.spec import NoOptions, SpringModelSpec
+from valvetrain.units import Given, keep_si, si, si_each
 
 SAMPLES = 4096
 
@@ -67,6 +68,9 @@ class ModalVaried:
     pulls: bool = True
 
     def __post_init__(self) -> None:
+        for key, quantity in (("natural_frequencies", "frequency"), ("compressions", "length"), ("forces", "force")):
+            object.__setattr__(self, key, si_each(getattr(self, key), quantity, f"{key} of spring '{self.name}'"))
+        keep_si(self, f"spring '{self.name}'", precompression="compression", residual_mass="mass")
         if not self.natural_frequencies or min(self.natural_frequencies) <= 0 or np.any(np.diff(self.natural_frequencies) <= 0):
             raise InputError(f"spring '{self.name}' needs positive, rising natural frequencies, one per mode")
         if not 0 <= self.damping_ratio < 1:
@@ -90,12 +94,13 @@ class ModalVaried:
         found: Array = np.interp(x, self.compressions, self.forces) / x
         return found
 
-    def solve(self, valve_lift: Callable[[Array], ArrayLike] | ArrayLike, cam_speed: float, samples: int = SAMPLES) -> ModalSolution:
+    def solve(self, valve_lift: Callable[[Array], ArrayLike] | ArrayLike, cam_speed: Given, samples: int = SAMPLES) -> ModalSolution:
         """Steady periodic response over one cam turn.
 
         ``valve_lift`` (m): function of the cam angle (rad), sampled at ``samples`` angles, or samples over one turn (end point left out);
-        ``cam_speed`` in rad/s.
+        ``cam_speed`` in rad/s, text with a unit or a pint quantity.
         """
+        cam_speed = si(cam_speed, "cam_speed", "cam_speed")
         if not cam_speed > 0:
             raise InputError(f"cam_speed is {cam_speed} rad/s; give a positive speed")
         moved, cam_angle = _sampled(valve_lift, samples)

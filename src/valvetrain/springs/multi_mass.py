@@ -19,6 +19,7 @@ from valvetrain.springs import chain_kernels, chain_statics
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, uniform_chain
 from valvetrain.springs.contract import WATCH_INTERVAL, Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.spec import SpringModelSpec
+from valvetrain.units import Given, keep_si, si
 
 CONTACT_STIFFNESS = 1e10
 CONTACT_DAMPING_TIME = 1e-6
@@ -42,32 +43,36 @@ class MultiMassSpring:
     pulls: bool = True
 
     def __post_init__(self) -> None:
+        keep_si(self, f"spring '{self.name}'", precompression="compression", mass_damping="damping rate", stiffness_damping="time",
+                contact_damping_time="time")  # fmt: skip
         for key in ("precompression", "mass_damping", "stiffness_damping", "contact_damping_time"):
             if not (np.isfinite(getattr(self, key)) and getattr(self, key) >= 0):
                 raise InputError(f"{key} of spring '{self.name}' is {getattr(self, key)}; give zero or a positive number")
 
     @classmethod
     def from_definition(
-        cls, spring: SpringDefinition, precompression: float, *, masses_per_coil: int = 12,
+        cls, spring: SpringDefinition, precompression: Given, *, masses_per_coil: int = 12,
         contact_stiffness: float = CONTACT_STIFFNESS, **options: Any,
     ) -> MultiMassSpring:  # fmt: skip
         """From the wire: ``masses_per_coil`` elements per turn; ``contact_stiffness`` in N/m per m of wire (0: coils pass through)."""
         if masses_per_coil < 1 or masses_per_coil != int(masses_per_coil):
             raise InputError(f"masses_per_coil of spring '{spring.name}' is {masses_per_coil}; give a whole number, 12 is usual")
+        compression = si(precompression, "compression", f"precompression of spring '{spring.name}'")
         if contact_stiffness > 0:
-            spring.refuse_solid(precompression)
+            spring.refuse_solid(compression)
         first, last = spring.free_coils
         layout = chain_from_definition(spring, max(2, round((last - first) * masses_per_coil)), contact_stiffness)
-        return cls(layout, precompression, **options)
+        return cls(layout, compression, **options)
 
     @classmethod
     def from_card(
-        cls, rate: float, preload: float, mass: float, *, elements: int = 5, inactive_mass: float = 0.0, **options: Any
+        cls, rate: Given, preload: Given, mass: Given, *, elements: int = 5, inactive_mass: float = 0.0, **options: Any
     ) -> MultiMassSpring:
         """From rate (N/m), preload (N) and mass (kg): uniform, without coil gaps (a card does not tell them).
 
         Five elements are the published chain of 6 masses, one of them fixed and one moving with the valve.
         """
+        rate, preload, mass = si(rate, "spring_rate", "rate"), si(preload, "force", "preload"), si(mass, "mass", "mass")
         if not preload >= 0:
             raise InputError(f"preload of the spring card is {preload} N; give zero or a positive force")
         return cls(uniform_chain(rate, mass, elements, inactive_mass), preload / rate, **options)

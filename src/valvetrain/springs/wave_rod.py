@@ -18,6 +18,7 @@ from valvetrain.springs import wave_rod_kernels
 from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import NoOptions, SpringModelSpec
+from valvetrain.units import keep_si
 
 #: More cells than this add cost and no physics: the grid is then finer than any train excites.
 MOST_CELLS = 1000
@@ -45,6 +46,7 @@ class WaveRod:
     pulls: bool = True
 
     def __post_init__(self) -> None:
+        keep_si(self, f"the rod of spring '{self.spring.name}'", friction="damping rate")
         if self.cells < 3:
             raise InputError(f"the rod of spring '{self.spring.name}' has {self.cells} cells; give at least 3 (200 is usual)")
         if not (np.isfinite(self.friction) and self.friction >= 0):

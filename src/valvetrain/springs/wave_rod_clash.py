@@ -19,6 +19,7 @@ from valvetrain.springs.equivalent import EquivalentSpring, InstalledGaps, insta
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import NoOptions, SpringModelSpec
 from valvetrain.springs.wave_rod import cells_for_step, wave_friction
+from valvetrain.units import Given, keep_si, si
 
 #: Courant number that leaves room for the contacts, their stiffness over a cell's, and their damping time over the step.
 COURANT, CONTACT_SHARE, DAMPING_SHARE = 0.9, 0.2, 0.4
@@ -40,12 +41,14 @@ class WaveRodWithClash:
     pulls: bool = True
 
     def __post_init__(self) -> None:
+        keep_si(self, f"the rod of spring '{self.spring.name}'", friction="damping rate")
         if self.cells < 3:
             raise InputError(f"the rod of spring '{self.spring.name}' has {self.cells} cells; give at least 3 (200 is usual)")
 
     @classmethod
-    def from_definition(cls, spring: SpringDefinition, precompression: float, **options: Any) -> WaveRodWithClash:
-        """Rate, mass and installed gaps of the wire at ``precompression`` (m)."""
+    def from_definition(cls, spring: SpringDefinition, precompression: Given, **options: Any) -> WaveRodWithClash:
+        """Rate, mass and installed gaps of the wire at ``precompression`` (m, text with a unit or a pint quantity)."""
+        precompression = si(precompression, "compression", f"precompression of spring '{spring.name}'")
         return cls(EquivalentSpring.from_definition(spring, precompression), installed_gaps(spring, precompression), **options)
 
     @cached_property

@@ -1,21 +1,24 @@
-"""What a program calls: simulate, compare, sweep. Speeds and cases in the forms people write them."""
+"""What a program calls: simulate, compare, sweep, static_curve. Speeds and cases in the forms people write them."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 
-from valvetrain.parameters.case import Case
-from valvetrain.parameters.loading import load_case
+from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
 from valvetrain.studies.compare import compare_study
 from valvetrain.studies.engine import Progress
+from valvetrain.studies.rest import STEPS
+from valvetrain.studies.rest_study import curve_by_model, largest_lift
 from valvetrain.studies.run import run_study
 from valvetrain.studies.sweep import sweep_study
-from valvetrain.units import Given, si_speeds
+from valvetrain.system.build import build
+from valvetrain.units import Given, si, si_speeds
 
-#: A case, the name of a library case or the path of a case file.
-AnyCase = Case | str | os.PathLike[str]
 #: Engine speeds: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"``, one or several numbers (rad/s of the crank), pint quantities.
 Speeds = Given | Sequence[Given]
 
@@ -51,7 +54,7 @@ def simulate(
     522
     """
     return run_study(
-        _case(case), engine_speeds=_speeds(engine_speeds), spring_models=spring_models, spring_sets=spring_sets, workers=workers,
+        case_of(case), engine_speeds=_speeds(engine_speeds), spring_models=spring_models, spring_sets=spring_sets, workers=workers,
         progress=progress,
     )  # fmt: skip
 
@@ -60,7 +63,20 @@ def compare(
     case: AnyCase, spring_models: Sequence[str] = (), engine_speeds: Speeds | None = None, *, spring_sets: Sequence[str] = (),
     workers: int | None = None, progress: Progress | None = None,
 ) -> Study:  # fmt: skip
-    """A case by several spring models side by side, at rest and in motion; arguments as in :func:`simulate`.
+    """A case by several spring models side by side, at rest and in motion.
+
+    Parameters
+    ----------
+    spring_models : words of spring models; those usual for the case by default
+    case, engine_speeds, spring_sets, workers, progress : as for :func:`simulate`
+
+    Returns
+    -------
+    Study with one solution per model and speed, and in ``rest`` the static curve and frequencies of each spring by each model
+
+    Raises
+    ------
+    InputError : as :func:`simulate`; MissingExtraError where solid finite elements are asked for and their solver is not installed
 
     Examples
     --------
@@ -70,16 +86,30 @@ def compare(
     [215, 215]
     """
     return compare_study(
-        _case(case), engine_speeds=_speeds(engine_speeds), spring_models=spring_models, spring_sets=spring_sets, workers=workers,
+        case_of(case), engine_speeds=_speeds(engine_speeds), spring_models=spring_models, spring_sets=spring_sets, workers=workers,
         progress=progress,
     )  # fmt: skip
 
 
 def sweep(
     case: AnyCase, engine_speeds: Speeds = "1000:9000:100 rpm", *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
-    workers: int | None = None, progress: Progress | None = None,
+    whole: bool = False, workers: int | None = None, progress: Progress | None = None,
 ) -> Study:  # fmt: skip
-    """A case over engine speed; solutions are reduced to events and named quantities. Arguments as in :func:`simulate`.
+    """A case over engine speed: numbers per speed and, of a train, where it loses contact and floats.
+
+    Parameters
+    ----------
+    case, spring_models, spring_sets, workers, progress : as for :func:`simulate`
+    engine_speeds : speeds of the crank, "1000:9000:100 rpm" (first:last:step), rad/s or pint quantities
+    whole : keep the channels of every solution (megabytes each); without it solutions hold their events and named quantities only
+
+    Returns
+    -------
+    Study whose ``series(label, name)`` gives speeds (n,) in rad/s and values (n,) in SI
+
+    Raises
+    ------
+    InputError : as :func:`simulate`
 
     Examples
     --------
@@ -92,12 +122,52 @@ def sweep(
     speeds = _speeds(engine_speeds)
     assert speeds is not None
     return sweep_study(
-        _case(case), speeds, spring_models=spring_models, spring_sets=spring_sets, workers=workers, progress=progress
+        case_of(case), speeds, spring_models=spring_models, spring_sets=spring_sets, whole=whole, workers=workers, progress=progress
     )  # fmt: skip
 
 
-def _case(case: AnyCase) -> Case:
-    return case if isinstance(case, Case) else load_case(case)
+def static_curve(
+    spring: SpringDefinition | InstalledSpring | AnyCase, largest_compression: Given | None = None, *, spring_model: str = "finite-element",
+    steps: int = STEPS,
+) -> StaticCurve:  # fmt: skip
+    """Force and stiffness over compression of one spring from its free state, coils closing.
+
+    Parameters
+    ----------
+    spring : a spring of one's own, an installed spring (``case.springs[0]``), or a case with one spring (as for :func:`simulate`)
+    largest_compression : end of the curve (m, "8 mm" or a pint quantity); by default a little beyond the largest lift of the case, or 80 %
+        of the way to coil bind where there is no lift
+    spring_model : word of the spring model; one that knows the installed state only (a card) holds from there on
+    steps : even steps of the curve
+
+    Returns
+    -------
+    StaticCurve of arrays (steps + 1,): compression m, force N, stiffness N/m; shorter, with a status, where no equilibrium is found
+
+    Raises
+    ------
+    InputError : a compression beyond coil bind, several springs in the case, a model that cannot stand for the spring
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> curve = vt.static_curve(vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), "8 mm", spring_model="multi-mass")
+    >>> round(curve.force_at("4 mm")), round(curve.force_at("8 mm"))
+    (149, 312)
+    """
+    installed, lift = InstalledSpring(wire=spring) if isinstance(spring, SpringDefinition) else spring, 0.0
+    if not isinstance(installed, InstalledSpring):
+        problem = build(installed)
+        if len(problem.springs) > 1:
+            names = ", ".join(f"'{one.name}'" for one in problem.springs)
+            raise InputError(
+                f"case '{problem.record.name}' holds {len(problem.springs)} springs ({names}); give one, such as case.springs[0]"
+            )
+        installed, lift = problem.springs[0], largest_lift(problem)
+    if steps < 1:
+        raise InputError(f"a static curve needs one step or more; it has {steps}")
+    wanted = None if largest_compression is None else si(largest_compression, "compression", "largest_compression")
+    return curve_by_model(installed, spring_model, lift, wanted, steps)
 
 
 def _speeds(engine_speeds: Speeds | None) -> tuple[float, ...] | None:

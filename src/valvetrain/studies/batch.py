@@ -21,11 +21,28 @@ def map_cases(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Result, ...]:
-    """``function`` of every case, in their order; ``workers`` processes (None: one per core, 1: in this process).
+    """A function of every case, in their order, over processes: every case runs by itself, so results do not depend on ``workers``.
 
-    ``function`` must be importable (a module-level function or a partial of one) and results must pickle. ``progress(done, total)`` is
-    called after each case. Every case runs by itself, so the results do not depend on ``workers``. Raises :class:`InputError` for fewer
-    than one worker.
+    Parameters
+    ----------
+    function : of one case; importable (a module-level function or a partial of one), with results that pickle
+    cases : what the function takes, one after the other
+    workers : processes; None for one per core, 1 for this process
+    progress : called as ``progress(done, total)`` after each case
+
+    Returns
+    -------
+    tuple of the results, one per case
+
+    Raises
+    ------
+    InputError : fewer than one worker; what the function raises
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> [case.name for case in vt.map_cases(vt.load_case, ["job-t", "gu2021-beehive"], workers=1)]
+    ['job-t', 'gu2021-beehive']
     """
     items: Sequence[Case] = tuple(cases)
     count = available_cores() if workers is None else workers

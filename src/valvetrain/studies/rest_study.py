@@ -13,8 +13,9 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.provenance import collect_provenance
-from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.study import Study
+from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.engine import Progress
@@ -39,7 +40,7 @@ def rest_study(
     """
     begun = time.perf_counter()
     problem = build(case, spring_sets=spring_sets)
-    lift = _largest_lift(problem)
+    lift = largest_lift(problem)
     found: list[SpringAtRest] = []
     for installed in problem.springs:
         spring = installed if compression is None else _compressed(installed, compression)
@@ -51,8 +52,8 @@ def rest_study(
             if reason := spec.why_not(spring):
                 raise InputError(reason, "--spring")
             if spec.needs_rest and rest is None:
-                rest = _by_rod(problem, spring, reach, steps, max(modes, 8))
-            one = _by_rod(problem, spring, reach, steps, modes) if word == WIRE else rest_by_model(
+                rest = _by_rod(problem.model_of(WIRE, spring), reach, steps, max(modes, 8))
+            one = _by_rod(problem.model_of(WIRE, spring), reach, steps, modes) if word == WIRE else rest_by_model(
                 spring, word, problem.model_of(word, spring, rest), np.linspace(0.0, reach, steps + 1), modes
             )  # fmt: skip
             found.append(one)
@@ -64,13 +65,28 @@ def rest_study(
     return Study(record, command, (), tuple(found), still, provenance=origin, wall_time=time.perf_counter() - begun)
 
 
-def _by_rod(problem: Problem, spring: InstalledSpring, reach: float, steps: int, modes: int) -> SpringAtRest:
-    rod = problem.model_of(WIRE, spring)
+def curve_by_model(spring: InstalledSpring, word: str, valve_lift: float, wanted: float | None, steps: int) -> StaticCurve:
+    """Static curve of one spring by a model up to ``wanted`` (m from the free state), None for a little beyond ``valve_lift`` (m).
+
+    Raises :class:`InputError` for a model that cannot stand for the spring or has no static curve, and for a compression beyond coil bind.
+    """
+    spec, reach = spring_model(word, "spring_model"), _reach(spring, valve_lift, wanted, "largest_compression")
+    if reason := spec.why_not(spring):
+        raise InputError(reason, "spring_model")
+    if spec.no_motion:
+        raise InputError(f"{word} is asked for by compare, or by SolidSpring.static_curve; choose another model", "spring_model")
+    rest = _by_rod(spring_model(WIRE).build(spring), reach, steps, 8) if spec.needs_rest else None
+    curve = rest_by_model(spring, word, spec.build(spring, rest), np.linspace(0.0, reach, steps + 1), 0).curve
+    assert curve is not None
+    return curve
+
+
+def _by_rod(rod: SpringModel, reach: float, steps: int, modes: int) -> SpringAtRest:
     assert isinstance(rod, FiniteElementRod)
     return at_rest(rod, reach, steps, modes)
 
 
-def _largest_lift(problem: Problem) -> float:
+def largest_lift(problem: Problem) -> float:
     """Largest valve lift (m): of the rigid train, or of the law that drives the spring."""
     lifts = [float(member.gear.mechanism.kinematics.maximum_lift) for member in problem.members if member.gear is not None]
     return max(lifts, default=float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721)))))
@@ -85,12 +101,12 @@ def _compressed(spring: InstalledSpring, compression: float) -> InstalledSpring:
     return replace(spring, precompression=compression)
 
 
-def _reach(spring: InstalledSpring, lift: float, wanted: float | None) -> float:
+def _reach(spring: InstalledSpring, lift: float, wanted: float | None, where: str = "--to") -> float:
     if wanted is not None:
         if not wanted > 0:
-            raise InputError(f"a static curve needs a positive compression; it is {wanted * 1e3:g} mm", "--to")
+            raise InputError(f"a static curve needs a positive compression; it is {wanted * 1e3:g} mm", where)
         if spring.wire is not None:
-            _check_room(spring, wanted, "--to")
+            _check_room(spring, wanted, where)
         return wanted
     return reach_of(spring, lift) if spring.wire is not None else spring.precompression + max(1.06 * lift, 0.2 * spring.precompression)
 

@@ -24,9 +24,10 @@ CONTROL_LOST_GAP = 50e-6
 
 def sweep_study(
     case: Case, engine_speeds: Sequence[float], *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
-    workers: int | None = None, progress: Progress | None = None, created_at: str = "",
+    whole: bool = False, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
 ) -> Study:  # fmt: skip
-    """A case over ``engine_speeds`` (rad/s of the crank): reduced solutions, and per label where a train first loses contact and floats.
+    """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and per label where a
+    train first loses contact and floats.
 
     By default every spring set of a train by its own model, a spring alone by its usual models. Raises :class:`InputError` for no speed
     at all and for what cannot be built.
@@ -36,7 +37,7 @@ def sweep_study(
         raise InputError("a sweep needs at least one engine speed; write such as '1000:9000:100 rpm'", "--engine-speed")
     sets = tuple(spring_sets) or (tuple(case.train.springs) if case.train is not None else ())
     problem = build(case, spring_models=spring_models, spring_sets=sets)
-    study = run_problem(problem, speeds, workers=workers, progress=progress, created_at=created_at, command="sweep", whole=False)
+    study = run_problem(problem, speeds, workers=workers, progress=progress, created_at=created_at, command="sweep", whole=whole)
     if problem.kind != TRAIN:
         return study
     still = {**study.still}

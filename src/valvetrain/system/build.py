@@ -14,6 +14,7 @@ from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.contour import monotone_table
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, binding_lift
+from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.train import TrainParameters, TrainVariant
 from valvetrain.springs.nested import RadialRubbing
 from valvetrain.springs.spec import SpringModelSpec, spring_model
@@ -23,12 +24,31 @@ from valvetrain.system.problem import Gear, Member, Problem
 WIRE_MODELS, CARD_MODELS, BARE_MODELS = ("finite-element", "modal-varied"), ("multi-mass", "modal-uniform"), ("massless",)
 
 
-def build(case: Case, *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = ()) -> Problem:
-    """The problem of a case: its variants, or one member per spring model (of each of ``spring_sets``) asked for.
+def build(case: AnyCase, *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = ()) -> Problem:
+    """The problem of a case, every part built once: its variants, or one member per spring model (of each spring set) asked for.
 
-    Raises :class:`InputError` for a case without spring and train, for unknown words, for a spring that reaches coil bind within the
-    lift, and for everything the parts refuse.
+    Parameters
+    ----------
+    case : Case, name of a library case, or path of a case file
+    spring_models : words of spring models, such as "multi-mass"; the case's own or the usual ones by default
+    spring_sets : names of spring sets of a train
+
+    Returns
+    -------
+    Problem with its members, lift law and engine speeds (rad/s of the crank)
+
+    Raises
+    ------
+    InputError : a case without spring and train, an unknown word, a spring that reaches coil bind within the lift, what parts refuse
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> problem = vt.build("job-t", spring_models=["massless", "multi-mass"])
+    >>> [member.label for member in problem.members]
+    ['massless', 'multi-mass']
     """
+    case = case_of(case)
     law = build_lift_law(case.lift_law)
     specs = tuple(spring_model(word, "--spring") for word in dict.fromkeys(spring_models))
     if case.train is not None:

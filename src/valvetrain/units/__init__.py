@@ -1,7 +1,7 @@
 """Units at the interface: text such as "4.0 mm", quantities and plain SI numbers to SI floats and back; inside all is SI."""
 
 from valvetrain.units.dimensions import DIMENSIONS, Dimension
-from valvetrain.units.given import MOST_SPEEDS, PLAUSIBLE, Given, Window, si, si_speeds
+from valvetrain.units.given import MOST_SPEEDS, PLAUSIBLE, Given, Window, keep_si, si, si_each, si_speeds
 from valvetrain.units.text import (
     dimension_of,
     dimension_powers,
@@ -14,5 +14,5 @@ from valvetrain.units.text import (
 
 __all__ = [
     "DIMENSIONS", "Dimension", "Given", "MOST_SPEEDS", "PLAUSIBLE", "Window", "dimension_of", "dimension_powers", "format_quantity",
-    "parse_quantities", "parse_quantity", "si", "si_speeds", "to_unit", "unit_factor",
+    "keep_si", "parse_quantities", "parse_quantity", "si", "si_each", "si_speeds", "to_unit", "unit_factor",
 ]  # fmt: skip

@@ -100,6 +100,31 @@ def si(value: Given, quantity: str, where: str = "") -> float:
     return found
 
 
+def si_each(values: str | Iterable[Given], quantity: str, where: str = "") -> tuple[float, ...]:
+    """SI floats of several values, each as for :func:`si`, or of text with one unit for all; errors as :func:`si`.
+
+    >>> si_each("3.8, 3.8, 7 mm", "pitch") == si_each(["3.8 mm", 3.8e-3, "7 mm"], "pitch")
+    True
+    """
+    if isinstance(values, str):
+        dimension = PLAUSIBLE[quantity].dimension if quantity in PLAUSIBLE else quantity
+        return tuple(si(value, quantity, where) for value in parse_quantities(values, dimension, where))
+    try:
+        return tuple(si(value, quantity, where) for value in values)
+    except TypeError as error:
+        raise InputError(f"{clipped(repr(values))} is no row of numbers; give a list, such as '1, 2, 3 mm'", where) from error
+
+
+def keep_si(part: object, owner: str, /, **quantities: str) -> None:
+    """Fields of a frozen dataclass made SI floats as it is made (``__post_init__``): field -> quantity as for :func:`si`, None stays None.
+
+    ``owner`` names the part in messages. Errors as :func:`si`.
+    """
+    for field, quantity in quantities.items():
+        if (value := getattr(part, field)) is not None:
+            object.__setattr__(part, field, si(value, quantity, f"{field} of {owner}"))
+
+
 def si_speeds(values: Given | Iterable[Given], quantity: str = "engine_speed", where: str = "") -> tuple[float, ...]:
     """Rotational speeds (rad/s) from one, several or a range, in the order given, each once.
 

@@ -20,6 +20,7 @@ from valvetrain.springs.solid.layout import MeshOptions
 from valvetrain.springs.solid.mesh import SolidMesh
 from valvetrain.springs.solid.printed import Printed, read_printed
 from valvetrain.springs.solid.sweep import sweep_spring
+from valvetrain.units import Given, si
 
 Array = NDArray[np.float64]
 
@@ -68,11 +69,12 @@ class SolidSpring:
         """Run a deck of :meth:`deck` within this model's limits."""
         return run_deck(deck, time_limit=self.time_limit, threads=self.threads, read_fields=read_fields, watch=self.watch)
 
-    def static_curve(self, compression: float, points: int = 20) -> StaticCurve:
+    def static_curve(self, compression: Given, points: int = 20) -> StaticCurve:
         """Force over compression from the free state to ``compression`` (m), at least ``points`` increments.
 
         A solver that gives up leaves the curve it reached and a status that says why.
         """
+        compression = si(compression, "compression", f"compression of spring '{self.spring.name}'")
         printout = steps.Printout(axis=True, pairs=len(self.pairs))
         step = steps.static_step(compression, printout, first=0.5 / points, largest=1.0 / points)
         output = self.run(self.deck(step))
@@ -115,8 +117,9 @@ class SolidSpring:
             forces[1 : 1 + len(values), number] = np.nan_to_num(values)
         return forces
 
-    def modes(self, compression: float = 0.0, count: int = 12, points: int = 10) -> ModalResult:
+    def modes(self, compression: Given = 0.0, count: int = 12, points: int = 10) -> ModalResult:
         """Lowest ``count`` modes about the state at ``compression`` (m); closed coils keep their contact stiffness."""
+        compression = si(compression, "compression", f"compression of spring '{self.spring.name}'")
         printout = steps.Printout(axis=True)
         load = []
         if compression > 0:
