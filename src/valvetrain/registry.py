@@ -77,6 +77,8 @@ BUILT_IN["lifts"] = {
     "sine-power": "valvetrain.cam.sine_power:SPEC",
     "ramped": "valvetrain.cam.ramped:SPEC",
     "shaped": "valvetrain.cam.shaped:SPEC",
+    "three-arc": "valvetrain.cam.three_arc:SPEC",
+    "tangent": "valvetrain.cam.tangent:SPEC",
 }
 BUILT_IN["contacts"] = {
     "linear": "valvetrain.contact.linear:SPEC",

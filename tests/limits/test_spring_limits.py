@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from spring_parts import OPEN_SPRING, UNIFORM, drive, raised_cosine
+from valvetrain.cosserat.static import compress
 from valvetrain.parameters.constructors import conical
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.chain_layout import chain_from_definition
 from valvetrain.springs.chain_statics import static_curve
 from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.modal_uniform import ModalUniform
 from valvetrain.springs.modal_varied import ModalVaried
 from valvetrain.springs.multi_mass import MultiMassSpring
@@ -156,6 +159,30 @@ def test_static_chain_gives_the_rate_integral_of_a_cone():
         assert layout.rate == pytest.approx(exact, rel=1e-9)
         assert static_curve(layout, np.array([5e-3]))[0][0] == pytest.approx(5e-3 * exact, rel=1e-9)
         assert layout.seat_mass + layout.masses.sum() + layout.retainer_mass == pytest.approx(cone.mass, rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.75, 0.9])
+def test_coils_of_a_telescoping_cone_land_on_the_seat(share):
+    """Each turn sinks by 64 F R**3 / (G d**4) until it lies on the seat, after its own pitch: the closing law of cones.
+
+    The largest turns land first and the spring hardens; through the seat it would take less than half the force.
+    """
+    cone = conical(2e-3, 50e-3, 18e-3, 6e-3, 5.0, closed_coils=0)
+    assert np.all(cone.telescopes([1.0, 2.5, 5.0])) and not cone.telescopes(0.9)
+    assert not np.any(OPEN_SPRING.telescopes(np.linspace(0.0, 6.0, 25)))
+    coil = np.linspace(0.0, 5.0, 5001)
+    per_force = 64 * (cone.mean_diameter.value(coil) / 2) ** 3 / (cone.material.shear_modulus * 2e-3**4)
+    compression = share * cone.solid_compression
+    exact = brentq(lambda force: np.trapezoid(np.minimum(6e-3, force * per_force), coil) - compression, 0.0, 500.0)
+    through = compression / np.trapezoid(per_force, coil)
+    assert exact > 1.5 * through
+    chain = static_curve(chain_from_definition(cone, 120, 2e10), np.array([compression]))[0].item()
+    rod = FiniteElementRod(cone, 1e-3)
+    reached = compress(rod.statics, [compression])[-1]
+    assert reached.converged
+    assert (chain, reached.retainer_force) == pytest.approx((exact, exact), rel=0.015)
+    free = rod.mesh.coil_number > 1.5
+    assert np.min(reached.state.position[free, 2]) > -1e-4
 
 
 def test_open_cylinder_reduces_to_the_closed_forms_of_rate_and_surge():

@@ -108,6 +108,7 @@ def contact_forces(b, first, last, t, s, damping_time, dt, suffix=""):
     put(b, " ".join(n + suffix for n in ("S0", "S1", "S2")), j, below)
     put(b, f"IMPULSE{suffix}", j, (impulse + dt * force)[:, None])
     put(b, f"PEAK{suffix}", j, np.maximum(peak, force)[:, None])
+    put(b, f"STORED{suffix}", j, np.where(touching, 0.5 * stiffness * overlap**2, 0.0)[:, None])
 
 
 def spread_contact(b, first, last, t, suffix=""):

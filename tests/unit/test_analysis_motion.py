@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from synthetic_spring import ENGINE_SPEED, EVENT, bump, run
-from valvetrain.quantities.clash import ClashRule, clash_events, runs
+from valvetrain.integrate.clash import ClashRule, runs
+from valvetrain.quantities.clash import clash_events
 from valvetrain.quantities.compare import compare, pair_angles
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.frame import Frame

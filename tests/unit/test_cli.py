@@ -186,6 +186,8 @@ def test_modes_agree_with_the_library():
         (("run", "job-c", "--engine-speed", "4200"), "write '4200 rpm'"),
         (("run", "job-c", "--engine-speed", "4200 mm"), "is a length, but a rotational speed is needed"),
         (("run", "job-c", "--engine-speed", "-5 rpm"), "is not positive"),
+        (("run", "job-c", "--engine-speed", "300000 rpm"), "lies outside 10 rpm to 30000 rpm"),
+        (("run", "job-c", "--set", "operation.cam_speeds=30000 rpm"), "60000 rpm of engine speed lies outside"),
         (("run", "job-c", "--engine-speed", "9:1:1 rpm"), "rising"),
         (("run", "job-c", "--engine-speed", "1:2:1e-9 rpm"), "larger step"),
         (("run", "job-c", "--spring", "modal"), "did you mean modal-varied or modal-uniform?"),
@@ -198,7 +200,7 @@ def test_modes_agree_with_the_library():
         (("new", "a\nb"), "cannot be the name of a file"),
         (("new", "mine", "--kind", "fingr"), "did you mean finger?"),
         (("compare-runs", "one", "two"), "there is no run 'one'"),
-        (("run", "uniform-spring", "--engine-speed", "1 rpm"), "has no lift law"),
+        (("run", "uniform-spring", "--engine-speed", "1000 rpm"), "has no lift law"),
         (("run", "job-c", "--workers", "0"), "--workers: 0 lies outside"),
         (("run", "job-c", "--set", "spring"), "sets nothing; write a key path"),
         (("run", "job-c", "--set", "spring.wire_diametre=4 mm"), "spring.wire_diametre: key 'wire_diametre' is unknown; did you mean"),
@@ -321,3 +323,13 @@ def test_check_puts_a_train_together():
     assert result.exit_code == 2 and "not smaller than the valve lift" in result.stderr
     result = call("check", "vaz-ohc", "--set", "train.springs.nested.1.installed_height=21 mm")
     assert result.exit_code == 2 and "spring 'inner' reaches coil bind" in result.stderr
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_check_refuses_the_card_without_mass_that_run_refuses(tmp_path, command):
+    lines = (LIBRARY / "tdi-pushrod.toml").read_text().split("[[train.variants]]")[0].splitlines()
+    path = tmp_path / "light.toml"
+    path.write_text("\n".join(line for line in lines if not line.startswith(('mass = { value = "40 g"', 'mass = { value = "48 g"'))))
+    result = call(command, str(path))
+    assert result.exit_code == 2
+    assert "'stock' has no mass on its card, which a multi-mass spring needs; add its mass or use massless" in sentence(result)

@@ -12,6 +12,7 @@ from valvetrain.cam import build_lift_law, tabulate
 from valvetrain.cam.contract import TURN, LiftLaw
 from valvetrain.cam.kernels import evaluate_pieces, evaluate_pieces_many
 from valvetrain.cam.pieces import PeriodicPieces
+from valvetrain.cam.polydyne import Polydyne
 from valvetrain.cam.spline import Spline
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import LiftLawParameters
@@ -26,6 +27,7 @@ TABLE = {
     "lifts": (0.0, 2e-4, 1e-3, 4e-3, 7e-3, 9e-3, 7e-3, 4e-3, 1e-3, 2e-4, 0.0),
 }
 RAMPS = {"maximum_lift": 0.009, "ramp_lift": 4e-4, "ramp_start": 1.6, "event_start": 2.2}
+LOBE = {"base_radius": 0.018, "nose_radius": 5e-3, "maximum_lift": 9e-3, "nose": 3.1}
 CASES = {
     "zero": {},
     "spline": TABLE,
@@ -35,6 +37,14 @@ CASES = {
     "polynomial": FLANKS,
     "polynomial 4-5-6-7": FLANKS | {"exponents": (4, 5, 6, 7)},
     "polydyne": {"maximum_lift": 0.009, "opening_start": 1.7, "closing_end": 4.9, "dynamic_deflection": 5e-4},
+    "polydyne between ramps": {
+        "maximum_lift": 0.009,
+        "opening_start": 1.9,
+        "closing_end": 4.7,
+        "dynamic_deflection": 5e-4,
+        "ramp_lift": 3e-4,
+        "ramp_length": 0.4,
+    },
     "cycloidal": FLANKS,
     "modified-sine": FLANKS,
     "harmonic": FLANKS,
@@ -44,6 +54,9 @@ CASES = {
     "ramped": RAMPS | {"event_end": 4.0, "ramp_end": 4.7},
     "ramped throughout": RAMPS | {"event_end": 4.0, "ramp_end": 4.7, "ramp_blend": 1.0},
     "shaped": RAMPS | {"nose": 3.14, "flank_shape": (1.0, 0.8, -0.7, -0.5, -1.0)},
+    "three-arc": LOBE | {"opening_start": 2.0},
+    "three-arc under a roller": LOBE | {"opening_start": 2.0, "follower_radius": 9e-3},
+    "tangent": LOBE | {"follower_radius": 9e-3},
     "stations": {
         "cam_angles": (1.5, 2.0, 3.0, 4.4, 4.8),
         "lifts": (0.0, 1e-3, 8e-3, 1e-3, 0.0),
@@ -226,3 +239,30 @@ def test_pieces_refuse_what_is_no_revolution():
         PeriodicPieces(np.array([0.0, 1.0]), np.zeros((1, 2)))
     with pytest.raises(InputError, match="derivatives 0"):
         make("cycloidal").lift(0.0, 4)
+
+
+def test_a_polydyne_event_takes_over_lift_and_velocity_of_its_ramps():
+    """Ramp of constant velocity: ramp_lift = velocity * length * (1 - blend / 2); the event keeps it, without acceleration."""
+    ramp, length, blend = 3e-4, 0.4, 0.25
+    law = Polydyne(maximum_lift=9e-3, opening_start=1.9, closing_end=4.7, ramp_lift=ramp, ramp_length=length, ramp_blend=blend)
+    velocity = ramp / (length * (1 - blend / 2))
+    for side in (-1e-9, 1e-9):
+        for angle, sign in ((1.9, 1), (4.7, -1)):
+            found = [float(law.lift(angle + side, order)) for order in range(3)]
+            assert found == pytest.approx([ramp, sign * velocity, 0.0], abs=1e-9)
+    assert law.lift(1.9 - 0.5 * length, 1) == pytest.approx(velocity) and law.lift(1.9 - length) == 0.0
+    assert law.lift(3.3) == pytest.approx(9e-3, abs=1e-15) and law.lift(3.3, 1) == pytest.approx(0.0, abs=1e-15)
+    # C_p of 2-10-18-26-34 from the conditions themselves
+    powers = np.array([2, 10, 18, 26, 34])
+    half, falling = 1.4, [np.ones(5)]
+    for order in range(4):
+        falling.append(falling[-1] * (powers - order))
+    factors = np.linalg.solve(np.array(falling), [9e-3 - ramp, velocity * half, 0, 0, 0])
+    x = 0.6
+    assert law.lift(3.3 + x * half) == pytest.approx(9e-3 - float(factors @ x**powers), rel=1e-9)
+
+
+@pytest.mark.parametrize("more", [{"ramp_lift": 3e-4}, {"ramp_length": 0.3}, {"ramp_lift": 9e-3, "ramp_length": 0.3}])
+def test_a_polydyne_law_refuses_half_a_ramp(more):
+    with pytest.raises(InputError, match="a ramp needs"):
+        Polydyne(maximum_lift=9e-3, opening_start=1.9, closing_end=4.7, **more)

@@ -58,7 +58,7 @@ window.addEventListener("load", () => setTimeout(() => {
         + box.querySelectorAll(".heatmaplayer image").length,
     }]));
     const first = document.querySelector(".cards");
-    seen.cards = first ? Array.from(first.querySelectorAll(".card h3"), (title) => title.textContent) : [];
+    seen.cards = first ? Array.from(first.querySelectorAll(".card h3, .card tr.topic th"), (title) => title.textContent) : [];
     seen.hidden = Array.from(document.querySelectorAll(".card .scroll")).filter((part) => part.scrollWidth > part.clientWidth + 1).length;
     const note = document.body.appendChild(document.createElement("pre"));
     note.id = "seen";

@@ -13,9 +13,12 @@ from valvetrain.registry import find
 from valvetrain.report.build import study_page
 from valvetrain.report.chart import Chart, HeatMap, Line, Marks
 from valvetrain.report.headlines import headline_columns, headline_rows
-from valvetrain.report.page import Details, Figure, Grid, charts
+from valvetrain.report.json import unit_of_number
+from valvetrain.report.page import Details, Figure, Grid, charts, render
 from valvetrain.report.sections import coils, published, sweep
 from valvetrain.report.uncertainty_section import uncertainty_grid, uncertainty_table
+from valvetrain.solution.record import CaseRecord
+from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 from valvetrain.studies.uncertainty_file import load_uncertainty
 
@@ -235,7 +238,7 @@ def test_a_sweep_answers_with_the_worst_value_and_its_speed():
 def test_the_five_largest_clashes_are_named_and_all_are_counted():
     grid = next(block for block in find("sections", "answers").blocks(own_study()) if isinstance(block, Grid))
     assert "5 of 7 clashes" in grid.rows[0][0][0].words and len(grid.rows) == 6
-    assert [cell.words for cell in grid.rows[1][0]] == ["1–2", "251", "31", "17", "345"]
+    assert [cell.words for cell in grid.rows[1][0]] == ["1–2", "250", "31", "17", "345"]
 
 
 def test_published_values_are_one_dot_plot_and_one_table_with_three_filters():
@@ -255,6 +258,7 @@ def test_published_values_are_one_dot_plot_and_one_table_with_three_filters():
 def test_figures_of_a_source_are_drawn_for_its_case_only():
     source = find("sections", "gu2021")
     assert source.blocks(own_study()) == ()
+    assert source.blocks(replace(published_study(), comparisons=(), findings=())) == ()
     shown = drawn(published_study())
     assert {"gu2021-2-force", "gu2021-2-spikes", "gu2021-2-nodes-1"} <= set(shown)
     marks = [layer for layer in shown["gu2021-2-force"].panels[0].layers if isinstance(layer, Marks)]
@@ -286,3 +290,31 @@ def test_every_axis_says_its_unit_and_every_figure_what_it_is(make):
             if "angle" in panel.x_label:
                 assert "cam degrees" in panel.x_label
             assert any(word in panel.y_label for word in ("(", "order", "coil number", "largest 1", "one row")), panel.y_label
+
+
+def test_a_changed_run_says_nothing_that_its_source_says():
+    changed = replace(published_study(), comparisons=(), findings=(), notes=())
+    words = render(study_page(replace(changed, record=replace(changed.record, remarks=("Said of the original.",)))))
+    assert "Said of the original." not in words and changed.record.description[:40] not in words
+    assert "Said of the original." in render(study_page(replace(own_study(), record=CaseRecord("own", remarks=("Said of the original.",)))))
+
+
+def test_options_and_statistics_of_a_run_have_units():
+    assert [unit_of_number(name) for name in ("mass_damping", "output_step", "elements_per_coil", "wall_time_per_cycle_duration")] == [
+        "1/s", "rad", "1", "s",
+    ]  # fmt: skip
+
+
+def test_what_is_nothing_but_rounding_is_shown_as_nil():
+    study = own_study()
+    runs = tuple(replace(run, quantities={**run.quantities, "surge_amplitude_force": 4e-15}) for run in study.solutions)
+    row = next(row for row in headline_rows(study.with_solutions(runs)) if row.name == "surge_amplitude_force")
+    assert set(row.values) == {0.0}
+
+
+def test_runs_that_end_alike_are_told_once():
+    study = own_study()
+    ended = Status("refused", "a rod needs the gaps of its wire", remedy="choose another model")
+    runs = tuple(replace(run, status=ended) for run in study.solutions)
+    told = study.with_solutions(runs).failures
+    assert len(told) == len(study.labels) and all("at time" not in words for words in told)

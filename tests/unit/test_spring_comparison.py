@@ -12,13 +12,13 @@ import time
 import numpy as np
 import pytest
 
-from unit.cli_parts import CODE, SMALL, call, process_environment, sentence
+from unit.cli_parts import MODULE, SMALL, call, process_environment, sentence
 from valvetrain.quantities.spring_comparison import differences, match_modes
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
 from valvetrain.solution.static import SpringAtRest, StaticCurve
 
-ALL = ("--springs", "finite-element,modal-varied,solid")
+ALL = ("--spring", "finite-element,modal-varied,solid")
 COARSE = ("--solid-elements-per-coil", "6")
 
 
@@ -81,11 +81,11 @@ def test_without_the_solver_the_command_to_install_it_is_named(small, tmp_path, 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("--springs", "finite-element,solidd"), "solid"),
-        (("--springs", "finite-element", *COARSE), "add --springs"),
-        ((*ALL, "--solid-elements-per-coil", "2"), "4 to 200"),
-        ((*ALL, "--solid-core", "0"), "1 to 12"),
-        ((*ALL, "--solid-time-limit", "0 s"), "30 min"),
+        (("--spring", "finite-element,solidd"), "solid"),
+        (("--spring", "finite-element", *COARSE), "add --spring"),
+        ((*ALL, "--solid-elements-per-coil", "2"), "greater than or equal to 4"),
+        ((*ALL, "--solid-core", "0"), "greater than or equal to 1"),
+        ((*ALL, "--solid-time-limit", "0 s"), "above 0"),
         ((*ALL, "--solid-motion", "90"), "85:105 deg"),
         ((*ALL, "--solid-motion", "110:90 deg"), "beyond the first"),
         ((*ALL, "--solid-motion", "150:160 deg"), "starts at rest"),
@@ -99,7 +99,7 @@ def test_wrong_options_are_told_in_a_sentence(small, tmp_path, monkeypatch, word
 
 
 def test_a_train_is_told_that_the_solid_is_for_springs(tmp_path):
-    result = call("compare", "tdi-pushrod", "--springs", "rod,solid", "--output", str(tmp_path / "out"))
+    result = call("compare", "tdi-pushrod", "--spring", "multi-mass,solid", "--output", str(tmp_path / "out"))
     assert result.exit_code == 2 and "spring alone" in sentence(result)
 
 
@@ -109,7 +109,7 @@ def test_an_interrupt_stops_the_solver_and_clears_its_files(small, tmp_path):
     work.mkdir()
     program.write_text(f"#!/bin/sh\necho $$ > '{mark}'\nexec sleep 60\n")
     program.chmod(0o755)
-    command = [sys.executable, "-c", CODE, "compare", small, "--springs", "solid", *COARSE, "--output", str(tmp_path / "out")]
+    command = [sys.executable, *MODULE, "compare", small, "--spring", "solid", *COARSE, "--output", str(tmp_path / "out")]
     environment = process_environment(CCX=str(program), TMPDIR=str(work))
     run = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment)
     end = time.monotonic() + 60
@@ -127,25 +127,25 @@ def test_an_interrupt_stops_the_solver_and_clears_its_files(small, tmp_path):
 @pytest.mark.calculix
 def test_a_spring_by_three_models(small, tmp_path):
     target = tmp_path / "out"
-    words = ("--solid-elements-per-coil", "8", "--set", "rod.elements_per_coil=16", "--solid-motion", "98:112 deg", "--workers", "2")
-    result = call("compare", small, *ALL, *words, "--output", str(target), "--json")
+    words = ("--solid-elements-per-coil", "8", "--set", "spring.options.finite-element.elements_per_coil=16", "--workers", "2")
+    result = call("compare", small, *ALL, *words, "--solid-motion", "98:112 deg", "--output", str(target), "--json")
     assert result.exit_code == 0, result.stderr
-    assert "statics and modes take about" in result.stderr and "the ride of" in result.stderr
+    assert "statics and modes take about" in result.stderr and "the motion of" in result.stderr
     data = json.loads(result.stdout)
-    assert data["reference"] == "solid" and data["completed"]
-    assert [item["spring_model"] for item in data["models"]] == ["solid", "finite-element", "modal-varied"]
-    forces = [row for row in data["differences"] if row["quantity"] == "force"]
-    assert any(row["compression"]["value"] == pytest.approx(2e-3, rel=1e-9) for row in forces)
+    assert data["completed"] and [one["model"] for one in data["springs_at_rest"]] == ["solid", "finite-element", "modal-varied"]
     # The two models share nothing but the definition: coarse as both are, they agree to a few per cent.
-    assert all(abs(row["relative_difference"]["finite-element"]["value"]) < 0.015 for row in forces)
-    axial = [row for row in data["differences"] if row["quantity"] == "natural frequency" and row["axial_mode"]]
-    assert abs(axial[0]["relative_difference"]["finite-element"]["value"]) < 0.01
-    solid, rod = data["rides"]
-    assert solid["cam_angle"]["values"] == rod["cam_angle"]["values"]
-    assert load_static_curve(target / "solid-static.nc").force[-1] == pytest.approx(forces[-1]["values"]["solid"]["value"])
-    assert load_modal_result(target / "solid-modes.nc").axial_modes[0] == axial[0]["mode"] - 1
-    assert load_netcdf(target / "solid-9000rpm.nc").model == "solid"
+    rest = [load_static_curve(target / f"static-small-{model}.nc") for model in ("solid", "finite-element")]
+    modes_of = [load_modal_result(target / f"modes-small-{model}.nc") for model in ("solid", "finite-element")]
+    pair = tuple(SpringAtRest("small", name, 2e-3, *both) for name, *both in zip(("solid", "finite-element"), rest, modes_of, strict=True))
+    rows = differences(pair, 2e-3)
+    forces = [row for row in rows if row.quantity == "force"]
+    assert any(row.place == pytest.approx(2e-3, rel=1e-9) for row in forces)
+    assert all(abs(row.relative("finite-element", "solid")) < 0.015 for row in forces)
+    axial = next(row for row in rows if row.quantity == "natural frequency" and row.axial)
+    assert abs(axial.relative("finite-element", "solid")) < 0.01
+    assert data["springs_at_rest"][0]["static_curve"]["force"]["values"][-1] == pytest.approx(rest[0].force[-1])
+    stretch = [load_netcdf(target / f"{name}-9000rpm.nc") for name in ("solid", "finite-element-as-the-solid")]
+    assert stretch[0].model == "solid" and stretch[0].cam_angle == pytest.approx(stretch[1].cam_angle)
     page = (target / "report.html").read_text()
-    for part in ("Static curves", "Natural frequencies", "Ride at 9000 rpm", "finite-element rod, difference"):
+    for part in ("Spring at rest", "Static curve", "Natural modes", "solid finite elements", "finite-element rod"):
         assert part in page
-    assert {path.name for path in (target / "figures").iterdir()} == {f"spring-models-{part}.svg" for part in ("static", "modes", "ride")}

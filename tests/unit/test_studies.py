@@ -320,3 +320,13 @@ def test_a_static_curve_that_cannot_be_is_refused(wanted, sentence):
 
 def test_a_problem_is_built_from_a_name_a_path_or_a_case():
     assert vt.build("job-t").record == vt.build(vt.load_case("job-t")).record
+
+
+def test_a_run_is_found_by_its_own_speed_however_high():
+    """An SI number may look like a slip of units to a reader; the speed of a run that exists is none."""
+    study = run_study(load_case("job-t"), engine_speeds=[16000 * RPM], spring_models=["massless"])
+    (speed,) = study.engine_speeds
+    assert study.solution("massless", speed) is study.solutions[0] is study.solution("massless", "16000 rpm")
+    assert study.quantities.of_run("massless", speed) == study.quantities.of_run("massless", "16000 rpm") != {}
+    with pytest.raises(InputError, match="without a unit"):
+        study.solution("massless", 1700.0)

@@ -47,10 +47,10 @@ def test_compare_gives_every_model_its_numbers_with_units(compared):
 def test_compare_writes_data_and_a_page_whole(compared):
     data, target = compared
     names = {path.name for path in target.rglob("*") if path.is_file()}
-    assert {"summary.csv", "events.csv", "report.html", "wave-rod-4000rpm.nc", "wave-rod-4000rpm.csv"} <= names
+    assert {"quantities.csv", "events.csv", "report.html", "wave-rod-4000rpm.nc", "wave-rod-4000rpm.csv"} <= names
     assert all(path.rpartition("/")[2] in names for path in data["files"])
     html = (target / "report.html").read_text()
-    for words in ("Contact forces", "Valve motion", "Before dynamics", "multi-mass", "Events"):
+    for words in ("Contact and link forces", "Valve motion", "Rigid parts", "multi-mass chain", "Seating and losses of contact"):
         assert words in html
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from train_parts import LAW, STIFF, contacts, direct, finger, pushrod, rocker, system
@@ -60,7 +61,9 @@ def vaz_with_contact_stiffness(value: str):
         (lambda: build_mechanism(direct(lash=6e-3), LAW), "not smaller than the valve lift"),
         (lambda: build_mechanism(direct(cam=CamParameters(0.004)), LAW), "cusp"),
         (lambda: build_mechanism(direct(cam=CamParameters(0.004), follower=FollowerParameters("roller", 0.03, 0.05)), LAW), "undercut"),
-        (lambda: build_mechanism(direct(contacts={}), LAW), "no contact law for 'cam'"),
+        (lambda: build_mechanism(direct(contacts={}), LAW), "contact law for 'cam', 'valve_tip' and 'seat', and has none"),
+        (lambda: build_mechanism(pushrod(contacts={"cam": STIFF, "seat": STIFF}), LAW), "needs a contact law for 'tappet', 'rocker' and "
+        "'valve_tip', and has cam, seat; add [train.contacts.tappet], [train.contacts.rocker], [train.contacts.valve_tip]"),
         (lambda: build_mechanism(direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), ContactParameters("linaer"))), LAW), "did "
         "you mean linear"),
         (lambda: build_mechanism(finger(lever=LeverParameters((-0.2, 0.0), 0.03, 0.047, 1e-4)), LAW), "cannot rest on a base circle"),
@@ -104,6 +107,32 @@ def test_a_step_too_long_for_the_force_that_came_is_reported_as_a_status():
     assert record.status.code == "diverged"
     assert "resolve" in record.status.message or "km/s" in record.status.message
     assert record.status.remedy
+
+
+def test_a_spring_that_no_train_would_carry_is_refused():
+    from valvetrain.parameters.loading import LIBRARY
+
+    text = (LIBRARY / "tdi-pushrod.toml").read_text() + '\n[spring]\npreload = "200 N"\nrate = "20 N/mm"\n'
+    with pytest.raises(InputError, match=r"spring: a train carries its springs in \[train.springs\]"):
+        parse_case(text)
+
+
+@pytest.mark.parametrize("word", ["multi-mass", "modal-uniform", "wave-rod"])
+def test_the_damping_of_a_trains_spring_is_felt(word):
+    """Energy per cycle: damping per mass times a third of the mass times the square of the retainer's velocity, where no coil surges."""
+    lost, expected = [], []
+    for rate in (0.0, 20.0, 200.0):
+        case = load_case("tdi-pushrod", {"train.springs.stock.0.damping.mass_damping": f"{rate} 1/s"})
+        built = build(case, spring_models=[word], spring_sets=["stock"]).members[0].system()
+        ready = runner(built, 200.0, TrainOptions(samples=360))
+        state = ready.initial_state()
+        for _ in range(6):
+            state, record = ready.cycle(state)
+        velocity = record.v[:, built.mechanism.index(built.mechanism.retainer)]
+        lost.append(float(record.work[3]))
+        expected.append(rate * 0.040 / 3 * float(np.mean(velocity**2)) * 2 * math.pi / 200.0)
+    assert lost[2] == pytest.approx(expected[2], rel=0.15)
+    assert abs(lost[0]) < lost[1] / 3 and lost[1] == pytest.approx(expected[1], rel=0.35)
 
 
 def test_unknown_spring_words_name_the_nearest():

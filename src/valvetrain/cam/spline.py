@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from valvetrain.cam.contract import TURN, Array, LiftSpec
+from valvetrain.cam.jumps import bounded_pieces, has_jumps
 from valvetrain.cam.pieces import PeriodicPieces, with_base_circle
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_table import event_of_table, read_lift_table
@@ -26,7 +27,8 @@ class Spline:
 
     The first (degree - 1) / 2 derivatives vanish at both ends, so the law leaves and meets the base circle with that continuity;
     inside it has degree - 1 continuous derivatives. ``smoothing`` (m): root-mean-square distance from the table that is allowed to
-    calm the jerk; 0 interpolates.
+    calm the jerk; 0 interpolates. Where the acceleration of the table jumps (arcs, tangents), a spline through it would swing; the law
+    is then that of `valvetrain.cam.jumps`, of straight acceleration between the stations and a continuity of 2.
     """
 
     cam_angles: tuple[float, ...]
@@ -47,17 +49,26 @@ class Spline:
 
     @property
     def continuity(self) -> int:
-        return (self.degree - 1) // 2
+        return 2 if self._jumps else (self.degree - 1) // 2
 
     @property
     def joints(self) -> tuple[float, ...]:
-        return tuple(self.cam_angles)
+        return self._pieces.joints if self._jumps else tuple(self.cam_angles)
+
+    @cached_property
+    def _jumps(self) -> bool:
+        """Whether the acceleration jumps and the base circle has room for one more station on either side."""
+        first, last = (self.cam_angles[place + 1] - self.cam_angles[place] for place in (0, -2))
+        room = self.cam_angles[-1] - self.cam_angles[0] + first + last <= TURN
+        return self.smoothing == 0 and room and has_jumps(np.asarray(self.cam_angles, dtype=float), np.asarray(self.lifts, dtype=float))
 
     @cached_property
     def _pieces(self) -> PeriodicPieces:
         from scipy.interpolate import PPoly, make_interp_spline
 
         angles, lifts = np.asarray(self.cam_angles, dtype=float), np.asarray(self.lifts, dtype=float)
+        if self._jumps:
+            return with_base_circle(*bounded_pieces(angles, lifts), self.continuity)
         if self.smoothing > 0:
             from valvetrain.cam.smoothing import smoothed_spline
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import statistics
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
+from valvetrain.cli.outcome import PLAIN_WIDTH
 from valvetrain.cli.tables import plain_table
-from valvetrain.parameters.words import number
-from valvetrain.report.headlines import HeadlineColumn, HeadlineRow, clashes_of, headline_columns, headline_rows
+from valvetrain.parameters.words import number, unit_words
+from valvetrain.report.headlines import HeadlineColumn, HeadlineRow, headline_columns, headline_rows, largest_clash_rows
 from valvetrain.report.words import rpm
 from valvetrain.solution.definition import label_of
 
@@ -18,28 +20,30 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from valvetrain.solution.comparison import Comparison
-    from valvetrain.solution.event import Event
     from valvetrain.solution.study import Study
 
 #: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
 BESIDE, BELOW = 4, 24
-#: What a sweep answers: where control is lost, then the worst of each, with the engine speed but for :data:`NO_SPEED`.
+#: What a sweep answers: the worst of each with its engine speed but for :data:`NO_SPEED`, and where control is lost.
 CONTROL = ("contact_loss_engine_speed", "float_engine_speed")
 SWEPT = (
-    *CONTROL, "rigid_contact_loss_engine_speed", "peak_spring_force", "minimum_spring_force", "coil_bind_clearance", "surge_frequency",
-    "surge_amplitude_force", "clash_count", "clash_energy", "seating_velocity", "bounce_count", "lift_loss_displacement",
-    "peak_shear_stress", "nominal_peak_shear_stress",
+    "peak_spring_force", "minimum_spring_force", "coil_bind_clearance", "outer_coil_bind_clearance", "inner_coil_bind_clearance",
+    "surge_frequency", "outer_surge_frequency", "inner_surge_frequency", "surge_amplitude_force", "clash_count", "clash_energy",
+    "seating_velocity", "bounce_count", *CONTROL, "rigid_contact_loss_engine_speed", "lift_loss_displacement",
+    "peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress",
 )  # fmt: skip
-NO_SPEED = ("coil_bind_clearance", "surge_frequency")
+NO_SPEED = tuple(f"{spring}{name}" for name in ("coil_bind_clearance", "surge_frequency") for spring in ("", "outer_", "inner_"))
 #: Of many runs, what is said once for all of them.
 OF_THE_CASE = (*NO_SPEED, "rigid_contact_loss_engine_speed")
 #: Answers of the page that the terminal leaves out: they stand in other rows, or decide nothing.
 ON_PAGE_ONLY = ("largest_clash_impulse", "nearest_lift_harmonic_lift")
 #: Of many runs, what is shown of each.
 BRIEF = (
-    "peak_spring_force", "minimum_spring_force", "clash_count", "clash_energy", "surge_amplitude_force", "seating_velocity", "bounce_count",
-    "loss_of_contact_duration", "peak_shear_stress", "nominal_peak_shear_stress",
+    "peak_spring_force", "minimum_spring_force", "surge_amplitude_force", "clash_count", "clash_energy", "seating_velocity", "bounce_count",
+    "loss_of_contact_duration", "nominal_peak_shear_stress", "nominal_minimum_shear_stress",
 )  # fmt: skip
+#: Runs up to which what does not fit beside each other stands in a second table.
+TWICE = 12
 
 
 def show_study(console: Console, study: Study, folder: Path, page: Path | None, published: bool = False) -> None:
@@ -68,7 +72,11 @@ def _tables(study: Study) -> Iterator[Table]:
         same = [(row.words, row.unit, _range(row.values)) for row in rows if row.name in OF_THE_CASE]
         if same:
             yield plain_table(("", "", ""), same)
-        yield _by_run(columns, [row for row in rows if row.name in BRIEF], "run")
+        brief = [row for row in rows if row.name in BRIEF]
+        fits = _fitting(columns, brief)
+        yield _by_run(columns, brief[:fits], "run")
+        if fits < len(brief) and len(columns) <= TWICE:
+            yield _by_run(columns, brief[fits:][: _fitting(columns, brief[fits:])], "run")
 
 
 def _side_by_side(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow]) -> Table:
@@ -77,13 +85,12 @@ def _side_by_side(study: Study, columns: Sequence[HeadlineColumn], rows: Sequenc
     headers = ["", "", *(column.label + words for column, words in zip(columns, speeds, strict=True))]
     table = plain_table(headers, (), right=range(2, len(headers)))
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
-    clashes = [_largest_clash(study, column) for column in columns]
     for row in rows:
         if row.name not in ON_PAGE_ONLY:
-            table.add_row(row.words, row.unit, *map(_words, row.values))
+            table.add_row(row.words, unit_words(row.unit), *map(_words, row.values))
         if row.name == "clash_count":
-            for words, unit, cells in _clash_rows(clashes):
-                table.add_row(words, unit, *cells)
+            for words, unit, cells in largest_clash_rows(study, columns):
+                table.add_row(f"  {words}", unit, *cells)
     return table
 
 
@@ -100,7 +107,7 @@ def _over_speeds(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence
             missing = "never" if name in CONTROL and trains else "–"
             still = name in NO_SPEED
             cells = [missing if value is None else _at_speed(value, None if still else speed) for value, speed in pairs]
-            table.add_row(row.words, row.unit, *cells)
+            table.add_row(row.words, unit_words(row.unit), *cells)
         elif name in CONTROL and trains:
             table.add_row(label_of(name).capitalize(), "rpm", *("never" for _ in columns))
     speeds = [study.runs(column.label) for column in columns]
@@ -111,10 +118,29 @@ def _over_speeds(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence
     return table
 
 
+def _fitting(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow]) -> int:
+    """How many of the ``rows`` stand as columns beside the names of the runs without breaking a word."""
+    room = PLAIN_WIDTH - max(len(column.label) for column in columns) - 2 - 7
+    for count, row in enumerate(rows):
+        room -= _width(row) + 2
+        if room < 0:
+            return max(count, 1)
+    return len(rows)
+
+
+def _header(row: HeadlineRow) -> str:
+    return f"{row.words} ({unit_words(row.unit)})".replace("N s)", "N\u00a0s)") if row.unit else row.words
+
+
+def _width(row: HeadlineRow) -> int:
+    """Columns that the longest word or number of a row takes."""
+    return max(map(len, (*_header(row).split(" "), *map(_at_speed, row.values, row.engine_speeds))))
+
+
 def _by_run(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], noun: str) -> Table:
     """A row per run, a column per question."""
     timed = any(column.engine_speed is not None for column in columns)
-    headers = [noun, *(["rpm"] if timed else []), *(f"{row.words}{f' ({row.unit})' if row.unit else ''}" for row in rows)]
+    headers = [noun, *(["rpm"] if timed else []), *("\n".join(wrap(_header(row), _width(row), break_long_words=False)) for row in rows)]
     table = plain_table(headers, (), right=range(1, len(headers)))
     for place in range(1 + timed):
         table.columns[place].no_wrap = True
@@ -124,25 +150,6 @@ def _by_run(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], noun
     if len(columns) > BELOW:
         table.add_row(f"and {len(columns) - BELOW} more")
     return table
-
-
-def _largest_clash(study: Study, column: HeadlineColumn) -> Event | None:
-    if column.engine_speed is None:
-        return None
-    return next(iter(clashes_of(study.solution(column.label, column.engine_speed))), None)
-
-
-def _clash_rows(clashes: Sequence[Event | None]) -> Iterator[tuple[str, str, list[str]]]:
-    """Coils, angle, impulse and energy of the largest clash of every run."""
-    if not any(clashes):
-        return
-    pairs = ["–" if one is None else f"{one.details.get('lower_coil', '?')}–{one.details.get('upper_coil', '?')}" for one in clashes]
-    yield "  largest: coils", "", pairs
-    yield "  at cam angle", "deg", ["–" if one is None else _words(one.cam_angle * 57.29577951308232 % 360) for one in clashes]
-    for name, unit, factor in (("impulse", "mN s", 1e3), ("energy", "mJ", 1e3)):
-        values = [None if one is None else one.details.get(name) for one in clashes]
-        if any(value is not None for value in values):
-            yield f"  {name}", unit, [_words(None if value is None else float(value) * factor) for value in values]
 
 
 def _rest_tables(study: Study) -> Iterator[Table]:
@@ -185,6 +192,10 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
         for found, noun in ((study.findings, "finding"), (study.notes, "note"))
         if found
     ]
+    if not study.comparisons and not study.findings:
+        for note in study.notes:
+            console.print(f"\nnote: {note}")
+        return
     if not whole:
         if study.comparisons or more:
             console.print(f"{' and '.join(more) + ' in the report; ' if more else ''}--published prints all of it", soft_wrap=True)

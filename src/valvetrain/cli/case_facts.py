@@ -57,7 +57,7 @@ def _spring_facts(spring: InstalledSpring) -> list[tuple[str, str]]:
     if damping.mass_damping or damping.stiffness_damping:
         ratio = "" if damping.ratio is None else f"ratio {number(damping.ratio)}: "
         mass, stiffness = number(damping.mass_damping), number(damping.stiffness_damping * 1e6)
-        facts.append(("damping", f"{ratio}mass {mass} 1/s, stiffness {stiffness} us"))
+        facts.append(("damping", f"{ratio}mass {mass} 1/s, stiffness {stiffness} µs"))
     for word, options in spring.options.items():
         facts.append((f"options of {word}", ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in options.items())))
     return facts

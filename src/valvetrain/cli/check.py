@@ -50,6 +50,7 @@ def _put_together(case: Case, models: tuple[str, ...]) -> Problem | None:
     if case.train is None and not case.springs:
         return None
     problem = build(case, spring_models=models)
+    problem.must_run()
     sets = tuple(case.train.springs) if case.train is not None else ()
     members = (*problem.members, *(build(case, spring_models=models, spring_sets=sets).members if sets else ()))
     for member in members:

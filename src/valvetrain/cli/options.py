@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
@@ -63,10 +62,6 @@ LimitOption = Annotated[
 ]  # fmt: skip
 PublishedOption = Annotated[bool, typer.Option("--published", help="Print every published value beside the computed one, and findings.")]
 
-#: More speeds than this in one command are a slip of the pen; fewer may still take too long (cli/limits.py).
-MOST_SPEEDS = 100_000
-_RANGE = re.compile(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s*:\s*([^:\s]+)(\s+[^:]*)?\Z")
-
 
 def read_engine_speeds(text: str | None, where: str = "--engine-speed") -> tuple[float, ...] | None:
     """Crank speeds (rad/s) from ``'4200, 5600 rpm'`` or a range with both ends, ``'1000:9000:500 rpm'``; None for None.
@@ -75,20 +70,9 @@ def read_engine_speeds(text: str | None, where: str = "--engine-speed") -> tuple
     """
     if text is None:
         return None
-    from valvetrain.units import parse_quantities, parse_quantity
+    from valvetrain.units import si_speeds
 
-    if match := _RANGE.match(text):
-        unit = match[4] or ""
-        first, last, step = (parse_quantity(f"{part}{unit}", "angular speed", where) for part in match.groups()[:3])
-        if not (first > 0 and last >= first and step > 0):
-            raise InputError(f"range '{text}' leads nowhere; write first:last:step, rising, as in '1000:9000:500 rpm'", where)
-        if (last - first) / step > MOST_SPEEDS:
-            raise InputError(f"range '{text}' holds more than {MOST_SPEEDS} speeds; take a larger step", where)
-        return tuple(first + step * index for index in range(int((last - first) / step * (1 + 1e-12) + 1e-9) + 1))
-    speeds = parse_quantities(text, "angular speed", where)
-    if any(speed <= 0 for speed in speeds):
-        raise InputError(f"an engine speed in '{text}' is not positive; write such as '4200, 5600 rpm'", where)
-    return tuple(dict.fromkeys(speeds))
+    return si_speeds(text, "engine_speed", where)
 
 
 def read_length(text: str | None, where: str) -> float | None:

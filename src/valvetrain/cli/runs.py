@@ -18,6 +18,9 @@ RootOption = Annotated[Path, typer.Option("--folder", metavar="FOLDER", help="Fo
 #: Numbers that stand for a run in the list: the first of them that it has, the largest where it has several.
 HEADLINES = ("peak_spring_force", "peak_retainer_force", "float_engine_speed", "preload")
 
+#: Rows printed; --json has them all.
+MOST_ROWS = 15
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
@@ -60,32 +63,38 @@ def headline(answer: Any) -> dict[str, Any] | None:
 
 def _show(console: Console, found: tuple[KeptRun, ...], folder: Path) -> None:
     from valvetrain.cli.tables import plain_table
+    from valvetrain.solution.definition import label_of
 
     if not found:
         console.print(f"no runs under '{folder}'; 'valvetrain run CASE' makes one")
         return
-    headers = ("time (UTC)", "case", "digest", "asked", "models", "rpm", "ended", "headline")
-    table = plain_table(headers, map(_row, found))
-    for place in range(4):
+    named = dict.fromkeys(best["quantity"] for run in found[:MOST_ROWS] if (best := headline(run.answer)))
+    alone = label_of(next(iter(named))) if len(named) == 1 else ""
+    headers = ("time (UTC)", "case", "digest", "asked", "models", "rpm", "", alone.replace(" ", "\n", 1) or "headline")
+    table = plain_table(headers, (_row(run, not alone) for run in found[:MOST_ROWS]))
+    for place in (0, 1, 2, 3, 6):
         table.columns[place].no_wrap = True
+    table.columns[4].min_width = 14
     console.print(table)
+    if len(found) > MOST_ROWS:
+        console.print(f"and {len(found) - MOST_ROWS} older ones; --json has them all")
     console.print("\n'valvetrain compare-runs A B' compares two by digest or folder; 'valvetrain run FOLDER' repeats one.", soft_wrap=True)
 
 
-def _row(run: KeptRun) -> tuple[str, ...]:
+def _row(run: KeptRun, named: bool) -> tuple[str, ...]:
     from valvetrain.parameters.words import number
     from valvetrain.solution.definition import label_of, shown
 
     choices, best = run.answer.get("choices", {}), headline(run.answer)
     speeds = choices.get("engine_speeds", [])
-    words = "–" if not speeds else f"{speeds[0]:g}" if len(speeds) == 1 else f"{speeds[0]:g} to {speeds[-1]:g} ({len(speeds)})"
+    words = "–" if not speeds else f"{speeds[0]:g}" if len(speeds) == 1 else f"{speeds[0]:g}–{speeds[-1]:g} ({len(speeds)})"
     models = choices.get("spring_models", [])
     told = ""
     if best is not None:
         value, unit = shown(best["quantity"], best["value"])
-        told = f"{label_of(best['quantity'])} {number(value)} {unit}".strip()
+        told = f"{label_of(best['quantity']) if named else ''} {number(value)} {unit}".strip()
     return (
         run.created_at[5:16].replace("T", " "), run.case, run.digest, str(run.answer.get("command", "")),
-        ", ".join(models[:2]) + (f" +{len(models) - 2}" if len(models) > 2 else ""), words,
-        "completed" if run.answer.get("completed") else "failed", told,
+        ",\n".join(models[:2]) + (f" +{len(models) - 2}" if len(models) > 2 else ""), words,
+        "" if run.answer.get("completed") else "failed", told,
     )  # fmt: skip

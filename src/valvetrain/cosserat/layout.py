@@ -24,10 +24,10 @@ _NAMES = (
     "CX CY CZ XL YL ZL VXL VYL VZL GX GY GZ "
     # constants: 1/h, kGA, EA, rest stretch, h; bend stiffness, rest bend; 1/mass, 1/inertia, mass, seat limits
     "INVH GA EA U1 U2 U3 H K1 K2 K3 R1 R2 R3 IM IJ1 IJ3 MASS LOWER UPPER SEAT "
-    # contact group 1: 1/d0^2, d0/2, stiffness, 1/slope^2; force on upper wire, foot weights; impulse, peak
-    "D0 DH KC IS PX PY PZ S0 S1 S2 IMPULSE PEAK LOSS "
+    # contact group 1: 1/d0^2, d0/2, stiffness, 1/slope^2; force on upper wire, foot weights; impulse, peak, loss, stored energy
+    "D0 DH KC IS PX PY PZ S0 S1 S2 IMPULSE PEAK LOSS STORED "
     # contact group 2 (coarse meshes)
-    "D0b DHb KCb ISb PXb PYb PZb S0b S1b S2b IMPULSEb PEAKb LOSSb"
+    "D0b DHb KCb ISb PXb PYb PZb S0b S1b S2b IMPULSEb PEAKb LOSSb STOREDb"
 ).split()
 
 ROW = {name: np.uint64(PAD + number * STRIDE) for number, name in enumerate(_NAMES)}

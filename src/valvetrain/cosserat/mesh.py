@@ -89,6 +89,8 @@ def mesh_spring(
 
     Raises :class:`InputError` for fewer than 6 elements per coil or more vertices than the kernels hold.
     """
+    if elements_per_coil != int(elements_per_coil):
+        raise InputError(f"elements_per_coil is {elements_per_coil:g}; give a whole number, 24 is usual")
     if elements_per_coil < 6:
         raise InputError(f"{elements_per_coil} elements per coil do not describe a coil; use 8 or more")
     lower, upper = definition.free_coils
@@ -195,15 +197,18 @@ def _arc_length(curve: WireCurve, start: Array, end: Array) -> Array:
 def _seat_limits(definition: SpringDefinition, mesh: RodMesh) -> tuple[Array, Array]:
     """Lowest and highest height of the wire axis that the seat planes allow, never below the free state.
 
-    An open end is fixed at its tip alone and stands on no plane.
+    Seats meet the coils next to the ends, and all that telescope; others rest on their neighbour before they reach the seat. The coils
+    next to an open end, which is fixed at its tip alone, stand on no plane.
     """
     height, radius = mesh.position[:, 2], mesh.wire_diameter / 2
     lower, upper = np.full(mesh.vertices, -np.inf), np.full(mesh.vertices, np.inf)
     index, near = np.arange(mesh.vertices), 1.5
     bottom = (index > mesh.first) & (mesh.coil_number < definition.free_coils[0] + near)
     top = (index < mesh.last) & (mesh.coil_number > definition.free_coils[1] - near)
-    if definition.lower_end.kind != "open":
-        lower[bottom] = np.minimum(definition.lower_seat_height + radius, height)[bottom]
-    if definition.upper_end.kind != "open":
-        upper[top] = np.maximum(definition.upper_seat_height - radius, height)[top]
+    bottom &= definition.lower_end.kind != "open"
+    top &= definition.upper_end.kind != "open"
+    bottom |= (index > mesh.first) & (index < mesh.last) & definition.telescopes(mesh.coil_number)
+    top |= (index > mesh.first) & (index < mesh.last) & definition.telescopes(mesh.coil_number + 1.0)
+    lower[bottom] = np.minimum(definition.lower_seat_height + radius, height)[bottom]
+    upper[top] = np.maximum(definition.upper_seat_height - radius, height)[top]
     return lower, upper

@@ -49,12 +49,17 @@ class RodModes:
 def natural_modes(statics: RodStatics, state: RodState, count: int = 24) -> RodModes:
     """Lowest ``count`` modes about ``state`` with both ends fixed: K phi = omega^2 M phi on the tangent with contact.
 
-    A negative eigenvalue (unstable state) appears as a negative frequency.
+    A negative eigenvalue (unstable state) appears as a negative frequency. With ``statics.loads`` the last end is free (the loads are
+    dead): its cross-section, which has no inertia of its own, follows at rest; nothing is transmitted, so those shares are zero.
     """
-    free = statics.free
+    inertia = inertia_of(statics.mesh)
+    free, massless = statics.free & (inertia > 0), np.flatnonzero(statics.free & (inertia <= 0))
     tangent = statics.tangent(state)
     stiffness = tangent[free][:, free]
-    scale = 1.0 / np.sqrt(inertia_of(statics.mesh)[free])
+    if len(massless):
+        coupled = tangent[massless][:, free].toarray()
+        stiffness = stiffness - csc_matrix(coupled.T @ np.linalg.solve(tangent[massless][:, massless].toarray(), coupled))
+    scale = 1.0 / np.sqrt(inertia[free])
     scaled = (diags(scale) @ stiffness @ diags(scale)).tocsc()
     size = scaled.shape[0]
     count = min(count, size - 2)
@@ -62,17 +67,20 @@ def natural_modes(statics: RodStatics, state: RodState, count: int = 24) -> RodM
     values, vectors = eigsh(scaled, k=count, sigma=-1e3, which="LM", v0=start, tol=1e-10)
     order = np.argsort(values)
     values, vectors = values[order], scale[:, None] * vectors[:, order]
-    reactions = _end_reactions(statics, tangent, vectors)
-    axial_stiffness = _axial_stiffness(statics, tangent)
+    transmission, axial_stiffness = np.zeros(count), 0.0
+    if statics.loads is None:
+        reactions = _end_reactions(statics, tangent, vectors)
+        axial_stiffness = _axial_stiffness(statics, tangent)
+        transmission = reactions[0] * reactions[1] / (2 * axial_stiffness * values)
     full = np.zeros((len(free), count))
     full[free] = vectors
-    mass = inertia_of(statics.mesh)[2::6]
+    mass = inertia[2::6]
     moving = slice(statics.mesh.first, statics.mesh.last + 1)
     axial = mass @ full[2::6]
     return RodModes(
         natural_frequency=np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi),
         shape=np.moveaxis(full.reshape(-1, 6, count)[:, :3], 2, 0),
-        axial_transmission=reactions[0] * reactions[1] / (2 * axial_stiffness * values),
+        axial_transmission=transmission,
         axial_mass_share=axial**2 / np.sum(mass[moving]),
         axial_stiffness=axial_stiffness,
     )

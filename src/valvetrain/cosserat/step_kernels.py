@@ -27,7 +27,7 @@ VXL, VYL, VZL, GX, GY, GZ = (ROW[n] for n in ("VXL", "VYL", "VZL", "GX", "GY", "
 INVH, GA, EA, U1, U2, U3 = (ROW[n] for n in ("INVH", "GA", "EA", "U1", "U2", "U3"))
 K1, K2, K3, R1, R2, R3, IM, IJ1, IJ3 = (ROW[n] for n in ("K1", "K2", "K3", "R1", "R2", "R3", "IM", "IJ1", "IJ3"))
 D0, DH, KC, IS, PX, PY, PZ = (ROW[n] for n in ("D0", "DH", "KC", "IS", "PX", "PY", "PZ"))
-S0, S1, S2, IMPULSE, PEAK, LOSS, MASS = (ROW[n] for n in ("S0", "S1", "S2", "IMPULSE", "PEAK", "LOSS", "MASS"))
+S0, S1, S2, IMPULSE, PEAK, LOSS, STORED, MASS = (ROW[n] for n in ("S0", "S1", "S2", "IMPULSE", "PEAK", "LOSS", "STORED", "MASS"))
 LOWER, UPPER, SEAT = (ROW[n] for n in ("LOWER", "UPPER", "SEAT"))
 #: Everything of fast maths but the promise that no value is NaN: a diverged run must be seen.
 FAST = {"contract", "reassoc", "nsz", "arcp"}
@@ -213,6 +213,7 @@ def contact_forces_of(g: np.uint64, one: np.uint64, records: int = 1) -> Callabl
                 b[LOSS + g + j] += dt * (loss if e > 0.0 else 0.0)
                 b[IMPULSE + g + j] += dt * force
                 b[PEAK + g + j] = force if force > b[PEAK + g + j] else b[PEAK + g + j]
+                b[STORED + g + j] = 0.5 * b[KC + g + j] * overlap * overlap if e > 0.0 else 0.0
             b[PX + g + j], b[PY + g + j], b[PZ + g + j] = force * nx, force * ny, force * nz
             b[S0 + g + j], b[S1 + g + j], b[S2 + g + j] = w0, w1, w2
 

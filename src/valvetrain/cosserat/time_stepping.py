@@ -26,7 +26,7 @@ from valvetrain.cosserat.step_kernels import (
 
 X, Y, Z, VX, VY, VZ, FZ = (ROW[n] for n in ("X", "Y", "Z", "VX", "VY", "VZ", "FZ"))
 CX, CY, CZ, GX, GY, GZ = (ROW[n] for n in ("CX", "CY", "CZ", "GX", "GY", "GZ"))
-PX, PY, PZ, DH, KC, IMPULSE, PEAK, LOSS = (ROW[n] for n in ("PX", "PY", "PZ", "DH", "KC", "IMPULSE", "PEAK", "LOSS"))
+PX, PY, PZ, DH, KC, IMPULSE, PEAK, LOSS, STORED = (ROW[n] for n in ("PX", "PY", "PZ", "DH", "KC", "IMPULSE", "PEAK", "LOSS", "STORED"))
 GROUP, ONE, STRIDE = _GROUP, np.uint64(1), np.uint64(_STRIDE)
 
 #: No fast maths here, so that a diverged run is seen; no reference counts either (see step_kernels).
@@ -44,8 +44,8 @@ FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START = range(7)
 
 @njit(**OPTIONS)
 def clear_contact(b, vertices):
-    """Zero all point forces, so that points leaving the watch list leave nothing behind."""
-    for row in (PX, PY, PZ, PX + GROUP, PY + GROUP, PZ + GROUP):
+    """Zero all point forces and energies, so that points leaving the watch list leave nothing behind."""
+    for row in (PX, PY, PZ, STORED, PX + GROUP, PY + GROUP, PZ + GROUP, STORED + GROUP):
         for j in range(np.uint64(0), vertices + ONE):
             b[row + j] = 0.0
 
@@ -156,14 +156,15 @@ def place_retainer(b, integers, travel, velocity):
 
 
 @njit(**OPTIONS)
-def integrate_in_time(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense):
+def integrate_in_time(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense, bins, pressed):
     """Integrate ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
 
-    ``clock`` = (steps per dense record, dense records per sample, first sample kept); ``stretches`` (STRETCHES, 2) is working space
-    to work. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions, frames, velocities and spins, ``contacts``
-    (samples, 3, groups, nv) with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with
-    retainer force, seat force, work done and dissipated energy. Returns (steps done, largest vertex speed); a run that
-    diverged stops early.
+    ``clock`` = (steps per dense record, dense records per sample, first sample kept, steps per record of coil pairs); ``stretches``
+    (STRETCHES, 2) is working space. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions, frames, velocities and spins,
+    ``contacts`` (samples, 3, groups, nv) with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with
+    retainer force, seat force, work done and dissipated energy, ``pressed`` (records from the first sample kept, 2, pairs) with force
+    and stored energy of the contact points of each pair, vertex i in pair ``bins[i]``. Returns (steps done, largest vertex speed); a run
+    that diverged stops early.
     """
     steps, vertices = len(displacement) - 1, np.uint64(integers[VERTICES])
     count, work, lost, before, fastest = 0, 0.0, 0.0, 0.0, 0.0
@@ -184,6 +185,9 @@ def integrate_in_time(b, integers, numbers, places, displacement, clock, stretch
         if n % clock[0] == 0:
             record = n // clock[0]
             dense[record, 0], dense[record, 1], dense[record, 2], dense[record, 3] = retainer, seat, work, lost
+        later = n - clock[0] * clock[1] * clock[2]
+        if later >= 0 and later % clock[3] == 0:
+            take_pairs(b, integers, stretches, count, bins, pressed[later // clock[3]])
         kept = n // (clock[0] * clock[1]) - clock[2]
         if sample and kept >= 0:
             take_snapshot(b, integers, snapshots[kept], 0.5)
@@ -213,6 +217,19 @@ def finish_snapshot(b, integers, out, share):
     for r in range(7, 13):
         for i in range(integers[VERTICES] + 1):
             out[r, i] += share * b[X + np.uint64(r) * STRIDE + np.uint64(i)]
+
+
+@njit(**OPTIONS)
+def take_pairs(b, integers, stretches, count, bins, out):
+    """Force and stored energy of the watched contact points of every pair, now."""
+    for n in range(count):
+        for i in range(int(stretches[n, 0]), int(stretches[n, 1])):
+            pair = bins[i]
+            if pair >= 0:
+                for g in range(integers[GROUPS]):
+                    j = GROUP * np.uint64(g) + np.uint64(i)
+                    out[0, pair] += np.sqrt(b[PX + j] ** 2 + b[PY + j] ** 2 + b[PZ + j] ** 2)
+                    out[1, pair] += b[STORED + j]
 
 
 @njit(**OPTIONS)

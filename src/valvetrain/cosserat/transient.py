@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 #: Target spacing of the dense force record (s): 250 kHz resolves spikes filtered at 20 kHz.
 DENSE_INTERVAL = 4e-6
+#: Target spacing of the record of coil contacts (s), whose blows last some 10 us.
+CONTACT_INTERVAL = 2e-6
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,8 @@ class RodTransient:
 
     ``position``, ``velocity`` (ns, nv, 3); ``frame`` (ns, nv + 1, 4); ``spin`` (ns, nv + 1, 3, body frame);
     ``contact_force`` and ``contact_peak`` (ns, groups, nv) mean and peak since the last sample; ``contact_loss`` (ns,);
-    ``dense_*`` (nd,). ``steps_done`` < ``steps`` when the run diverged.
+    ``dense_*`` (nd,); ``pair_force`` (N) and ``pair_energy`` (J, stored in the contact) (nc, pairs) at ``pair_time`` (nc,).
+    ``steps_done`` < ``steps`` when the run diverged.
     """
 
     time: Array
@@ -45,6 +48,9 @@ class RodTransient:
     dense_time: Array
     dense_retainer_force: Array
     dense_seat_force: Array
+    pair_time: Array
+    pair_force: Array
+    pair_energy: Array
     time_step: float
     steps: int
     steps_done: int
@@ -58,12 +64,13 @@ class RodTransient:
 
 def simulate(
     mesh: RodMesh, start: RodState, motion: Callable[[Array], ArrayLike], sample_interval: float, samples: int,
-    dynamics: RodDynamics, time_step: float | None = None, discard: int = 0,
+    dynamics: RodDynamics, time_step: float | None = None, discard: int = 0, pair_of: NDArray[np.int64] | None = None,
 ) -> RodTransient:  # fmt: skip
     """Integrate ``samples`` intervals of ``sample_interval`` (s) under ``motion(time) -> retainer displacement`` (m).
 
     The displacement counts from the free state; ``start`` is the equilibrium at ``motion(0)``. ``discard`` samples at
-    the beginning are not kept. Raises :class:`InputError` when a given ``time_step`` is not positive.
+    the beginning are not kept. ``pair_of`` (nv,): coil pair to which the contact points of a vertex count, -1 for none. Raises
+    :class:`InputError` when a given ``time_step`` is not positive.
     """
     if time_step is not None and not time_step > 0:
         raise InputError(f"the time step must be positive; it is {time_step}")
@@ -79,14 +86,20 @@ def simulate(
     snapshots = np.empty((samples + 1 - discard, 13, mesh.vertices + 1))
     contacts = np.zeros((samples + 1, 3, mesh.contact.groups, mesh.vertices))
     records = np.empty((samples * dense + 1, 4))
-    clock, stretches = np.array([sub, dense, discard]), np.zeros((STRETCHES, 2))
-    done, fastest = integrate_in_time(buffer, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, records)
+    spacing = max(1, round(CONTACT_INTERVAL / step))
+    clock, stretches = np.array([sub, dense, discard, spacing]), np.zeros((STRETCHES, 2))
+    bins = np.full(mesh.vertices, -1, dtype=np.int64) if pair_of is None else pair_of
+    pressed = np.zeros(((samples - discard) * dense * sub // spacing + 1, 2, int(bins.max()) + 1))
+    done, fastest = integrate_in_time(
+        buffer, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, records, bins, pressed
+    )
     reached = min(samples, (done - 1) // (dense * sub)) if done <= steps else samples
     if reached < discard:  # diverged among the samples not kept: run again and keep the last one before
-        return simulate(mesh, start, motion, sample_interval, samples, dynamics, time_step, reached)
+        return simulate(mesh, start, motion, sample_interval, samples, dynamics, time_step, reached, pair_of)
     keep, stored = slice(discard, reached + 1), slice(0, reached + 1 - discard)
     dense_keep = slice(keep.start * dense, reached * dense + 1)
     time = sample_interval * np.arange(samples + 1.0)
+    pressed = pressed[: (reached - discard) * dense * sub // spacing + 1]
     vertices = snapshots[stored, :, : mesh.vertices]
     return RodTransient(
         time=time[keep], displacement=displacement[:: dense * sub][keep],
@@ -96,5 +109,7 @@ def simulate(
         retainer_force=records[::dense, 0][keep], seat_force=records[::dense, 1][keep],
         work_done=records[::dense, 2][keep], energy_dissipated=records[::dense, 3][keep],
         dense_time=step * sub * np.arange(float(len(records)))[dense_keep], dense_retainer_force=records[dense_keep, 0],
-        dense_seat_force=records[dense_keep, 1], time_step=step, steps=steps, steps_done=done, fastest=fastest,
+        dense_seat_force=records[dense_keep, 1], pair_force=pressed[:, 0], pair_energy=pressed[:, 1],
+        pair_time=time[discard] + step * spacing * np.arange(float(len(pressed))),
+        time_step=step, steps=steps, steps_done=done, fastest=fastest,
     )  # fmt: skip

@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes, steps_between
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.leapfrog_kernel import advance
 from valvetrain.solution.channels import FINE, spring_channels
+from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.springs.contract import SpringModel
+from valvetrain.springs.contract import SpringModel, contact_watch_of
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
@@ -62,6 +64,13 @@ class Leapfrog:
         state = np.asarray(model.initial_state(float(system.displacement(0.0, cam_speed))), dtype=float)
         parameters, integers = model.parameters(), model.integers()
         keep = options.keep != "ends" and 8.0 * len(state) * (samples + 1) < LARGEST_RECORD
+        watch = contact_watch_of(model)
+        spacing, pressed = steps_between(watch, step), np.zeros((0, 0))
+        rows = (samples * sub - 1) // spacing + 1
+        # a run-up's contacts are recorded in all turns, where they fit
+        record = watch is not None and (not isinstance(until, RunUp) or 8.0 * watch.entries * rows * turns < LARGEST_RECORD)
+        stretches = watch.stretches if watch is not None else np.zeros((0, 2), dtype=np.int64)
+        blows: list[tuple[Array, Array]] = []
         forces, before, change, done, turn = np.zeros((samples * sub + 1, 2)), np.zeros(0), np.inf, 0, 0
         kept: list[tuple[Array, Array, Array]] = []
         for turn in range(turns):
@@ -71,7 +80,12 @@ class Leapfrog:
             rate = np.ascontiguousarray(system.valve_lift.lift(angle, 1)) * (cam_speed + acceleration * time)
             states = np.zeros((samples + 1 if keep else 0, len(state)))
             forces = np.zeros((len(time), 2))
-            done = advance(model.kernel, parameters, integers, state, place, rate, step, sub, forces, states)
+            if record and watch is not None and not (isinstance(until, Cycles) and turn < turns - 1):
+                pressed = np.empty((rows, watch.entries))
+            done = advance(model.kernel, parameters, integers, state, place, rate, step, sub, forces, states, stretches, spacing, pressed)
+            if len(pressed):
+                whole = min(rows, (done + spacing - 1) // spacing)
+                blows = [*(blows if isinstance(until, RunUp) else []), (time[:-1:spacing][:whole], pressed[:whole])]
             kept = [*kept, (time, forces, states)] if isinstance(until, RunUp) else [(time, forces, states)]
             if done <= samples * sub:
                 break
@@ -90,7 +104,12 @@ class Leapfrog:
             whole = done // sub * sub
             kept[-1] = kept[-1][0][: whole + 1], kept[-1][1][: whole + 1], kept[-1][2][: whole // sub + 1]
         channels = _channels(system, model, cam_speed, acceleration, kept, sub, options.keep == "all")
-        return Solution(channels, (), status, statistics, provenance)
+        events: tuple[Event, ...] = ()
+        if blows and watch is not None:
+            at, found = blows[0] if len(blows) == 1 else (np.concatenate([part[k] for part in blows]) for k in (0, 1))
+            statistics[RECORDED] = spacing * step
+            events = find_clashes(PairSeries(at, cam_speed * at + 0.5 * acceleration * at**2, *watch.read(found, spacing * step, step)))
+        return Solution(channels, events, status, statistics, provenance)
 
 
 def _status(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from valvetrain.errors import InputError
@@ -40,4 +42,6 @@ def joined(parts: tuple[Solution, ...], names: tuple[str, ...], provenance: Prov
         data |= {f"{spring}_{name}": own[name].drop_vars(["time", "cam_angle"]) for name in own.data_vars if name not in SHARED}
     statistics = {f"{spring}_{key}": value for part, spring in zip(parts, names, strict=True) for key, value in part.statistics.items()}
     worst = next((part.status for part in parts if not part.status.completed), parts[0].status)
-    return Solution(xarray.Dataset(data, coords=coords), (), worst, statistics, provenance)
+    named = [replace(event, where=f"{spring} {event.where}") for part, spring in zip(parts, names, strict=True) for event in part.events]
+    events = tuple(sorted(named, key=lambda event: event.time))
+    return Solution(xarray.Dataset(data, coords=coords), events, worst, statistics, provenance)

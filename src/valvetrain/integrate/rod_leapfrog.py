@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from valvetrain.cosserat.transient import RodTransient, simulate
+from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.solution.channels import SPRING_CHANNELS
+from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import COMPLETED, Status
@@ -39,6 +41,7 @@ class RodLeapfrog:
         rod = system.springs[0]
         assert isinstance(rod, FiniteElementRod)
         model: FiniteElementRod = rod
+        upper_coil, pair_of = rod.coil_pairs
         samples, cycles = options.samples or SAMPLES, PERIODIC_CYCLES
         if isinstance(until, Cycles):
             cycles = until.count
@@ -48,7 +51,7 @@ class RodLeapfrog:
         def turn(step: float | None) -> RodTransient:
             return simulate(
                 rod.mesh, rod.installed.state, lambda time: rod.precompression + system.displacement(time, cam_speed),
-                TURN / samples / cam_speed, cycles * samples, rod.dynamics, step, discard=(cycles - 1) * samples,
+                TURN / samples / cam_speed, cycles * samples, rod.dynamics, step, discard=(cycles - 1) * samples, pair_of=pair_of,
             )  # fmt: skip
 
         made = turn(options.time_step or model.time_step or model.stable_time_step())
@@ -64,6 +67,13 @@ class RodLeapfrog:
             "time_step_duration": made.time_step, "steps": made.steps, "elements": model.mesh.elements, "largest_velocity": made.fastest,
             "step_was_halved": retried, "integrator": self.word,
         }  # fmt: skip
+        events: tuple[Event, ...] = ()
+        if len(upper_coil) and len(made.pair_time) > 1:
+            statistics[RECORDED] = float(made.pair_time[1] - made.pair_time[0])
+            pairs = PairSeries(
+                made.pair_time, cam_speed * made.pair_time, np.arange(len(upper_coil)), upper_coil, made.pair_force.T, made.pair_energy.T
+            )
+            events = find_clashes(pairs)
         status = COMPLETED
         if not made.completed:
             time = made.steps_done * made.time_step
@@ -72,7 +82,7 @@ class RodLeapfrog:
                 "diverged", f"the wire's velocity grew without bound at {360 * part:.1f} cam degrees of turn {int(turns) + 1}", time,
                 "finite-element rod", "give a smaller time_step or a softer coil contact, or check the lift law for jumps",
             )  # fmt: skip
-        return Solution(channels, (), status, statistics, provenance)
+        return Solution(channels, events, status, statistics, provenance)
 
 
 SPEC = RodLeapfrog()

@@ -33,6 +33,7 @@ from valvetrain.contact.kernels import (
     update_impact,
 )
 from valvetrain.contact.own_law import call_law
+from valvetrain.integrate.spring_slot import write_contacts
 from valvetrain.integrate.train_damping import damp, losses
 from valvetrain.integrate.train_friction import friction_loss, rub
 from valvetrain.integrate.train_log import close_stretch, in_window, note_contact, note_crossing
@@ -56,9 +57,9 @@ _TRAIN = types.NamedTuple(
     ),
     TrainArrays,
 )  # fmt: skip
-_SLOT = types.NamedTuple((_vector, _integers, _vector), Slot)
+_SLOT = types.NamedTuple((_vector, _integers, _vector, _integer_matrix), Slot)
 _MOTION = types.NamedTuple((_vector, _vector, _vector, _integers, _vector, _integers, _vector), Motion)
-_RECORDS = types.NamedUniTuple(_matrix, 8, Records)
+_RECORDS = types.NamedUniTuple(_matrix, 10, Records)
 _SIGNATURE = i8(SPRING_FUNCTION, SPRING_FUNCTION, _TRAIN, _SLOT, _SLOT, _MOTION, _RECORDS)
 
 
@@ -199,6 +200,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
     q, v, clock, counters, totals, old, gaps = motion.q, motion.v, motion.clock, motion.counters, motion.totals, scratch.old, scratch.gaps
     index, laws, body, retainer, gas_coordinate = train.coordinate_of, train.laws, train.body, train.retainer, train.gas_coordinate
     step, every, exchange, bound, sample, elapsed = clock[3], counters[1], counters[3], 0.0, 0, 0.0
+    watched, next_watch = 0, 0 if records.pressed_a.shape[0] > 0 else -1
     _begin(train, motion, scratch)
     for n in range(counters[0]):
         recording = n % every == 0 and sample < records.motion.shape[0]
@@ -222,6 +224,10 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
                     clock[4], clock[5] = forces_a
                     clock[6], clock[7] = forces_b
                 clock[8] += step * old[retainer]
+        if n == next_watch:
+            write_contacts(slot_a.state, slot_a.watched, records.pressed_a[watched])
+            write_contacts(slot_b.state, slot_b.watched, records.pressed_b[watched])
+            watched, next_watch = watched + 1, n + counters[4]
         _kick(index, body, gaps, scratch.gradients, step, v)
         v[retainer] -= step * (clock[4] + clock[6]) / body[retainer, 0]
         pressed = 0.0

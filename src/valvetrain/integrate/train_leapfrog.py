@@ -8,13 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.run_up import run_up
 from valvetrain.integrate.train_channels import train_channels, train_statistics
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_run import CycleRecord, TrainOptions, TrainRunner, runner
 from valvetrain.integrate.train_steady import TOLERANCE, SteadyTrain, steady_train
+from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
+from valvetrain.springs.contract import contact_watch_of
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest, rest_of
@@ -45,7 +48,9 @@ class TrainLeapfrog:
         rest = options.rest or rest_of(system)
         large = any(isinstance(spring, FiniteElementRod) for spring in system.springs)
         samples = options.samples or (LARGE_SAMPLES if large else SAMPLES)
-        chosen = TrainOptions(samples, time_step=options.time_step, record_springs=options.keep != "ends")
+        chosen = TrainOptions(
+            samples, time_step=options.time_step, record_springs=options.keep != "ends", record_contacts=not isinstance(until, RunUp)
+        )
         if isinstance(until, RunUp):
             records = run_up(system, cam_speed, until.last_cam_speed, until.cam_acceleration, chosen, rest=rest)
             if not records:
@@ -55,11 +60,11 @@ class TrainLeapfrog:
             ready = runner(system, cam_speed, chosen, rest=rest)
             state = ready.initial_state()
             for _ in range(until.count - 1):
-                state, _ = replace(ready, options=replace(chosen, record_springs=False)).cycle(state, judged=False)
+                state, _ = replace(ready, options=replace(chosen, record_springs=False, record_contacts=False)).cycle(state, judged=False)
             _, record = ready.cycle(state)
             statistics = train_statistics(ready.system, record) | {"steady_cycles_count": float(until.count), "integrator": self.word}
-            touches = record.transitions.touches(ready.system.interaction_names, cam_speed)
-            return Solution(train_channels(ready.system, rest, (record,), state), touches, record.status, statistics, provenance)
+            events, spacing = _events(ready, record)
+            return Solution(train_channels(ready.system, rest, (record,), state), events, record.status, statistics | spacing, provenance)
         found = self._settled(system, cam_speed, until, chosen, large, rest)
         statistics = train_statistics(found.runner.system, found.record) | {
             "steady_cycles_count": float(found.search.cycles), "steady_residual_ratio": float(found.search.residuals[-1]),
@@ -68,8 +73,8 @@ class TrainLeapfrog:
             "wall_time_per_cycle_duration": found.wall_time_per_cycle, "integrator": self.word,
         }  # fmt: skip
         channels = train_channels(found.runner.system, rest, (found.record,), found.start)
-        touches = found.record.transitions.touches(found.runner.system.interaction_names, cam_speed)
-        return Solution(channels, touches, found.status, statistics, provenance)
+        events, spacing = _events(found.runner, found.record)
+        return Solution(channels, events, found.status, statistics | spacing, provenance)
 
     def _settled(
         self, system: TrainSystem, cam_speed: float, until: Periodic, chosen: TrainOptions, large: bool, rest: TrainRest
@@ -84,6 +89,22 @@ class TrainLeapfrog:
                 break
             chosen = replace(chosen, step_fraction=chosen.step_fraction / 3)
         return found
+
+
+def _events(ready: TrainRunner, record: CycleRecord) -> tuple[tuple[Event, ...], dict[str, float | int | str | bool]]:
+    """Touches of the train's contacts and clashes of the springs' coils in one cycle, and the spacing of the record of the latter."""
+    touches = record.transitions.touches(ready.system.interaction_names, record.cam_speed)
+    clashes: tuple[Event, ...] = ()
+    watched = False
+    for place, (spring, name) in enumerate(zip(ready.springs, ready.system.spring_names, strict=True)):
+        watch = contact_watch_of(spring)
+        if watch is None or not record.pressed:
+            continue
+        watched, pressed = True, record.pressed[place]
+        time = np.asarray(record.pressed_interval * np.arange(len(pressed)), dtype=float)
+        series = PairSeries(time, record.cam_speed * time, *watch.read(pressed, record.pressed_interval, record.time_step))
+        clashes += find_clashes(series, name if len(ready.springs) > 1 else "", closed=True)
+    return (*touches, *clashes), {RECORDED: record.pressed_interval} if watched else {}
 
 
 SPEC = TrainLeapfrog()

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.integrate.clash import steps_between
 from valvetrain.integrate.train_tuples import (
     LEAST_FORCE,
     LEAST_FORCE_ANGLE,
@@ -23,7 +24,7 @@ from valvetrain.integrate.train_tuples import (
 )
 from valvetrain.integrate.transitions import Transitions
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.springs.contract import SpringModel
+from valvetrain.springs.contract import SpringModel, contact_watch_of
 from valvetrain.system.train_forces import highest_frequency, springs_time_step
 from valvetrain.system.train_rest import TrainRest, rest_of
 from valvetrain.system.train_system import TrainSystem
@@ -44,8 +45,8 @@ class TrainOptions:
 
     ``samples``: records per cam cycle. ``step_fraction``: step over the stable limit. ``time_step`` (s) overrides it (rounded so that a
     cycle holds a whole number of steps). ``exchange``: steps per exchange of a partitioned coupling (0: all advance together).
-    ``record_springs``: keep the springs' inner states per sample. ``window``: begin and end (cam rad) of the part of the cycle in which
-    least forces are sought; it may pass the end of the turn.
+    ``record_springs``: keep the springs' inner states per sample; ``record_contacts``: write down the contacts of their coils. ``window``:
+    begin and end (cam rad) of the part of the cycle in which least forces are sought; it may pass the end of the turn.
     """
 
     samples: int = 1440
@@ -53,6 +54,7 @@ class TrainOptions:
     time_step: float | None = None
     exchange: int = 0
     record_springs: bool = False
+    record_contacts: bool = False
     window: tuple[float, float] = (0.0, TURN)
 
 
@@ -90,6 +92,7 @@ class CycleRecord:
     ``cam_power`` (W). ``peak_forces``, ``peak_penetrations`` (n,): over every step; ``least_forces`` (n,): over every step inside the
     options' window; both with their cam angles (rad). ``transitions``: openings and closings of every contact. ``work``: of cam, of
     constant and gas forces, dissipated, on springs (J). ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
+    ``pressed``: per spring the coil contacts at every ``pressed_interval`` (s), for its model's watch; without rows where not recorded.
     """
 
     cam_angle: Array
@@ -112,6 +115,8 @@ class CycleRecord:
     least_forces: Array = field(default_factory=lambda: np.zeros(0))
     least_force_cam_angles: Array = field(default_factory=lambda: np.zeros(0))
     transitions: Transitions = field(default_factory=lambda: Transitions.from_log(np.zeros((0, 7)), 0))
+    pressed: tuple[Array, ...] = ()
+    pressed_interval: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -155,20 +160,27 @@ class TrainRunner:
         count, interactions = len(new.q), len(arrays.kinds)
         kernels: list[Any] = [no_spring] * 2
         states = [np.zeros((rows, 0))] * 2
-        slots = [Slot(np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1))] * 2
+        slots = [Slot(np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1), np.zeros((0, 2), dtype=np.int64))] * 2
+        watches = [contact_watch_of(spring) if self.options.record_contacts else None for spring in self.springs]
+        spacing = min((steps_between(watch, self.time_step) for watch in watches if watch is not None), default=1)
+        count_rows = (self.steps - 1) // spacing + 1 if any(watches) else 0
+        pressed = [np.zeros((count_rows, 0))] * 2
         for place, (spring, (parameters, integers)) in enumerate(zip(self.springs, self.spring_arrays, strict=True)):
-            kernels[place], slots[place] = spring.kernel, Slot(parameters, integers, new.springs[place])
+            watch = watches[place]
+            stretches = slots[place].watched if watch is None else watch.stretches
+            pressed[place] = np.zeros((count_rows, 0 if watch is None else watch.entries))
+            kernels[place], slots[place] = spring.kernel, Slot(parameters, integers, new.springs[place], stretches)
             states[place] = np.zeros((rows, recorded_entries(spring) if self.options.record_springs else 0))
         begin, end = self.options.window
         clock = np.array([state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step, *new.held, begin, end - begin])
-        counters = np.array([self.steps, self.steps // rows, 0, self.options.exchange], dtype=np.int64)
+        counters = np.array([self.steps, self.steps // rows, 0, self.options.exchange, spacing], dtype=np.int64)
         addresses = np.array([law_address(kernel) for kernel in self.system.law_kernels], dtype=np.int64)
         motion = Motion(new.q, new.v, new.law_state, addresses, clock, counters, np.zeros(5))
         extremes = np.zeros((interactions, 5))
         extremes[:, LEAST_FORCE] = np.inf
         records = Records(
             np.zeros((rows, 3 * count + 2)), np.zeros((rows, interactions)), np.zeros((rows, interactions)), np.zeros((rows, 4)), states[0],
-            states[1], extremes, np.zeros((TRANSITIONS, 7)),
+            states[1], extremes, np.zeros((TRANSITIONS, 7)), *pressed,
         )  # fmt: skip
         done = ready_train_kernel()(*kernels, arrays, *slots, motion, records)
         status = self._status(done, state.cam_angle, extremes[:, PEAK_FORCE] if judged else np.zeros(0))
@@ -179,7 +191,7 @@ class TrainRunner:
             records.gap, records.spring.reshape(rows, 2, 2)[:, :springs], tuple(states[:springs]), written[:, -1],
             extremes[:, PEAK_FORCE], extremes[:, PEAK_PENETRATION], motion.totals[:4], self.time_step, self.cam_speed, status,
             float(motion.totals[4]), extremes[:, PEAK_FORCE_ANGLE], extremes[:, LEAST_FORCE], extremes[:, LEAST_FORCE_ANGLE],
-            Transitions.from_log(records.transitions, int(counters[2])),
+            Transitions.from_log(records.transitions, int(counters[2])), tuple(pressed[:springs]), spacing * self.time_step,
         )  # fmt: skip
         return replace(new, held=clock[4:9].copy(), cam_angle=angle), record
 

@@ -56,8 +56,8 @@ def steady_train(
     with its status saying so.
     """
     template, times = [start or runner.initial_state()], []
-    # the springs' inner states are large; only the last cycle keeps them
-    searching = replace(runner, options=replace(runner.options, record_springs=False))
+    # the springs' inner states and contacts are large; only the last cycle keeps them
+    searching = replace(runner, options=replace(runner.options, record_springs=False, record_contacts=False))
 
     def cycle(vector: Array) -> Array:
         begun = time.perf_counter()

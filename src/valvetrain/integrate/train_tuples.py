@@ -24,11 +24,12 @@ PLACE, CLOSES, ANGLE, RATE, LARGEST_GAP, LARGEST_GAP_ANGLE, LARGEST_FORCE = rang
 
 
 class Slot(NamedTuple):
-    """The arrays of one spring kernel."""
+    """The arrays of one spring kernel; ``watched`` (r, 2): stretches of the state, first entry and length, that hold its coil contacts."""
 
     parameters: Array
     integers: Integers
     state: Array
+    watched: Integers
 
 
 class Motion(NamedTuple):
@@ -36,7 +37,8 @@ class Motion(NamedTuple):
 
     ``q``, ``v`` (N,); ``law_state``: memory of all laws; ``law_addresses``: of the kernels of the train's own laws. ``clock`` (11,): cam
     angle, cam speed, cam acceleration, step, four spring end forces, displacement of a partitioned spring, begin and width (rad) of the
-    window of least forces. ``counters`` (4,): steps, record every, transitions found, exchange interval (0: all advance together).
+    window of least forces. ``counters`` (5,): steps, record every, transitions found, exchange interval (0: all advance together), steps
+    per row of coil contacts.
     ``totals`` (5,): work of the cam, of constant and gas forces, dissipated, work on the springs (J), and the share of contact friction
     in what was dissipated.
     """
@@ -57,6 +59,7 @@ class Records(NamedTuple):
     ``spring_b`` (S, entries): heads of the spring states. ``extremes`` (n, 5) over every step: peak force and its cam angle, peak
     penetration, least force in the window and its cam angle. ``transitions`` (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and
     0 for an opening, cam angle, rate of the penetration, largest gap of the open side and its cam angle, largest force of the closed side.
+    ``pressed_a``, ``pressed_b`` (rows, entries): the coil contacts of each spring; no rows: they are not recorded.
     """
 
     motion: Array
@@ -67,6 +70,8 @@ class Records(NamedTuple):
     spring_b: Array
     extremes: Array
     transitions: Array
+    pressed_a: Array
+    pressed_b: Array
 
 
 class Scratch(NamedTuple):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from valvetrain.cam.contract import LiftLaw
@@ -21,12 +21,15 @@ from valvetrain.registry import find
 def build_mechanism(train: TrainParameters, law: LiftLaw, lift_of: str = "tappet") -> AssembledMechanism:
     """Mechanism of a train under a lift law (``lift_of`` 'tappet' or 'valve'), in the model the train asks for.
 
-    Raises :class:`InputError` for missing parts, geometry that cannot work, lash larger than the lift, a missing contact law, or
+    Raises :class:`InputError` for missing parts, geometry that cannot work, lash larger than the lift, missing contact laws, or
     friction where nothing slides.
     """
     spec: MechanismSpec = find("mechanisms", train.kind, "train.kind")
     spec.check(train)
     places = [place for place in spec.places if place != "tappet" or train.follower.mass > 0]
+    if missing := [place for place in places if place not in train.contacts]:
+        tables, has = ", ".join(f"[train.contacts.{place}]" for place in missing), ", ".join(train.contacts) or "none"
+        raise InputError(f"a {train.kind} train needs a contact law for {_listed(missing)}, and has {has}; add {tables}", "train.contacts")
     laws = {place: _contact_law(train.contact(place)) for place in places}
     planar = spec.build(train, law, laws, lift_of)
     rough = {place: friction for place in places if (friction := train.contact(place).friction_coefficient) > 0}
@@ -40,6 +43,11 @@ def build_mechanism(train: TrainParameters, law: LiftLaw, lift_of: str = "tappet
     if train.model == "single-mass":
         return build_single_mass(planar)
     return _with_friction(planar, train, rough) if rough else planar
+
+
+def _listed(places: Sequence[str]) -> str:
+    quoted = [f"'{place}'" for place in places]
+    return f"{', '.join(quoted[:-1])} and {quoted[-1]}" if len(quoted) > 1 else quoted[0]
 
 
 def _contact_law(contact: ContactParameters) -> ContactLaw:

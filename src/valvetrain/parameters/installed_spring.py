@@ -38,8 +38,9 @@ class InstalledSpring:
 
     ``precompression`` (m): shortening from the free length with the valve closed (a wire's; a card's is preload / rate).
     ``seats``: ``planes`` where end coils may touch flat seats beyond their inactive turns, ``clamps`` where nothing but the inactive
-    ends is touched. ``options``: spring-model word -> keyword arguments of that model's options. Raises :class:`InputError` for a
-    spring that would be stretched or solid as installed.
+    ends is touched. ``options``: spring-model word -> keyword arguments of that model's options. ``tied``: a source's own spring whose
+    ends never leave seat and retainer, so that it also pulls. Raises :class:`InputError` for a spring that would be stretched or solid
+    as installed.
     """
 
     wire: SpringDefinition | None = None
@@ -49,22 +50,26 @@ class InstalledSpring:
     damping: DampingParameters = field(default_factory=DampingParameters)
     contact: CoilContact = CoilContact()
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=FrozenMapping)
+    tied: bool = False
 
     def __post_init__(self) -> None:
         keep_si(self, "an installed spring", precompression="compression")
         object.__setattr__(self, "options", FrozenMapping({word: FrozenMapping(values) for word, values in self.options.items()}))
         if (self.wire is None) == (self.card is None):
             raise InputError("an installed spring is known by its wire or by its card; give one of them")
+        if self.seats not in ("planes", "clamps"):
+            raise InputError(f"seats '{self.seats}' of spring '{self.name}' is unknown; use planes or clamps")
         if (wrong := options_problem(self.options, self.card is not None)) is not None:
             raise InputError(wrong[2])
+        if self.card is not None and not (self.card.rate > 0 and self.card.preload >= 0):
+            raise InputError(
+                f"the card of spring '{self.name}' gives a rate of {self.card.rate:g} N/m and a preload of {self.card.preload:g} N; "
+                "the rate must be positive and the preload zero or more"
+            )
         if self.card is not None:
             object.__setattr__(self, "precompression", self.card.preload / self.card.rate)
-        if self.wire is not None and not 0 <= self.precompression < self.wire.free_length - self.wire.solid_height:
-            room = (self.wire.free_length - self.wire.solid_height) * 1e3
-            raise InputError(
-                f"spring '{self.wire.name}' cannot be installed {self.precompression * 1e3:.4g} mm shorter than its free length: it is "
-                f"solid at {room:.4g} mm; choose an installed height between solid and free"
-            )
+        if self.wire is not None:
+            self.wire.refuse_solid(self.precompression)
 
     @property
     def name(self) -> str:
@@ -72,6 +77,11 @@ class InstalledSpring:
         part = self.wire or self.card
         assert part is not None
         return part.name
+
+    @property
+    def pulls(self) -> bool:
+        """Whether the ends are held, so that the spring also pulls: between clamps, or ``tied``; others press or are loose."""
+        return self.tied or (self.wire is not None and self.seats == "clamps")
 
     @property
     def installed_height(self) -> float | None:
@@ -100,10 +110,10 @@ class InstalledSpring:
         return replace(self, options={**self.options, model: {**self.options_of(model), **values}})
 
     def without_preload(self) -> InstalledSpring:
-        """The same spring at rest with the valve closed."""
+        """The same spring at rest with the valve closed, by the formula F = k x of a source that leaves the preload out: it is ``tied``."""
         if self.card is not None:
-            return replace(self, card=replace(self.card, preload=0.0))
-        return replace(self, precompression=0.0)
+            return replace(self, card=replace(self.card, preload=0.0), tied=True)
+        return replace(self, precompression=0.0, tied=True)
 
 
 @dataclass(frozen=True, slots=True)

@@ -71,5 +71,5 @@ def _set(tree: dict[str, Any], path: str, value: Any) -> None:
 
 def _place(table: list[Any], key: str, path: str) -> int:
     if not key.isdecimal() or int(key) >= len(table):
-        raise InputError(f"'{key}' is no place in a list of {len(table)}; count from 0", path)
+        raise InputError(f"'{key}' is no place in a list of {len(table)}; name one by its number from 0, such as '0.{key}'", path)
     return int(key)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -13,8 +14,9 @@ from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.schema_installed import RubbingModel, SpringField
 from valvetrain.parameters.schema_lift import LiftField
 from valvetrain.parameters.schema_published import PublishedModel
-from valvetrain.parameters.schema_types import StrictModel, placed, problem, quantities, quantity
+from valvetrain.parameters.schema_types import StrictModel, guarded, placed, problem, quantities, quantity
 from valvetrain.parameters.train_schema import TrainModel
+from valvetrain.units import si
 
 _OPERATION = Operation()
 
@@ -37,6 +39,8 @@ class OperationModel(StrictModel):
         speeds = self.engine_speeds if self.engine_speeds is not None else tuple(2 * speed for speed in self.cam_speeds or ())
         if any(speed <= 0 for speed in speeds):
             raise problem("a speed must be positive; correct the list")
+        for speed in speeds:
+            guarded(si, f"{speed * 30 / math.pi:.12g} rpm", "engine_speed")
         if not 1 <= self.cycles <= 10_000:
             raise problem("cycles must be a whole number from 1 to 10000", ("cycles",))
         return Operation(speeds, self.cycles, self.output_step)
@@ -62,6 +66,8 @@ class CaseModel(StrictModel):
         """The case; ``folder`` is where relative file names start. Raises a located problem for tables that contradict each other."""
         if self.spring is None and self.lift_law is None and self.train is None:
             raise problem("the case is empty; it needs at least one of [spring], [lift_law] and [train]")
+        if self.spring is not None and self.train is not None:
+            raise problem("a train carries its springs in [train.springs], so this one would stay unused; move it there", ("spring",))
         known = registry.words("sources")
         if self.study and known and self.study not in known:
             raise problem(f"study '{self.study[:40]}' is unknown; {nearest(self.study, known)}", ("study",))

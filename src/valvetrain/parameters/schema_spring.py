@@ -114,7 +114,10 @@ class SpringModel(StrictModel):
         diameter_key = self._one_of("mean_diameter", "outer_diameter")
         diameter = guarded(getattr(self, diameter_key).build, bare, path=(diameter_key,))
         pitch_key = self._one_of("pitch", "height")
-        pitch = guarded(getattr(self, pitch_key).build, context, path=(pitch_key,))
+        try:
+            pitch = getattr(self, pitch_key).build(context)
+        except InputError as error:  # a pitch made from the wire tells a slip of units in the wire
+            raise problem(error.reason, ("wire_diameter" if error.where == "wire_diameter" else pitch_key,)) from error
         if self.ends is not None and (self.lower_end is not None or self.upper_end is not None):
             raise problem("'ends' speaks for both ends, so lower_end and upper_end contradict it; give one or the other", ("ends",))
         lower, upper = self.lower_end or self.ends or EndModel(), self.upper_end or self.ends or EndModel()

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Array, Constant, Curve
@@ -75,6 +75,9 @@ class SpringDefinition:
         for key in ("wire_diameter", "mean_diameter", "pitch"):
             if not isinstance(law := getattr(self, key), Curve):
                 object.__setattr__(self, key, Constant(si(law, key, f"{key} of spring '{self.name}'")))
+        for place in ("lower_end", "upper_end"):
+            if not isinstance(getattr(self, place), EndCoil):
+                raise InputError(f"{place} of spring '{self.name}' is no EndCoil; write EndCoil('closed-ground'), 'closed' or 'open'")
         check_spring(self)
 
     def replace(self, **changes: Any) -> SpringDefinition:
@@ -161,6 +164,16 @@ class SpringDefinition:
         wire = (self.wire_diameter.value(upper) + self.wire_diameter.value(upper - 1)) / 2
         return np.where(inside, np.hypot(rise, shift) - wire, np.inf)
 
+    def telescopes(self, coil: ArrayLike) -> NDArray[np.bool_]:
+        """Whether the wire at ``coil`` passes beside the wire one turn below, which then does not keep it off the seat."""
+        coil = np.asarray(coil, dtype=float)
+        inside = (coil >= 1.0) & (coil <= self.total_coils)
+        upper = np.clip(coil, 1.0, max(self.total_coils, 1.0))
+        shift = np.abs(self.mean_diameter.value(upper) - self.mean_diameter.value(upper - 1)) / 2
+        wire = (self.wire_diameter.value(upper) + self.wire_diameter.value(upper - 1)) / 2
+        found: NDArray[np.bool_] = np.asarray(inside & (shift >= wire), dtype=np.bool_)
+        return found
+
     @property
     def lower_seat_height(self) -> float:
         """Height z (m) of the lower seat plane: it touches the underside of the wire where grinding ends."""
@@ -186,6 +199,19 @@ class SpringDefinition:
         lower, upper = self.lower_end.ground_coils, self.total_coils - self.upper_end.ground_coils
         wire = (self.wire_diameter.value(lower) + self.wire_diameter.value(upper)) / 2
         return float(np.interp(upper, coil, height) - np.interp(lower, coil, height) + wire)
+
+    @property
+    def solid_compression(self) -> float:
+        """Shortening (m) from the free length at which every coil lies on the one below."""
+        return self.free_length - self.solid_height
+
+    def refuse_solid(self, compression: float) -> None:
+        """Raise :class:`InputError` for a compression (m from the free length) that is negative, no number or solid."""
+        if not 0 <= compression < self.solid_compression:
+            raise InputError(
+                f"spring '{self.name}' takes no precompression of {compression * 1e3:.4g} mm: it is free at 0 and solid at "
+                f"{self.solid_compression * 1e3:.4g} mm; choose a height between solid and free"
+            )
 
     def _solid_axis(self, coil: Array) -> Array:
         wire = self.wire_diameter.value(coil)

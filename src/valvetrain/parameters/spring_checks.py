@@ -9,10 +9,13 @@ from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Array, Curve
+from valvetrain.parameters.material import Material
 from valvetrain.units import si
 
 #: Depth, as a share of the wire diameter, up to which free coils may overlap (drawing and rounding slack).
 OVERLAP_SLACK = 0.02
+#: Turns by which meshes run past both tips, where every curve must still hold a number.
+BEYOND_TIPS = 0.5
 
 
 class WireShape(Protocol):
@@ -32,6 +35,8 @@ class WireShape(Protocol):
     def mean_diameter(self) -> Curve: ...
     @property
     def pitch(self) -> Curve: ...
+    @property
+    def material(self) -> Material: ...
 
     def index(self, coil: ArrayLike) -> Array:
         """Mean coil diameter over wire diameter."""
@@ -42,7 +47,13 @@ class WireShape(Protocol):
 
 def check_spring(spring: WireShape) -> None:
     """Raise :class:`InputError` when ``spring`` is impossible."""
-    if not np.isfinite(spring.total_coils) or spring.total_coils <= 0:
+    for part in ("wire_diameter", "mean_diameter", "pitch"):
+        given = getattr(spring, part)
+        if not isinstance(given, Curve):
+            raise InputError(f"{part} of spring '{spring.name}' is no curve over the coil number; write Constant({given!r}) for one value")
+    if not isinstance(spring.material, Material):
+        raise InputError(f"material of spring '{spring.name}' is no Material; give one, such as material_by_name('oteva 90 sc')")
+    if isinstance(spring.total_coils, str) or not np.isfinite(spring.total_coils) or spring.total_coils <= 0:
         raise InputError(f"spring '{spring.name}' has {spring.total_coils} turns; give a positive number of total_coils")
     if spring.hand not in ("right", "left"):
         raise InputError(f"hand '{spring.hand}' of spring '{spring.name}' is unknown; use right or left")
@@ -62,6 +73,11 @@ def check_spring(spring: WireShape) -> None:
         # millimetres taken for metres are 0.2 m or more; smaller values meet the checks of the shape
         if (largest := float(np.max(law.value(coil)))) >= 0.2:
             si(largest, quantity, f"{quantity} of spring '{spring.name}'")
+    beyond = np.linspace(-BEYOND_TIPS, spring.total_coils + BEYOND_TIPS, len(coil))
+    for law, label in ((spring.wire_diameter, "wire diameter"), (spring.mean_diameter, "mean coil diameter"), (spring.pitch, "pitch")):
+        bad = ~(np.isfinite(law.value(beyond)) & np.isfinite(law.derivative(beyond)))
+        remedy = f"let its curve go on {BEYOND_TIPS:g} turns past both tips, such as by np.clip of the coil number"
+        _refuse(bad, beyond, spring, f"{label} is not a finite number with a slope; {remedy}")
     thick = spring.index(coil) <= 1.0
     _refuse(thick, coil, spring, "mean coil diameter does not exceed the wire diameter (index at most 1); widen the coil")
     _refuse_jumps(spring, coil)
@@ -80,13 +96,13 @@ def _refuse(bad: np.ndarray, coil: np.ndarray, spring: WireShape, reason: str) -
 
 
 def _refuse_jumps(spring: WireShape, coil: np.ndarray) -> None:
-    """A jump of the pitch would be a kink of the wire, smeared over one element by every mesh."""
+    """A jump would kink the wire (pitch) or break it (diameters), smeared over one element by every mesh."""
     fine = np.linspace(0.0, spring.total_coils, 4000 * int(np.ceil(spring.total_coils)) + 1)
-    pitch = spring.pitch.value(fine)
-    scale = max(float(np.max(spring.wire_diameter.value(coil))), float(np.max(np.abs(pitch))))
-    _refuse(
-        np.abs(np.diff(pitch, append=pitch[-1])) > 0.05 * scale,
-        fine,
-        spring,
-        "pitch jumps, which would kink the wire; ramp it over a quarter turn or more",
-    )
+    wire = float(np.max(spring.wire_diameter.value(coil)))
+    pitch, wires, coils = (law.value(fine) for law in (spring.pitch, spring.wire_diameter, spring.mean_diameter))
+    for values, scale, what in (
+        (pitch, max(wire, float(np.max(np.abs(pitch)))), "pitch jumps, which would kink the wire"),
+        (wires, wire, "wire diameter jumps, which no drawn wire does"),
+        (coils, wire, "mean coil diameter jumps, which would break the wire"),
+    ):
+        _refuse(np.abs(np.diff(values, append=values[-1])) > 0.05 * scale, fine, spring, f"{what}; ramp it over a quarter turn or more")

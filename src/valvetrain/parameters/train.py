@@ -178,7 +178,7 @@ class ValveParameters:
 
 @dataclass(frozen=True, slots=True)
 class GasLoad:
-    """Force (N, opening positive) on the valve over the cam angle (rad), joined smoothly and periodic in one cam turn."""
+    """Force (N, opening positive) on the valve over the cam angle (rad), joined by monotone curves and periodic in one cam turn."""
 
     cam_angles: tuple[float, ...]
     forces: tuple[float, ...]

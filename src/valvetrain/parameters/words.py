@@ -155,8 +155,8 @@ def number(value: float | None, digits: int = 4) -> str:
 
 
 def unit_words(unit: str) -> str:
-    """A unit as printed: ``mm/s^2`` -> ``mm/s²``, ``us`` -> ``µs``."""
-    return unit.replace("^2", "²").replace("^3", "³").replace("us", "µs")
+    """A unit as printed: ``mm/s^2`` -> ``mm/s²``, ``us`` -> ``µs``, ``um`` -> ``µm``."""
+    return unit.replace("^2", "²").replace("^3", "³").replace("us", "µs").replace("um", "µm")
 
 
 def _scientific(mantissa: str, power: int) -> str:

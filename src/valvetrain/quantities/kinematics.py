@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +12,8 @@ from numpy.typing import NDArray
 from valvetrain.mechanism.contour import curvature_radius_flat, curvature_radius_round
 from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_ROUND
 from valvetrain.parameters.train import TrainParameters
+from valvetrain.quantities.contact_loss import ContactLoss, ContactShares, RigidForces
 from valvetrain.system.rigid_pose import RigidPoses, rigid_poses
-from valvetrain.system.train_forces import gap_state
 from valvetrain.system.train_rest import TrainRest
 from valvetrain.system.train_system import TrainSystem
 
@@ -24,9 +25,9 @@ class RigidTable:
     """Rigid motion and quasi-static forces over ``cam_angle`` (S,) at one ``cam_speed`` (rad/s); SI units.
 
     ``columns``: name -> (S,): valve_lift, valve_velocity, valve_acceleration, valve_jerk, motion_ratio (valve per follower travel along
-    the cam normal), reduced_mass, inertia_force, spring_force, spring_margin (spring and weight less inertia, at the valve),
-    contact_force (on the cam), cam_torque, contact_radius (of the cam, infinite where straight), contact_offset, sliding_velocity,
-    hertz_pressure.
+    the cam normal), reduced_mass, inertia_force, spring_force, spring_margin (spring and inertia less weight and gas, at the valve),
+    contact_force (on the cam) and that of every other contact of the drive, such as valve_tip_contact_force, cam_torque, contact_radius
+    (of the cam, infinite where straight), contact_offset, sliding_velocity, hertz_pressure.
     """
 
     cam_angle: Array
@@ -43,8 +44,8 @@ class RigidMotion:
 
     ``maximum_lift`` (m) with all contacts closed. ``derivatives`` (4, S): valve lift and its derivatives by the cam angle.
     ``spring_force``, ``weight`` (N): of the springs at rest and of gravity, at the valve. ``inertia``: inertia force at the valve per cam
-    speed squared. ``per_lift``, ``per_angle``: travel of the cam normal per valve travel and per cam angle. ``geometry``: columns of the
-    cam contact, with ``sliding_velocity`` per cam speed and ``pressure_root`` (Pa per sqrt N).
+    speed squared. ``gas`` (N): its force on the valve, opening positive. ``forces``: of every contact, ``shares`` at the cam angles.
+    ``geometry``: columns of the cam contact, with ``sliding_velocity`` per cam speed and ``pressure_root`` (Pa per sqrt N).
     """
 
     cam_angle: Array
@@ -53,23 +54,27 @@ class RigidMotion:
     reduced_mass: Array
     spring_force: Array
     weight: Array
+    gas: Array
     inertia: Array
-    per_lift: Array
-    per_angle: Array
+    forces: RigidForces
+    shares: ContactShares
     geometry: Mapping[str, Array]
 
     def table(self, cam_speed: float) -> RigidTable:
         """Kinematics and quasi-statics at ``cam_speed`` (rad/s)."""
         lift, velocity, acceleration, jerk = (self.derivatives[n] * cam_speed**n for n in range(4))
         inertia, moving = self.inertia * cam_speed**2, lift > 0
-        contact = np.where(moving, (inertia + self.spring_force - self.weight) / self.per_lift, 0.0)
+        held = np.where(moving[:, None], self.shares.static + self.shares.inertia * cam_speed**2, 0.0)
+        at = {place: held[:, number] for number, place in enumerate(self.forces.places)}
+        contact = at.pop("cam")
         columns = {
             "valve_lift": lift, "valve_velocity": velocity, "valve_acceleration": acceleration, "valve_jerk": jerk,
-            "motion_ratio": 1 / self.per_lift, "reduced_mass": self.reduced_mass, "inertia_force": inertia,
+            "motion_ratio": 1 / self.shares.per_lift, "reduced_mass": self.reduced_mass, "inertia_force": inertia,
             "spring_force": self.spring_force,
-            "spring_margin": np.where(moving, self.spring_force - self.weight + inertia, self.spring_force),
-            "contact_force": contact, "cam_torque": contact * self.per_angle,
+            "spring_margin": np.where(moving, self.spring_force - self.weight - self.gas + inertia, self.spring_force),
+            "contact_force": contact, "cam_torque": contact * self.shares.per_angle,
         }  # fmt: skip
+        columns |= {f"{place.replace(' ', '_')}_contact_force": force for place, force in at.items()}
         columns |= {name: self.geometry[name] for name in ("contact_radius", "contact_offset") if name in self.geometry}
         if "sliding_velocity" in self.geometry:
             columns["sliding_velocity"] = self.geometry["sliding_velocity"] * cam_speed
@@ -77,16 +82,14 @@ class RigidMotion:
         return RigidTable(self.cam_angle, cam_speed, columns)
 
     def contact_loss(self) -> tuple[float, float]:
-        """Cam speed (rad/s) at which rigid theory first lets a contact go, and the cam angle (rad) where; infinite when it never does.
+        """Cam speed (rad/s) at which rigid theory first lets a contact of the drive go, and the cam angle (rad) where; infinite when it
+        never does."""
+        return self.first_loss[:2]
 
-        The contact force is (static part) + (inertia per speed squared) * cam_speed**2, so its first zero is a ratio.
-        """
-        risky = (self.derivatives[0] > 0) & (self.inertia < 0)
-        if not np.any(risky):
-            return np.inf, np.nan
-        squares = np.where(risky, -(self.spring_force - self.weight) / np.where(risky, self.inertia, -1.0), np.inf)
-        worst = int(np.argmin(squares))
-        return float(np.sqrt(max(squares[worst], 0.0))), float(self.cam_angle[worst])
+    @cached_property
+    def first_loss(self) -> ContactLoss:
+        """The first contact that is lost, where and at which cam speed."""
+        return self.forces.first_loss(self.cam_angle)
 
 
 def rigid_motion(
@@ -99,13 +102,15 @@ def rigid_motion(
     derivatives = np.stack([motion.valve_lift(angle, n) for n in range(4)])
     lift = derivatives[0]
     grid = np.linspace(0.0, max(float(lift.max()), 1e-6), 33)
-    spring = np.interp(lift, grid, system.spring_forces(grid)) if rest is None else rest.static_spring_force(lift)
-    per_lift, per_angle = _cam_gradients(system, poses, angle, lift + np.where(lift > 0, motion.lash, 0.0))
+    static = partial(_between, grid, system.spring_forces(grid)) if rest is None else rest.static_spring_force
+    forces = RigidForces(system, poses, static)
+    tight = forces.poses_at(lift)
     geometry = {} if train is None else _contact_geometry(system, train, poses, angle, lift, derivatives[1])
-    inertia = _inertia(poses, lift, derivatives[1], derivatives[2])
+    inertia = _inertia(poses, tight, derivatives[1], derivatives[2])
     return RigidMotion(
-        angle, float(motion.maximum_lift), derivatives, poses.mass(lift), spring, poses.weight(lift), inertia, per_lift, per_angle, geometry
-    )
+        angle, float(motion.maximum_lift), derivatives, poses.mass(tight), static(lift), poses.weight(tight), forces.gas(angle), inertia,
+        forces, forces.shares(angle), geometry,
+    )  # fmt: skip
 
 
 def rigid_quantities(motion: RigidMotion) -> dict[str, float]:
@@ -128,20 +133,13 @@ def contact_loss_cam_speed(system: TrainSystem, samples: int = 1440) -> tuple[fl
     return rigid_motion(system, None, samples).contact_loss()
 
 
+def _between(lifts: Array, spring_forces: Array, valve_lift: Array) -> Array:
+    return np.asarray(np.interp(valve_lift, lifts, spring_forces))
+
+
 def _inertia(poses: RigidPoses, lift: Array, velocity: Array, acceleration: Array) -> Array:
     """Inertia force reduced to the valve (N): m a + (dm/dlift) v**2 / 2, from the kinetic energy m(lift) v**2 / 2."""
     return np.where(lift > 0, poses.mass(lift) * acceleration + poses.mass(lift, 1) * velocity**2 / 2, 0.0)
-
-
-def _cam_gradients(system: TrainSystem, poses: RigidPoses, angle: Array, lift: Array) -> tuple[Array, Array]:
-    """Travel of the cam normal per valve travel (1) and per cam angle (m/rad) along the rigid motion."""
-    cam = system.mechanism.interaction_index("cam")
-    positions, modes = poses.positions(lift), poses.mode(lift)
-    along, slope = np.zeros(len(angle)), np.zeros(len(angle))
-    for row, theta in enumerate(angle):
-        _, gradients, slopes = gap_state(system, positions[row], float(theta))
-        along[row], slope[row] = -gradients[cam] @ modes[row], slopes[cam]
-    return along, slope
 
 
 def _contact_geometry(

@@ -68,6 +68,10 @@ def _touched(cycle: Cycle, window: ClashWindow) -> bool:
     """Whether any coil meets the one below anew within the window; without it a spike is a wave, not a clash."""
     inside, solution = cycle.window(window.first, window.last), cycle.solution
     names = [solution.channel_of(spring, "coil_contact_force") for spring in solution.springs]
+    if not any(solution.has(name) for name in names):  # a run that kept its ends alone still knows its clashes
+        first = float(solution.cam_angle[cycle.samples.start])
+        begun = (event.cam_angle - first for event in solution.events if event.kind == "clash")
+        return any(window.first <= angle <= window.last for angle in begun)
     pressed = [cycle.channel(name)[inside] > 0 for name in names if solution.has(name)]
     return any(bool(np.any(force[1:] & ~force[:-1])) for force in pressed)
 

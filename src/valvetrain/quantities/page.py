@@ -44,22 +44,28 @@ object from the names above to such numbers.
 
 | key | content |
 |---|---|
-| `command`, `case`, `title` | what was asked |
-| `completed` | true when nothing failed |
-| `quantities` | what belongs to no run |
-| `runs` | per run `label`, `spring_model`, `spring_set`, `engine_speed`, `status`, `quantities`, `events` |
-| `status` | `code` (`completed`, `not-converged`, `diverged`, `solid`, `interrupted`); unless completed also `message`, `time`, `where`, `remedy` |
-| `events` | per event `kind`, `cam_angle`, `time`, `duration`, `size`, `where`, `details` |
+| `command`, `case`, `title`, `digest` | what was asked; the fingerprint of the resolved case file |
+| `changed` | key paths set from outside the file |
+| `completed`, `failures` | true when nothing failed; a sentence per part that did |
+| `quantities`, `quantities_by_label` | what belongs to no run; the same by label, such as what a sweep found |
+| `springs_at_rest` | per spring and model `spring`, `model`, `precompression`, and what was found of `static_curve` and `modes` |
+| `static_curve` | `status`; `compression`, `force`, `stiffness`, each with `values` and `unit` |
+| `modes` | `status`, `compression`, and per mode `mode`, `natural_frequency`, `axial_transmission_ratio`, `axial` (number among the axial modes, or null) |
+| `runs` | per run `label`, `model`, `spring_set`, `engine_speed`, `status`, `quantities`, `clash_count`, `events`, `options`, `statistics` |
+| `status` | `code` (`completed`, `not-converged`, `diverged`, `solid`, `refused`, `interrupted`); unless completed also `message`, `time`, `where`, `remedy` |
+| `events` | per event `kind`, `cam_angle`, `time`, `duration`, `size`, `where`, `details`; of a clash `lower_coil`, `upper_coil`, `impulse`, `energy`, `peak_cam_angle` |
+| `options`, `statistics` | of a run: options of its model, and step, counts, residuals; numbers as value and unit, unit `1` for counts and shares |
 | `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `published`, `computed`, `difference`, `tolerance`, `verdict`, `source` |
-| `findings`, `notes` | findings of the source beside what was computed; sentences on where a prediction misses |
+| `findings`, `notes` | findings of the source beside what was computed; sentences on what must be known of the numbers |
 | `cite` | references behind the results |
+| `created_at`, `command_line`, `versions`, `choices` | of a kept run: when, by what, with which packages; engine speeds, models and sets that were run |
 | `folder`, `files`, `page` | where the results were written |
-| `static_curve` | of `static`: `compression`, `force`, `stiffness`, each with `values` and `unit`; `largest_compression` beside it |
-| `modes` | of `modes`: per mode `mode`, `natural_frequency`, `axial_transmission_ratio`, `axial`; `compression` beside it |
-| `spring_model`, `elements_per_coil` | of `static` and `modes`: what computed it |
 | `holds`, `facts` | of `check`: tables of the case; what it says, in words |
 | `cases` | of `cases`: per case `name`, `title`, `holds`, `sources`; with a name, `text` of the file instead |
 | `uncertainties` | of `refine`: per number `quantity`, `engine_speed`, `value`, `numerical_uncertainty`, `observed_order` (null: not monotonic), `extrapolated`, `step_part`, and `contact_stiffness`, `contact_damping` each with `least` and `largest` |
+| `inputs`, `results` | of `compare-runs`, with the folders `a` and `b`: per input `key`, `a`, `b`; per number `quantity`, `run`, `a`, `b`, `difference` |
+| `runs` | of the command `runs`: per kept run `created_at`, `case`, `digest`, `asked`, `spring_models`, `engine_speeds`, `completed`, `headline`, `folder` |
+| `error` | in place of all of these: `message`, `where`, `code` (the exit code) |
 """  # noqa: E501  a row of a table is one line
 
 

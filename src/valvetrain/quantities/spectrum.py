@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.quantities.cycle import Cycle
+from valvetrain.quantities.forces import fine_of_cycle
 from valvetrain.quantities.frame import Frame
 
 Array = NDArray[np.float64]
@@ -52,22 +53,27 @@ def surge_order(natural_frequency: float, engine_speed: float) -> float:
     return natural_frequency * 2 * np.pi / (engine_speed / 2)
 
 
-def surge_residual(cycle: Cycle, frame: Frame) -> Array | None:
-    """Seat force less the static force at the same lift (N; sample) over the cycle; None where either is not known."""
+def surge_residual(cycle: Cycle, frame: Frame) -> tuple[Array, Array] | None:
+    """Cam angle (rad) and seat force less the static force at the same lift (N) over the cycle, as finely as the run holds the force.
+
+    None where either force is not known. Output samples alone would fold the clashes' high frequencies into the low orders.
+    """
     solution = cycle.solution
     if not solution.has("seat_force", "valve_lift"):
         return None
-    if solution.has("static_retainer_force"):
-        return cycle.channel("seat_force") - cycle.channel("static_retainer_force")
-    static = frame.static_force(cycle.channel("valve_lift"), solution.model)
-    return None if static is None else cycle.channel("seat_force") - static
+    known = solution.has("static_retainer_force")
+    static = cycle.channel("static_retainer_force") if known else frame.static_force(cycle.channel("valve_lift"), solution.model)
+    if static is None:
+        return None
+    angle, force = fine_of_cycle(cycle, "seat_force")
+    return angle, force - np.interp(angle, cycle.cam_angle, static, period=2 * np.pi)
 
 
 def surge_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
     """Surge frequency, its cam order, the nearest harmonic of the lift, and the surge in the seat force by cam order."""
     found: dict[str, float] = {}
     residual, highest = surge_residual(cycle, frame), frame.surge_frequency
-    amplitude = None if residual is None else order_amplitudes(cycle.cam_angle, residual)
+    amplitude = None if residual is None else order_amplitudes(*residual)
     if amplitude is not None:
         found |= {f"surge_order_{order}_force": float(size) for order, size in enumerate(amplitude[: ORDERS + 1]) if order > 0}
     if highest is None or not cycle.solution.engine_speed > 0:

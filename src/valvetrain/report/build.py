@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from valvetrain.registry import find, words
-from valvetrain.report.figures.common import looks
+from valvetrain.report.figures.common import looks, told_by_source
 from valvetrain.report.page import Block, Details, Figure, Page, Section, SectionSpec, Tabs, prose, sentences, text
 from valvetrain.report.words import rpm
 from valvetrain.solution.study import Study
@@ -41,7 +41,7 @@ def study_page(study: Study) -> Page:
     """
     sections = tuple(section for word in words("sections") if (section := _section(find("sections", word), study)) is not None)
     record = study.record
-    told = sentences(record.description)
+    told = sentences(record.description) if told_by_source(study) else []
     lead, more = " ".join(told[:_LEAD_SENTENCES]), tuple(told[_LEAD_SENTENCES:])
     if more and sections:
         about = Section("about", "About the case", prose((" ".join(told),), "The whole description"))
@@ -63,6 +63,8 @@ def _section(spec: SectionSpec, study: Study) -> Section | None:
 
 def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     speeds, known = study.engine_speeds, looks(study)
+    names = [look.words for look in known.values()]
+    mark = "; " if any("," in name for name in names) else ", "
     listed = ", ".join(f"{rpm(speed):.10g}" for speed in speeds)
     if len(speeds) > _MOST_SPEEDS:
         listed = f"{len(speeds)} from {rpm(speeds[0]):.10g} to {rpm(speeds[-1]):.10g}"
@@ -70,7 +72,7 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     word = "settled" if study.command == "sweep" else "completed"
     facts = {
         "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
-        "springs by": ", ".join(look.words for look in known.values()), "changed": ", ".join(study.record.changed),
+        "springs by": mark.join(names), "changed": ", ".join(study.record.changed),
         "runs": f"{ended} of {len(study.solutions)} {word}" if study.solutions else "none run",
     }  # fmt: skip
     return tuple((name, value) for name, value in facts.items() if value)

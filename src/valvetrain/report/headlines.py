@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from valvetrain.report.words import speed_words
+from valvetrain.report.words import number, speed_words
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
@@ -25,11 +26,13 @@ TOPICS: dict[str, tuple[str, ...]] = {
     "Seating and contact": (
         "seating_velocity", "bounce_height", "bounce_count", "loft_gap", "loss_of_contact_duration", "lift_loss_displacement",
     ),
-    "Wire stress": ("peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress"),
     "Loss of control": ("contact_loss_engine_speed", "float_engine_speed", "rigid_contact_loss_engine_speed"),
+    "Wire stress": ("peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress"),
 }  # fmt: skip
 #: Numbers that belong to one engine speed and have no worst value over several.
 OF_ONE_SPEED = ("surge_cam_order", "nearest_lift_harmonic_order", "nearest_lift_harmonic_lift")
+#: What is nothing but rounding, in any shown unit.
+_ROUNDING = 1e-9
 #: Clashes that are named one by one, per run.
 NAMED_CLASHES = 5
 
@@ -78,9 +81,8 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
     for topic, names in TOPICS.items():
         for name in names:
             found = [_value(study, column, name) for column in columns]
-            if name.startswith("nominal_"):
-                better = [_value(study, column, name.removeprefix("nominal_"))[0] for column in columns]
-                found = [one if known is None else (None, None) for one, known in zip(found, better, strict=True)]
+            if name == "surge_frequency" and any(_value(study, column, "outer_surge_frequency")[0] is not None for column in columns):
+                continue  # said of each spring of the pair
             if any(value is not None for value, _ in found):
                 values, speeds = zip(*found, strict=True)
                 words, unit = label_of(name), definition_of(name).shown_unit
@@ -94,6 +96,39 @@ def clashes_of(run: Solution) -> tuple[Event, ...]:
     return tuple(sorted(mine, key=lambda event: (-_detail(event, "energy"), -_detail(event, "impulse"), event.time)))
 
 
+def clash_pair(event: Event) -> str:
+    """The coils that met, with the spring where there are two: ``1–2``, ``outer 1–2``."""
+    detail = event.details
+    pair = "–".join(number(float(detail[name]), 3) for name in ("lower_coil", "upper_coil") if name in detail)
+    return event.where.partition("coils")[0] + pair if pair else event.where
+
+
+def largest_clash_rows(study: Study, columns: Sequence[HeadlineColumn]) -> list[tuple[str, str, tuple[str, ...]]]:
+    """(words, unit, cells) of coils, first touch, impulse and energy of the largest clash of every run; none where no coils clash."""
+    runs = [None if one.engine_speed is None or not study.solutions else study.solution(one.label, one.engine_speed) for one in columns]
+    events = [None if run is None else next(iter(clashes_of(run)), None) for run in runs]
+    if not any(events):
+        return []
+    angles = [None if one is None else math.degrees(one.cam_angle) % 360 for one in events]
+    rows = [
+        ("largest: coils", "", tuple("–" if one is None else clash_pair(one) for one in events)),
+        ("at cam angle", "deg", _cells(angles)),
+    ]
+    for name, unit in (("impulse", "mN s"), ("energy", "mJ")):
+        sizes = [None if one is None else clash_size(one, name) for one in events]
+        rows += [(name, unit, _cells(sizes))] if any(size is not None for size in sizes) else []
+    return rows
+
+
+def _cells(values: Sequence[float | None]) -> tuple[str, ...]:
+    return tuple(map(number, values))
+
+
+def clash_size(event: Event, name: str) -> float | None:
+    """Impulse (mN s) or energy (mJ) of a clash; None where the model has none."""
+    return _detail(event, name) * 1e3 if name in event.details else None
+
+
 def _detail(event: Event, name: str) -> float:
     value = event.details.get(name, 0.0)
     return float(value) if isinstance(value, (int, float)) else 0.0
@@ -104,10 +139,12 @@ def _value(study: Study, column: HeadlineColumn, name: str) -> tuple[float | Non
     runs = [run for run in study.runs(column.label) if column.engine_speed in (None, run.engine_speed)]
     known = [(run.quantities[name], run.engine_speed) for run in runs if math.isfinite(run.quantities.get(name, math.nan))]
     if known:
-        least = definition_of(name).sense == "larger is better"
+        least = definition_of(name).sense == "larger is better" or "minimum" in name
         value, speed = (min if least else max)(known, key=lambda pair: pair[0])
         several = column.engine_speed is None and len({one for one, _ in known}) > 1
-        return (None, None) if several and name in OF_ONE_SPEED else (float(shown(name, value)[0]), speed if several else None)
+        seen = float(shown(name, value)[0])
+        seen = 0.0 if abs(seen) < _ROUNDING else seen
+        return (None, None) if several and name in OF_ONE_SPEED else (seen, speed if several else None)
     models = (run.model for run in runs)
     for label in dict.fromkeys((column.label, *models, "")):
         value = study.still.get(label, {}).get(name, math.nan)

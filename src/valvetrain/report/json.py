@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from valvetrain.errors import InputError
 from valvetrain.report.words import rpm
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import definition_of
@@ -18,8 +19,11 @@ from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 
-#: Units of an event's details.
-_DETAIL_UNITS = {"impulse": "N s", "energy": "J", "peak_cam_angle": "rad", "upper_coil": "1", "lower_coil": "1"}
+#: Units of numbers whose names do not tell them; an event's details, options and statistics of a run, facts of a spring at rest.
+_UNITS = {
+    "impulse": "N s", "card_lift": "m", "coil_contact_stiffness": "N/m^2", "contact_stiffness": "N/m^2", "mass_damping": "1/s",
+    "stiffness_damping": "s", "time_step": "s", "coil_contact_damping_time": "s", "output_step": "rad", "largest_velocity": "m/s",
+}  # fmt: skip
 
 
 def measured(value: float | None, unit: str) -> dict[str, Any]:
@@ -97,16 +101,13 @@ def _run_object(run: Solution) -> dict[str, Any]:
         "status": status_object(run.status), "quantities": quantities_object(run.quantities),
         "clash_count": measured(run.quantities.get("clash_count", sum(event.kind == "clash" for event in run.events)), "1"),
         "events": [_event_object(event) for event in run.events],
-        "options": {name: _plain(value) for name, value in run.provenance.options.items()},
-        "statistics": {name: _plain(value) for name, value in run.statistics.items()},
+        "options": {name: _with_unit(name, value) for name, value in run.provenance.options.items()},
+        "statistics": {name: _with_unit(name, value) for name, value in run.statistics.items()},
     }  # fmt: skip
 
 
 def _event_object(event: Event) -> dict[str, Any]:
-    details = {
-        name: measured(float(value), _DETAIL_UNITS[name]) if name in _DETAIL_UNITS and not isinstance(value, str) else _plain(value)
-        for name, value in event.details.items()
-    }
+    details = {name: _with_unit(name, value) for name, value in event.details.items()}
     return {
         "kind": event.kind, "where": event.where, "cam_angle": measured(event.cam_angle, "rad"), "time": measured(event.time, "s"),
         "duration": measured(event.duration, "s"), "size": measured(event.size, event.unit), "details": details,
@@ -132,7 +133,18 @@ def _rest_object(one: SpringAtRest) -> dict[str, Any]:
     return found
 
 
-def _plain(value: object) -> Any:
+def _with_unit(name: str, value: object) -> Any:
+    """A number with the unit of its name (``1`` for counts and shares); words and switches as they are."""
     if isinstance(value, np.generic):
         value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return value
+    return measured(value, unit_of_number(name))
+
+
+def unit_of_number(name: str) -> str:
+    """SI unit of an option, a statistic or a detail of an event by its name; ``1`` for counts and shares."""
+    try:
+        return _UNITS.get(name) or unit_of(name)
+    except InputError:
+        return "1"

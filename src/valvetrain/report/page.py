@@ -79,7 +79,7 @@ class Grid:
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """One answer: a small table under a title, ``lines`` of name and values, ``headers`` above the values."""
+    """Answers: a table under a title, ``headers`` above ``lines`` of name and values; a line without values heads those below it."""
 
     title: str
     headers: tuple[str, ...]
@@ -88,6 +88,8 @@ class Card:
     @property
     def wide(self) -> bool:
         """Whether the table needs the whole width of the page."""
+        if not self.title:
+            return True
         columns = [max([len(line[1][place]) for line in self.lines] + [6]) for place in range(len(self.headers))]
         return sum(columns) + max(len(name) for name, _ in self.lines) > 52 or len(self.headers) > 3
 

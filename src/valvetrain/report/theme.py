@@ -34,7 +34,7 @@ ORIGINS = {
 }
 
 #: Colours of a series that belongs to no model, in order.
-SERIES = ("#1f5aa6", "#d9772b", "#16877a", "#7a4fa0", "#7b8794", "#a33b53")
+SERIES = ("#1f5aa6", "#d9772b", "#16877a", "#7a4fa0", "#7b8794", "#a33b53", "#8c6d1f", "#3c7d3f", "#4b5aa8", "#1b2430")
 
 #: Light to dark, for maps of a quantity that starts at zero.
 SEQUENTIAL = ("#ffffff", "#dbe8f4", "#a9cbe6", "#66a3d2", "#2f74b5", "#174a8a", "#3a1752", "#a3263f")

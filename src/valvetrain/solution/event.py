@@ -14,7 +14,7 @@ Detail = float | int | str | bool
 class Event:
     """One event: ``cam_angle`` (rad, unwrapped) and ``time`` (s) of its start, ``duration`` (s), ``size`` in ``unit``.
 
-    Kind ``clash``: size = peak contact force (N); details hold ``impulse`` (N s), ``upper_coil``, ``lower_coil``.
+    Kind ``clash``: size = peak contact force (N); details hold ``impulse`` (N s), ``energy`` (J), ``upper_coil``, ``lower_coil``.
     """
 
     kind: str

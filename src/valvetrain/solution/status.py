@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 #: Every way a run can end (docs/architecture.md).
-STATUS_CODES = ("completed", "not-converged", "diverged", "solid", "refused", "interrupted")
+STATUS_CODES = ("completed", "not-converged", "diverged", "coil-bind", "solid", "refused", "interrupted")
 
 
 @dataclass(frozen=True, slots=True)

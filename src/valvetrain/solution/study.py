@@ -13,11 +13,11 @@ from valvetrain.errors import InputError
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.display import Figure, plotted, table, words
 from valvetrain.solution.provenance import Provenance
-from valvetrain.solution.quantity import Quantities, Quantity, named, same_speed, unit_of
+from valvetrain.solution.quantity import Quantities, Quantity, known_speed, named, same_speed, unit_of
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
-from valvetrain.units import Given, si
+from valvetrain.units import Given
 
 if TYPE_CHECKING:
     import pandas
@@ -119,7 +119,7 @@ class Study:
 
         Raises :class:`InputError` when none or several runs fit.
         """
-        wanted = None if engine_speed is None else si(engine_speed, "engine_speed", "engine_speed")
+        wanted = None if engine_speed is None else known_speed(engine_speed, self.engine_speeds)
         fits = [
             run for run in self.solutions
             if (not label or run.label == label) and (wanted is None or same_speed(run.engine_speed, wanted))
@@ -151,10 +151,11 @@ class Study:
             for word, part in (("static curve", one.curve), ("modes", one.modes)):
                 if part is not None and not part.status.completed:
                     found.append(f"{one.spring} by {one.model}, {word}: {part.status.sentence()}")
+        ended: dict[tuple[str, str], list[str]] = {}
         for run in self.solutions:
             if run.status.code not in accepted:
-                found.append(f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm: {run.status.sentence()}")
-        return tuple(found)
+                ended.setdefault((run.label, run.status.sentence()), []).append(f"{run.engine_speed * 30 / np.pi:.6g}")
+        return (*found, *(f"{label} at {', '.join(speeds)} rpm: {words}" for (label, words), speeds in ended.items()))
 
     def with_solutions(self, solutions: tuple[Solution, ...]) -> Study:
         """A copy with other solutions."""

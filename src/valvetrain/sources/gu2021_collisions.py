@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.quantities.clash import runs
+from valvetrain.integrate.clash import runs
 from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.solution.study import LiftEvent
 

@@ -1,8 +1,9 @@
 """Compiled step of a chain of masses with unilateral coil contact. Free of allocation.
 
-``integers`` = [n inner masses, p contacts, r of them in the regular run, e with a fixed end, then p upper and p lower nodes, then first
-node, length and place in the weights of the rows of those e, which are the last]; nodes 0 = seat, n + 1 = retainer. In the run both nodes
-count up by one and the fraction is constant, so its overlaps are one vectorised loop.
+``integers`` = [n inner masses, p contacts, r of them in the regular run, e with a fixed end, 1 where the ends pull, then p upper and p
+lower nodes, then first node, length and place in the weights of the rows of those e, which are the last]; nodes 0 = seat, n + 1 =
+retainer. In the run both nodes count up by one and the fraction is constant, so its overlaps are one vectorised loop. Ends that do not
+pull are open while their element is longer than free: it then carries neither elastic nor damping force.
 ``parameters`` = [initial compression (m), mass damping (1/s), stiffness damping (s), contact damping time (s)],
 stiffness (n + 1), masses (n), inverse masses (n), then per contact gap, stiffness, fraction (p each), weights of the end rows.
 ``state`` = positions (n), velocities (n), dissipated energy, then scratch of all nodes (n + 2 each): forces, positions, velocities
@@ -23,7 +24,7 @@ from typing import Any
 from numba import njit
 
 HEADER = 4
-INTEGER_HEADER = 4
+INTEGER_HEADER = 5
 #: Sums may be reordered (vectorised); nothing that hides a NaN.
 FAST = {"reassoc", "contract", "nsz"}
 #: No reference counting (nothing is allocated): a slice that lives across a call or a branch would pay for it atomically.
@@ -35,6 +36,11 @@ LOOP: dict[str, Any] = {**BRANCH, "fastmath": FAST}
 def state_size(masses: int, contacts: int) -> int:
     """Length of the state buffer, scratch included."""
     return 6 * masses + 9 + 3 * contacts
+
+
+def overlap_place(masses: int) -> int:
+    """Place in the state of the overlaps (m) of the contacts; their damping impulses (N s) of the last step follow."""
+    return 6 * masses + 9
 
 
 @njit(**LOOP)
@@ -64,6 +70,40 @@ def _element_forces(parameters, integers, state):
         inner[i] += upper[i] * (above[i] - here[i]) - lower[i] * (here[i] - below[i])
     state[2 * n + 1] += parameters[HEADER] * (state[3 * n + 4] - state[3 * n + 3])
     state[3 * n + 2] -= parameters[HEADER + n] * (state[4 * n + 4] - state[4 * n + 3])
+
+
+@njit(**BRANCH)
+def _loosen(parameters, integers, state):
+    """Take the tension of the end elements back."""
+    n = integers[0]
+    low = parameters[HEADER] * (state[3 * n + 4] - state[3 * n + 3])
+    high = parameters[HEADER + n] * (state[4 * n + 4] - state[4 * n + 3])
+    if low < 0.0:
+        state[2 * n + 1] -= low
+        state[2 * n + 2] += low
+    if high < 0.0:
+        state[3 * n + 2] += high
+        state[3 * n + 1] -= high
+
+
+@njit(**BRANCH)
+def _loosen_damping(parameters, integers, state):
+    """Take back what the dampers of the end elements pull beyond their elastic force; returns the power lost too much."""
+    n, lost = integers[0], 0.0
+    rate = state[5 * n + 8] - state[5 * n + 7]
+    damping = parameters[2] * parameters[HEADER] * rate
+    elastic = max(parameters[HEADER] * (state[3 * n + 4] - state[3 * n + 3]), 0.0)
+    excess = damping - (max(damping, -elastic) if elastic > 0.0 else 0.0)
+    state[2 * n + 1] -= excess
+    state[2 * n + 2] += excess
+    lost += excess * rate
+    rate = state[6 * n + 8] - state[6 * n + 7]
+    damping = parameters[2] * parameters[HEADER + n] * rate
+    elastic = max(parameters[HEADER + n] * (state[4 * n + 4] - state[4 * n + 3]), 0.0)
+    excess = damping - (max(damping, -elastic) if elastic > 0.0 else 0.0)
+    state[3 * n + 2] += excess
+    state[3 * n + 1] -= excess
+    return lost + excess * rate
 
 
 @njit(**LOOP)
@@ -213,6 +253,8 @@ def advance_chain(parameters, integers, state, retainer_displacement, retainer_v
     half = math.exp(-0.5 * parameters[1] * time_step) if parameters[1] > 0.0 else 1.0
     _place_nodes(integers, state, parameters[0] + retainer_displacement, retainer_velocity)
     _element_forces(parameters, integers, state)
+    if integers[4] == 0:
+        _loosen(parameters, integers, state)
     if integers[1] > 0:
         if integers[2] > 0:
             _regular_overlaps(parameters, integers, state)
@@ -221,6 +263,8 @@ def advance_chain(parameters, integers, state, retainer_displacement, retainer_v
         _predict(parameters, integers, state, half, time_step)
         if parameters[2] > 0.0:
             lost += time_step * _element_damping(parameters, integers, state, time_step)
+            if integers[4] == 0:
+                lost -= time_step * _loosen_damping(parameters, integers, state)
         lost += _contact_damping(parameters, integers, state, closed, time_step)
     retainer, seat = -state[3 * n + 2], state[2 * n + 1]
     if time_step > 0.0:

@@ -174,9 +174,12 @@ def coil_contacts(spring: SpringDefinition, coil: Array, contact_stiffness: floa
     wire = spring.wire_diameter.value(inner)
     above = np.maximum(spring.axial_position(inner) - wire / 2 - spring.lower_seat_height, 0.0)
     below = np.maximum(spring.upper_seat_height - spring.axial_position(inner) - wire / 2, 0.0)
-    rows += [(i + 1, 0, 0.0, above[i], stiffness[i], 0.0) for i in np.flatnonzero(inner < 1.0)]
+    rows += [(i + 1, 0, 0.0, above[i], stiffness[i], 0.0) for i in np.flatnonzero((inner < 1.0) | spring.telescopes(inner))]
     # The retainer meets the section at inner node i + 1 from above.
-    rows += [(last_node, i + 1, 0.0, below[i], stiffness[i], spring.total_coils) for i in np.flatnonzero(inner > spring.total_coils - 1)]
+    rows += [
+        (last_node, i + 1, 0.0, below[i], stiffness[i], spring.total_coils)
+        for i in np.flatnonzero((inner > spring.total_coils - 1) | spring.telescopes(inner + 1.0))
+    ]
     return _with_ends(spring, coil, rows)
 
 
@@ -190,8 +193,11 @@ def _with_ends(spring: SpringDefinition, coil: Array, rows: Sequence[tuple[float
     gap, stiffness, upper_coil = (values.astype(float) for values in column[3:])
     on_seat = (lower == 0) & (fraction == 0.0) & (upper < last)
     under_retainer = (upper == last) & ~((lower == 0) & (fraction == 0.0))
-    order = np.argsort(on_seat | under_retainer, kind="stable")
     free = np.where(on_seat, coil[upper], coil[lower] + fraction * (coil[lower + 1] - coil[lower]))
+    # Coils that telescope meet the seat far from the end, whose stiffness they do not feel.
+    on_seat &= free - coil[0] < 1.0
+    under_retainer &= coil[-1] - free < 1.0
+    order = np.argsort(on_seat | under_retainer, kind="stable")
     held = np.flatnonzero(on_seat | under_retainer)
     ends = [wire_lift_row(spring, coil, float(free[i]), from_below=bool(on_seat[i])) for i in held]
     bending = bending_compliance(spring, free[held], np.where(on_seat[held], free[held] - coil[0], coil[-1] - free[held]))

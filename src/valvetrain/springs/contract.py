@@ -32,6 +32,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+#: Target spacing (s) of a record of coil contacts, whose blows last some 10 us.
+WATCH_INTERVAL = 2e-6
 Kernel = Callable[[Array, NDArray[np.int64], Array, float, float, float], tuple[float, float]]
 
 
@@ -82,6 +84,38 @@ class SpringOutputs:
     upper_coil: Array = field(default_factory=_empty)
     coil_gap: Array = field(default_factory=_empty)
     coil_contact_force: Array = field(default_factory=_empty)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactWatch:
+    """Where in a state the contacts of the coils stand, so that a compiled loop can write them down without knowing the model.
+
+    ``stretches`` (r, 2): first entry and length of each stretch of the state that is written, one after the other.
+    ``interval``: target spacing (s) of the record. ``read(record, spacing, time_step)``: of the pairs that touch in a record (n, entries)
+    at a spacing (s) of a run with that step (s), their places (p,) in the row of all pairs by coil number, the coil numbers (p,) of their
+    upper partners, force (N) and stored energy (J), both (p, n).
+    """
+
+    stretches: NDArray[np.int64]
+    interval: float
+    read: Callable[[Array, float, float], tuple[NDArray[np.int64], Array, Array, Array]]
+
+    @property
+    def entries(self) -> int:
+        """Values per row of the record."""
+        return int(self.stretches[:, 1].sum())
+
+
+@runtime_checkable
+class WatchedSpring(Protocol):
+    """A spring model whose coil contacts can be recorded inside the loop; None where this spring has none."""
+
+    def contact_watch(self) -> ContactWatch | None: ...
+
+
+def contact_watch_of(spring: object) -> ContactWatch | None:
+    """The watch of a spring model, None where its kind or this spring has no coil contacts to record."""
+    return spring.contact_watch() if isinstance(spring, WatchedSpring) else None
 
 
 @runtime_checkable

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
-from valvetrain.cosserat.layout import STRIDE, row
+from valvetrain.cosserat.layout import ROW, STRIDE, row
 from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
@@ -23,19 +23,22 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import finite_element_kernel as stepping
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import WATCH_INTERVAL, Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.springs.wire_from_card import wire_from_card
 from valvetrain.units import keep_si
 
 _SCRATCH = threading.local()
+#: Wire points and coil pairs are reported at every eighth of a turn.
+POINTS_PER_COIL = 8
 
 
 @dataclass(frozen=True, eq=False)
 class FiniteElementRod:
     """Rod model of ``definition`` installed at ``precompression`` (m from the free state).
 
-    ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step.
+    ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step. Where it does not pull (``pulls``) its end forces in a
+    train stop at zero; its inactive coils stay on their seats.
     """
 
     definition: SpringDefinition
@@ -46,11 +49,16 @@ class FiniteElementRod:
     seats: str = "planes"
     time_step: float | None = None
     name: str = "finite-element"
+    pulls: bool = True
 
     def __post_init__(self) -> None:
         keep_si(self, f"spring '{self.name}'", precompression="compression", time_step="time")
         if not (np.isfinite(self.precompression) and self.precompression >= 0):
             raise InputError(f"precompression of spring '{self.name}' is {self.precompression} m; give zero or a positive length")
+        if self.seats not in ("planes", "clamps"):
+            raise InputError(f"seats '{self.seats}' of spring '{self.definition.name}' is unknown; use planes or clamps")
+        if self.dynamics.contact_stiffness > 0:
+            self.definition.refuse_solid(self.precompression)
 
     @cached_property
     def mesh(self) -> RodMesh:
@@ -102,7 +110,7 @@ class FiniteElementRod:
     @cached_property
     def _numbers(self) -> tuple[Array, NDArray[np.int64]]:
         integers, numbers, places = stepping_numbers(self.mesh, self.dynamics, self._step)
-        return np.concatenate(([self.precompression], numbers, places.ravel())), integers
+        return np.concatenate(([self.precompression, float(self.pulls)], numbers, places.ravel())), integers
 
     def parameters(self) -> Array:
         return self._numbers[0].copy()
@@ -204,6 +212,41 @@ class FiniteElementRod:
             coil_gap=np.min(gaps[:, pairs], axis=0), coil_contact_force=pressed[pairs],
         )  # fmt: skip
 
+    @cached_property
+    def coil_pairs(self) -> tuple[Array, NDArray[np.int64]]:
+        """Upper coil numbers of the pairs in which contacts are told, at every eighth of a turn, and the pair of each vertex (-1: none)."""
+        points, pair_of = np.any(self.mesh.contact.points, axis=0), np.full(self.mesh.vertices, -1, dtype=np.int64)
+        bins = np.round(self.mesh.coil_number[points] * POINTS_PER_COIL).astype(np.int64)
+        used = np.unique(bins)
+        pair_of[points] = np.searchsorted(used, bins)
+        return used / POINTS_PER_COIL, pair_of
+
+    def contact_watch(self) -> ContactWatch | None:
+        """Impulse since the start and stored energy of every contact point; forces are means over the record's spacing,
+        which is wider than that of others: a rod has many points."""
+        upper_coil, pair_of = self.coil_pairs
+        vertices = np.flatnonzero(pair_of >= 0)
+        if not len(vertices):
+            return None
+        first, count = vertices[0], vertices[-1] + 1 - vertices[0]
+        groups = ("", "b")[: self.mesh.contact.groups]
+        rows = [int(ROW[name + group]) + first for name in ("IMPULSE", "STORED") for group in groups]
+
+        def read(record: Array, spacing: float, time_step: float) -> tuple[NDArray[np.int64], Array, Array, Array]:
+            impulses = len(groups) * count
+            met = np.flatnonzero(record[-1, :impulses] > record[0, :impulses])
+            pair = pair_of[first + met % count]
+            touched = np.unique(pair)
+            force, energy = np.zeros((len(touched), len(record))), np.zeros((len(touched), len(record)))
+            for entry, row_of in zip(met.tolist(), np.searchsorted(touched, pair).tolist(), strict=True):
+                force[row_of] += record[:, entry]
+                energy[row_of] += record[:, impulses + entry]
+            force[:, 1:] = np.diff(force, axis=1) / spacing
+            force[:, 0] = force[:, min(1, len(record) - 1)]  # a coil that rests at the start shall not seem to come down
+            return touched, upper_coil[touched], force, energy
+
+        return ContactWatch(np.array([[place, count] for place in rows], dtype=np.int64), 2 * WATCH_INTERVAL, read)
+
     def retainer_mass(self) -> float:
         """Inactive wire on the retainer and half the last element (kg)."""
         upper = self.definition.free_coils[1]
@@ -232,8 +275,9 @@ def _make(spring: InstalledSpring, options: FiniteElementOptions, rest: SpringAt
         contact_stiffness=spring.contact.stiffness, contact_damping_time=spring.contact.damping_time,
     )  # fmt: skip
     return FiniteElementRod(
-        wire, precompression, options.elements_per_coil, dynamics, options.curvature_correction, seats, options.time_step
-    )
+        wire, precompression, options.elements_per_coil, dynamics, options.curvature_correction, seats, options.time_step,
+        pulls=spring.pulls,
+    )  # fmt: skip
 
 
 SPEC = SpringModelSpec(

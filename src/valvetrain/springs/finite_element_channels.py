@@ -13,15 +13,13 @@ from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.transient import RodTransient
 from valvetrain.solution.channels import FINE, spring_channels
-from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.finite_element import POINTS_PER_COIL, FiniteElementRod
 
 if TYPE_CHECKING:
     import xarray
 
 Array = NDArray[np.float64]
 
-#: Wire points and coil pairs are reported at every eighth of a turn.
-POINTS_PER_COIL = 8
 #: A gap (m) below which coils count as near, and the sliding speed (m/s) from which touching coils count as sliding.
 NEAR_GAP, SLIDING_VELOCITY = 1e-4, 0.01
 
@@ -85,7 +83,7 @@ def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whol
     mesh, installed = model.mesh, model.installed.state
     coil = wire_points(model.definition.total_coils)
     height, speed = run.position[..., 2], run.velocity[..., 2]
-    pairs, upper_coil, pair_of = _pair_bins(mesh)
+    upper_coil, pairs, pair_of = _pairs(model)
     gaps = np.stack([model.statics.gaps(position) for position in np.ascontiguousarray(run.position)])
     values = {
         "valve_lift": run.displacement - model.precompression,
@@ -122,20 +120,17 @@ def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whol
 def pair_values(model: FiniteElementRod, gaps: Array) -> tuple[Array, Array, Array]:
     """Upper coil numbers (p,), smallest gap (m) and elastic contact force (N), both (steps, p), from gaps (steps, groups, nv)."""
     mesh = model.mesh
-    pairs, upper_coil, pair_of = _pair_bins(mesh)
+    upper_coil, pairs, pair_of = _pairs(model)
     overlap = np.maximum(-np.where(np.isfinite(gaps), gaps, 0.0), 0.0)
     pressed = model.dynamics.contact_stiffness * np.sum(mesh.contact.length * overlap, axis=1)
     return upper_coil, _least(gaps[:, :, pairs].min(axis=1), pair_of, len(upper_coil)), _sum(pressed[:, pairs], pair_of, len(upper_coil))
 
 
-def _pair_bins(mesh: RodMesh) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:
-    """Vertices with a partner, the even upper coil numbers, and the bin of each such vertex."""
-    pairs = np.flatnonzero(mesh.contact.points.any(axis=0))
-    if not len(pairs):
-        return pairs, np.zeros(0), pairs
-    bins = np.round(mesh.coil_number[pairs] * POINTS_PER_COIL).astype(int)
-    used = np.unique(bins)
-    return pairs, used / POINTS_PER_COIL, np.searchsorted(used, bins)
+def _pairs(model: FiniteElementRod) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+    """Upper coil numbers, vertices with a partner, and the pair of each such vertex."""
+    upper_coil, pair_of = model.coil_pairs
+    vertices = np.flatnonzero(pair_of >= 0)
+    return upper_coil, vertices, pair_of[vertices]
 
 
 def _sum(values: Array, pair_of: NDArray[np.int64], count: int) -> Array:

@@ -6,6 +6,7 @@ Their inertia is a stated share of the wire's mass that moves with the retainer:
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,8 @@ from valvetrain.units import keep_si, si_each
 class MasslessSpring:
     """Force = preload + rate * displacement (N, N/m); ``effective_mass_fraction`` of ``active_mass`` moves with the retainer.
 
-    ``inactive_mass`` (kg): end coils bonded to the retainer. Raises :class:`InputError` for impossible values.
+    ``inactive_mass`` (kg): end coils bonded to the retainer. ``pulls``: ends fixed, else the spring is loose where it would pull.
+    Raises :class:`InputError` for impossible values.
     """
 
     rate: float
@@ -39,6 +41,7 @@ class MasslessSpring:
     effective_mass_fraction: float = RAYLEIGH_FRACTION
     inactive_mass: float = 0.0
     name: str = "massless"
+    pulls: bool = True
 
     def __post_init__(self) -> None:
         keep_si(self, f"spring '{self.name}'", rate="spring_rate", preload="force", active_mass="mass", inactive_mass="mass")
@@ -55,7 +58,12 @@ class MasslessSpring:
         return massless_kernels.advance_linear
 
     def parameters(self) -> Array:
-        return np.array([self.preload, self.rate])
+        return np.array([self.preload, self.rate, self._free])
+
+    @property
+    def _free(self) -> float:
+        """Displacement (m) at which a spring that cannot pull is loose; below all others for one that can."""
+        return -np.inf if self.pulls else -self.preload / self.rate
 
     def integers(self) -> NDArray[np.int64]:
         return np.zeros(1, dtype=np.int64)
@@ -71,14 +79,15 @@ class MasslessSpring:
 
     def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         """Elastic energy counted from the installed position."""
-        return SpringEnergy(0.0, self.preload * retainer_displacement + self.rate * retainer_displacement**2 / 2, 0.0)
+        x = max(retainer_displacement, self._free)
+        return SpringEnergy(0.0, self.preload * x + self.rate * x**2 / 2, 0.0)
 
     def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
-        force = self.preload + self.rate * retainer_displacement
+        force = self.preload + self.rate * max(retainer_displacement, self._free)
         return EndForces(force, force)
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
-        return self.rate
+        return self.rate if retainer_displacement >= self._free else 0.0
 
     def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
         return SpringOutputs(*self.force(state, retainer_displacement))
@@ -92,7 +101,8 @@ class MasslessSpring:
 class MasslessTable:
     """Static curve as a spring: force (N) over displacement from the installed position (m), joined by straight lines.
 
-    Straight lines keep the force continuous and the energy exact; beyond the table the last slopes go on.
+    Straight lines keep the force continuous and the energy exact; beyond the table the last slopes go on, down to no force unless the
+    spring ``pulls``.
     """
 
     displacements: tuple[float, ...]
@@ -101,6 +111,7 @@ class MasslessTable:
     effective_mass_fraction: float = RAYLEIGH_FRACTION
     inactive_mass: float = 0.0
     name: str = "massless"
+    pulls: bool = True
 
     def __post_init__(self) -> None:
         where = f"static curve of spring '{self.name}'"
@@ -128,7 +139,15 @@ class MasslessTable:
         return np.concatenate((self.displacements, self.forces)).astype(np.float64)
 
     def integers(self) -> NDArray[np.int64]:
-        return np.array([len(self.forces)], dtype=np.int64)
+        return np.array([len(self.forces), int(self.pulls)], dtype=np.int64)
+
+    @cached_property
+    def _free(self) -> float:
+        """Displacement (m) at which a spring that cannot pull is loose; below all others for one that can."""
+        if self.pulls:
+            return -np.inf
+        index, slope = self._segment(float(np.interp(0.0, self.forces, self.displacements)))
+        return self.displacements[index] - self.forces[index] / slope
 
     def with_time_step(self, time_step: float) -> MasslessTable:
         return self
@@ -153,15 +172,16 @@ class MasslessTable:
 
     def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         """Elastic energy counted from the installed position: the area under the curve."""
-        return SpringEnergy(0.0, self._work(retainer_displacement) - self._work(0.0), 0.0)
+        return SpringEnergy(0.0, self._work(max(retainer_displacement, self._free)) - self._work(0.0), 0.0)
 
     def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
         index, slope = self._segment(retainer_displacement)
         force = self.forces[index] + slope * (retainer_displacement - self.displacements[index])
+        force = force if self.pulls else max(force, 0.0)
         return EndForces(force, force)
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
-        return self._segment(retainer_displacement)[1]
+        return self._segment(retainer_displacement)[1] if retainer_displacement >= self._free else 0.0
 
     def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
         return SpringOutputs(*self.force(state, retainer_displacement))
@@ -177,6 +197,7 @@ def massless_table(
     maximum_lift: float,
     points: int = 41,
     effective_mass_fraction: float = RAYLEIGH_FRACTION,
+    pulls: bool = True,
 ) -> MasslessTable:
     """Massless spring with the static curve of the wire, coils closing, from ``-precompression`` to ``maximum_lift`` (m from installed).
 
@@ -190,7 +211,8 @@ def massless_table(
     forces, _ = static_curve(reduction_chain(spring), compressions)
     whole = EquivalentSpring.from_definition(spring, precompression)
     displacements = tuple((compressions - precompression).tolist())
-    return MasslessTable(displacements, tuple(forces.tolist()), whole.active_mass, effective_mass_fraction, whole.inactive_mass)
+    masses = whole.active_mass, effective_mass_fraction, whole.inactive_mass
+    return MasslessTable(displacements, tuple(forces.tolist()), *masses, pulls=pulls)
 
 
 class MasslessOptions(SpringOptions):
@@ -202,9 +224,9 @@ class MasslessOptions(SpringOptions):
 def _make(spring: InstalledSpring, options: MasslessOptions, rest: SpringAtRest | None) -> MasslessSpring | MasslessTable:
     if spring.card is not None:
         card = spring.card
-        return MasslessSpring(card.rate, card.preload, card.mass or 0.0, options.effective_mass_fraction)
+        return MasslessSpring(card.rate, card.preload, card.mass or 0.0, options.effective_mass_fraction, pulls=spring.pulls)
     assert spring.wire is not None and spring.room is not None
-    return massless_table(spring.wire, spring.precompression, 0.98 * spring.room, 97, options.effective_mass_fraction)
+    return massless_table(spring.wire, spring.precompression, 0.98 * spring.room, 97, options.effective_mass_fraction, spring.pulls)
 
 
 SPEC = SpringModelSpec(

@@ -28,7 +28,8 @@ def _prepare(parameters, n, state, time_step):
 
 @njit(**OPTIONS)
 def advance_modal(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
-    """``parameters`` = preload (N), rate (N/m), mass damping (1/s), 0, then per mode: shape share c (-), circular frequency (rad/s),
+    """``parameters`` = preload (N), rate (N/m), mass damping (1/s), 1 where it cannot pull, then per mode:
+    shape share c (-), circular frequency (rad/s),
     damping ratio (-), modal stiffness (N/m), seat factor (N/m). ``integers`` = [n modes]. ``state`` = positions (n), velocities (n),
     dissipated energy, last step, decay and pull of every mode at that step.
 
@@ -59,12 +60,15 @@ def advance_modal(parameters, integers, state, retainer_displacement, retainer_v
         seat += parameters[base + 4] * (departure + lag)
         lost += time_step * stiffness * lag * (now - carried)
     state[2 * n] += lost
+    if parameters[3] > 0.0:
+        retainer, seat = max(retainer, 0.0), max(seat, 0.0)
     return retainer, seat
 
 
 @njit(**OPTIONS)
 def advance_modal_varied(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
-    """As :func:`advance_modal` with a static curve: ``parameters`` = precompression (m), mass damping (1/s), 0, 0, per mode share,
+    """As :func:`advance_modal` with a static curve: ``parameters`` = precompression (m), mass damping (1/s), 0, 1 where it cannot pull, per
+    mode share,
     circular frequency, damping ratio, stiffness over k(x), seat factor over k(x); then compressions (m) and forces (N) of the curve.
     ``integers`` = [n modes, points of the curve]. The modes move as with constant stiffness; their forces are scaled by k(x) = F(x) / x.
     """
@@ -99,4 +103,6 @@ def advance_modal_varied(parameters, integers, state, retainer_displacement, ret
         seat += varied * parameters[base + 4] * (departure + lag)
         lost += time_step * stiffness * lag * (now - carried)
     state[2 * n] += lost
+    if parameters[3] > 0.0:
+        retainer, seat = max(retainer, 0.0), max(seat, 0.0)
     return retainer, seat

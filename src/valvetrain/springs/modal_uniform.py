@@ -34,7 +34,9 @@ class ModalUniform:
     """``modes`` surge modes of ``spring``; ``natural_frequencies`` (Hz) replace those of the uniform bar, n f1, where given.
 
     ``damping_ratio`` acts on every mode's departure from the static shape (the source's zeta), ``stiffness_damping`` (s) adds
-    w * s / 2 to it; ``mass_damping`` (1/s) acts on the absolute modal velocity. Residual inertia and inactive coils move with the retainer.
+    w * s / 2 to it; ``mass_damping`` (1/s) acts on the absolute modal velocity. Where it
+    does not pull (``pulls``) its end forces stop at zero; its modes, which are those of fixed ends, go on. Residual inertia and inactive
+    coils move with the retainer.
     """
 
     spring: EquivalentSpring
@@ -44,6 +46,7 @@ class ModalUniform:
     mass_damping: float = 0.0
     stiffness_damping: float = 0.0
     name: str = "modal-uniform"
+    pulls: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "natural_frequencies", si_each(self.natural_frequencies, "frequency", "natural_frequencies"))
@@ -101,7 +104,7 @@ class ModalUniform:
         per_mode = np.column_stack(
             (self.shares, self.circular_frequencies, self.ratios, self.modal_stiffness, self.spring.rate * np.pi * self.numbers)
         )
-        return np.concatenate(([self.spring.preload, self.spring.rate, self.mass_damping, 0.0], per_mode.ravel()))
+        return np.concatenate(([self.spring.preload, self.spring.rate, self.mass_damping, float(not self.pulls)], per_mode.ravel()))
 
     def integers(self) -> NDArray[np.int64]:
         return np.array([self.modes], dtype=np.int64)
@@ -138,7 +141,8 @@ class ModalUniform:
         pull = departure + 2 * self.ratios / self.circular_frequencies * relative
         static = self.spring.preload + self.spring.rate * retainer_displacement
         seat = static + self.spring.rate * np.pi * (self.numbers @ pull)
-        return EndForces(float(static - (self.shares * self.modal_stiffness) @ pull), float(seat))
+        ends = np.array([static - (self.shares * self.modal_stiffness) @ pull, seat])
+        return EndForces(*(ends if self.pulls else np.maximum(ends, 0.0)).tolist())
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
         return float(self.spring.rate + self.modal_stiffness @ self.shares**2)
@@ -169,7 +173,7 @@ def _make(spring: InstalledSpring, options: ModalUniformOptions, rest: SpringAtR
     damping = spring.damping
     return ModalUniform(
         EquivalentSpring.from_installed(spring), options.modes, mass_damping=damping.mass_damping,
-        stiffness_damping=damping.stiffness_damping,
+        stiffness_damping=damping.stiffness_damping, pulls=spring.pulls,
     )  # fmt: skip
 
 

@@ -54,6 +54,7 @@ class ModalVaried:
     """``natural_frequencies`` (Hz, one per mode), ``damping_ratio``, static curve ``compressions`` (m from free) -> ``forces`` (N).
 
     ``precompression`` (m) is the installed compression x0; ``residual_mass`` (kg) what of the spring's inertia the modes do not carry.
+    Where it does not pull (``pulls``) its end forces in time stop at zero; its modes, which are those of fixed ends, go on.
     Raises :class:`InputError` for a curve or frequencies that cannot be.
     """
 
@@ -64,6 +65,7 @@ class ModalVaried:
     precompression: float
     residual_mass: float = 0.0
     name: str = "modal-varied"
+    pulls: bool = True
 
     def __post_init__(self) -> None:
         for key, quantity in (("natural_frequencies", "frequency"), ("compressions", "length"), ("forces", "force")):
@@ -150,7 +152,7 @@ class ModalVaried:
     def parameters(self) -> Array:
         ratio = np.full(self.unknowns, self.damping_ratio)
         per_mode = np.column_stack((self.shares, self._frequencies, ratio, self.modal_stiffness, np.pi * self._numbers))
-        return np.concatenate(([self.precompression, 0.0, 0.0, 0.0], per_mode.ravel(), self.compressions, self.forces))
+        return np.concatenate(([self.precompression, 0.0, 0.0, float(not self.pulls)], per_mode.ravel(), self.compressions, self.forces))
 
     def integers(self) -> NDArray[np.int64]:
         return np.array([self.unknowns, len(self.forces)], dtype=np.int64)
@@ -197,7 +199,8 @@ class ModalVaried:
         pull = departure + 2 * self.damping_ratio / self._frequencies * relative
         static, _, stiffness = self._static(retainer_displacement)
         retainer = static - stiffness * float((self.shares * self.modal_stiffness) @ pull)
-        return EndForces(retainer, static + stiffness * np.pi * float(self._numbers @ pull))
+        seat = static + stiffness * np.pi * float(self._numbers @ pull)
+        return EndForces(retainer, seat) if self.pulls else EndForces(max(retainer, 0.0), max(seat, 0.0))
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
         """Slope of the curve plus the modes' share at the present k(x)."""
@@ -251,7 +254,7 @@ def _make(spring: InstalledSpring, options: NoOptions, rest: SpringAtRest | None
         compressions, forces = tuple(rest.curve.compression[keep].tolist()), tuple(rest.curve.force[keep].tolist())
     damping = spring.damping
     ratio = damping.ratio if damping.ratio is not None else damping.ratio_at(frequencies[0])
-    model = ModalVaried(frequencies, ratio, compressions, forces, max(spring.precompression, 1e-6))
+    model = ModalVaried(frequencies, ratio, compressions, forces, max(spring.precompression, 1e-6), pulls=spring.pulls)
     uniform = equivalent or EquivalentSpring.from_installed(spring)
     stiffness = model._static(0.0)[2]
     carried = float(np.sum(stiffness * model.modal_stiffness / (2 * np.pi * np.asarray(frequencies)) ** 2 * model.shares**2))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -17,7 +17,7 @@ from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import chain_kernels, chain_statics
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, uniform_chain
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import WATCH_INTERVAL, Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.units import Given, keep_si, si
 
@@ -30,7 +30,8 @@ class MultiMassSpring:
     """Chain ``layout`` installed at ``precompression`` (m from the free state).
 
     ``mass_damping`` (1/s) acts on the absolute velocity, ``stiffness_damping`` (s) inside the elements, ``contact_damping_time`` (s)
-    is damping over stiffness of a coil contact (never adhesive). Half the last element and the upper inactive coils move with the retainer.
+    is damping over stiffness of a coil contact (never adhesive). Where it does not pull (``pulls``), an end element longer than free is
+    open: the spring has left its seat or its retainer. Half the last element and the upper inactive coils move with the retainer.
     """
 
     layout: ChainLayout
@@ -39,6 +40,7 @@ class MultiMassSpring:
     stiffness_damping: float = 0.0
     contact_damping_time: float = CONTACT_DAMPING_TIME
     name: str = "multi-mass"
+    pulls: bool = True
 
     def __post_init__(self) -> None:
         keep_si(self, f"spring '{self.name}'", precompression="compression", mass_damping="damping rate", stiffness_damping="time",
@@ -53,11 +55,14 @@ class MultiMassSpring:
         contact_stiffness: float = CONTACT_STIFFNESS, **options: Any,
     ) -> MultiMassSpring:  # fmt: skip
         """From the wire: ``masses_per_coil`` elements per turn; ``contact_stiffness`` in N/m per m of wire (0: coils pass through)."""
-        if masses_per_coil < 1:
-            raise InputError(f"masses_per_coil of spring '{spring.name}' is {masses_per_coil}; give 1 or more (12 is usual)")
+        if masses_per_coil < 1 or masses_per_coil != int(masses_per_coil):
+            raise InputError(f"masses_per_coil of spring '{spring.name}' is {masses_per_coil}; give a whole number, 12 is usual")
+        precompression = si(precompression, "compression", f"precompression of spring '{spring.name}'")
+        if contact_stiffness > 0:
+            spring.refuse_solid(precompression)
         first, last = spring.free_coils
         layout = chain_from_definition(spring, max(2, round((last - first) * masses_per_coil)), contact_stiffness)
-        return cls(layout, si(precompression, "compression", f"precompression of spring '{spring.name}'"), **options)
+        return cls(layout, precompression, **options)
 
     @classmethod
     def from_card(
@@ -92,7 +97,7 @@ class MultiMassSpring:
 
     def integers(self) -> NDArray[np.int64]:
         c = self.layout.contacts
-        head = [self.unknowns, c.count, c.regular(self.unknowns), c.ends]
+        head = [self.unknowns, c.count, c.regular(self.unknowns), c.ends, int(self.pulls)]
         return np.concatenate((head, c.upper, c.lower, c.spans()[0])).astype(np.int64)
 
     def with_time_step(self, time_step: float) -> MultiMassSpring:
@@ -100,8 +105,15 @@ class MultiMassSpring:
 
     def initial_state(self, retainer_displacement: float) -> Array:
         state = np.zeros(chain_kernels.state_size(self.unknowns, self.layout.contacts.count))
-        state[: self.unknowns] = chain_statics.solve_static(self.layout, self.precompression + retainer_displacement)[1:-1]
+        state[: self.unknowns] = self._at_rest(retainer_displacement)[1:-1]
         return state
+
+    def _at_rest(self, retainer_displacement: float) -> Array:
+        """Nodes at rest; a spring that cannot pull stands free above its free length."""
+        compression = self.precompression + retainer_displacement
+        if self.pulls or compression >= 0:
+            return chain_statics.solve_static(self.layout, compression)
+        return np.append(np.zeros(self.unknowns + 1), compression)
 
     @cached_property
     def _time_step(self) -> float:
@@ -125,6 +137,10 @@ class MultiMassSpring:
         found: Array = np.sqrt(np.linalg.eigvalsh(matrix)[:count]) / (2 * np.pi)
         return found
 
+    @cached_property
+    def _contact_rows(self) -> Array:
+        return chain_statics.contact_rows(self.layout)
+
     def _nodes(self, state: Array, retainer_displacement: float) -> Array:
         return np.concatenate(([0.0], state[: self.unknowns], [self.precompression + retainer_displacement]))
 
@@ -135,9 +151,12 @@ class MultiMassSpring:
         """Force on every node (N, towards the seat) and force of every contact."""
         layout = self.layout
         push = layout.stiffness * (np.diff(nodes) + self.stiffness_damping * np.diff(velocities))
-        rows, depth = chain_statics.contact_rows(layout), chain_statics.contact_depths(layout, nodes)
+        rows, depth = self._contact_rows, chain_statics.contact_depths(layout, nodes)
         push_back = layout.contacts.stiffness * (depth + self.contact_damping_time * (rows @ velocities))
         contact = np.where(depth > 0, np.maximum(push_back, 0.0), 0.0)
+        if not self.pulls:
+            for end in (0, -1):
+                push[end] = max(push[end], 0.0) if np.diff(nodes)[end] > 0 else 0.0
         return np.append(push, 0.0) - np.concatenate(([0.0], push)) - contact @ rows, contact
 
     def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
@@ -148,6 +167,8 @@ class MultiMassSpring:
             kick = self._node_forces(nodes, velocities)[0][1:-1] / self.layout.masses - self.mass_damping * speed
             speed = speed + time_step / 2 * kick
         elastic, contact = chain_statics.potential(self.layout, nodes)
+        if not self.pulls:
+            elastic -= sum(self.layout.stiffness[end] * min(np.diff(nodes)[end], 0.0) ** 2 / 2 for end in (0, -1))
         return SpringEnergy(float(self.layout.masses @ speed**2 / 2), elastic, contact, float(state[2 * self.unknowns]))
 
     def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
@@ -155,8 +176,10 @@ class MultiMassSpring:
         return EndForces(float(-forces[-1]), float(forces[0]))
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
+        if not self.pulls and self.precompression + retainer_displacement <= state[self.unknowns - 1]:
+            return replace(self, pulls=True).tangent(state, retainer_displacement) - float(self.layout.stiffness[-1])
         depth = chain_statics.contact_depths(self.layout, self._nodes(state, retainer_displacement))
-        last = chain_statics.contact_rows(self.layout)[:, -1]
+        last = self._contact_rows[:, -1]
         return float(self.layout.stiffness[-1] + self.layout.contacts.stiffness * (depth > 0) @ last**2)
 
     @cached_property
@@ -170,6 +193,27 @@ class MultiMassSpring:
             float(-forces[-1]), float(forces[0]), self.layout.coil_number, self._installed - nodes, -velocities,
             self.layout.contacts.upper_coil, -chain_statics.contact_depths(self.layout, nodes), contact,
         )  # fmt: skip
+
+    def contact_watch(self) -> ContactWatch | None:
+        """Overlap and damping impulse of every contact, which the kernel leaves behind the positions and velocities."""
+        contacts = self.layout.contacts
+        if not contacts.count:
+            return None
+        order = np.argsort(contacts.upper_coil, kind="stable")
+        stiffness = contacts.stiffness[order]
+
+        def read(record: Array, spacing: float, time_step: float) -> tuple[NDArray[np.int64], Array, Array, Array]:
+            touched = np.flatnonzero(np.max(record[:, : contacts.count], axis=0)[order] > 0)
+            chosen, pushed = order[touched], stiffness[touched, None]
+            overlap, impulse = (np.ascontiguousarray(record[:, first + chosen].T) for first in (0, contacts.count))
+            np.maximum(overlap, 0.0, out=overlap)
+            force = pushed * overlap
+            energy = 0.5 * force * overlap
+            force += np.where(overlap > 0, impulse / time_step, 0.0)
+            return touched, contacts.upper_coil[chosen], force, energy
+
+        first = chain_kernels.overlap_place(self.unknowns)
+        return ContactWatch(np.array([[first, 2 * contacts.count]], dtype=np.int64), WATCH_INTERVAL, read)
 
     def retainer_mass(self) -> float:
         """Half the last element plus the wire of the upper inactive coils (kg)."""
@@ -186,9 +230,9 @@ class MultiMassOptions(SpringOptions):
 
 
 def _make(spring: InstalledSpring, options: MultiMassOptions, rest: SpringAtRest | None) -> MultiMassSpring:
-    damping = {
+    damping: dict[str, Any] = {
         "mass_damping": spring.damping.mass_damping, "stiffness_damping": spring.damping.stiffness_damping,
-        "contact_damping_time": spring.contact.damping_time,
+        "contact_damping_time": spring.contact.damping_time, "pulls": spring.pulls,
     }  # fmt: skip
     if spring.card is not None:
         card = spring.card

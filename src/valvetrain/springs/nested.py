@@ -11,7 +11,16 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.chain_layout import ChainLayout
-from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringModel, SpringOutputs
+from valvetrain.springs.contract import (
+    Array,
+    ContactWatch,
+    EndForces,
+    Kernel,
+    SpringEnergy,
+    SpringModel,
+    SpringOutputs,
+    contact_watch_of,
+)
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.nested_kernels import nested_kernel
 from valvetrain.springs.wave_rod import WaveRod
@@ -159,6 +168,11 @@ class NestedSprings:
             self.outer.outputs(outer, retainer_displacement, retainer_velocity),
             self.inner.outputs(inner, retainer_displacement, retainer_velocity),
         )
+
+    def contact_watch(self) -> ContactWatch | None:
+        """That of the outer spring, whose sections stand for the pair."""
+        outer = contact_watch_of(self.outer)
+        return None if outer is None else replace(outer, stretches=outer.stretches + np.array([2 * self.unknowns + 1, 0]))
 
     def retainer_mass(self) -> float:
         """Sum of both members' masses on the retainer (kg)."""

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Strict, TypeAdapter, ValidationError
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -66,6 +68,15 @@ class SpringModelSpec:
         if unknown:
             known = ", ".join(self.options.model_fields) or "no options"
             raise InputError(f"a {self.word} spring has no option '{unknown[0]}'; it takes {known}")
+        for name, value in values.items():
+            kept = self.options.model_fields[name]
+            if kept.annotation in (int, bool):
+                kind: Any = Annotated[kept.annotation, *kept.metadata, Strict()]
+                try:
+                    TypeAdapter(kind).validate_python(value)
+                except ValidationError as error:
+                    words = error.errors()[0]["msg"].removeprefix("Input should be ")
+                    raise InputError(f"{name} of a {self.word} spring is {value!r}; it should be {words}") from error
         return self.options.model_construct(**values)
 
 

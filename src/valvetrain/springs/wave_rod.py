@@ -35,13 +35,15 @@ def cells_for_step(wave_speed: float, time_step: float, courant: float) -> int:
 class WaveRod:
     """Uniform rod of ``cells`` cells with the rate, preload and mass of ``spring``.
 
-    ``friction`` mu (1/s) of the wave equation (20 to 30 without a damper). Half a cell and the inactive coils move with the retainer.
+    ``friction`` mu (1/s) of the wave equation (20 to 30 without a damper). Where it does not pull (``pulls``), an end cell longer than
+    free is open: the rod has left its seat or its retainer. Half a cell and the inactive coils move with the retainer.
     """
 
     spring: EquivalentSpring
     cells: int = 200
     friction: float = 0.0
     name: str = "wave-rod"
+    pulls: bool = True
 
     def __post_init__(self) -> None:
         keep_si(self, f"the rod of spring '{self.spring.name}'", friction="damping rate")
@@ -70,7 +72,12 @@ class WaveRod:
         return kernel
 
     def parameters(self) -> Array:
-        return np.array([self.spring.preload, self.cell_stiffness, self.cell_mass, 2 * self.friction])
+        return np.array([self.spring.preload, self.cell_stiffness, self.cell_mass, 2 * self.friction, self._free])
+
+    @property
+    def _free(self) -> float:
+        """Shortening (m) of an end cell from the installed state at which it opens; below all others where the ends are held."""
+        return -np.inf if self.pulls else -self.spring.preload / self.cell_stiffness
 
     def integers(self) -> NDArray[np.int64]:
         return np.array([self.unknowns], dtype=np.int64)
@@ -81,7 +88,8 @@ class WaveRod:
 
     def initial_state(self, retainer_displacement: float) -> Array:
         state = np.zeros(2 * self.unknowns + 1)
-        state[: self.unknowns] = retainer_displacement * np.arange(1, self.cells) / self.cells
+        shortening = retainer_displacement if self.pulls else max(retainer_displacement, -self.spring.preload / self.spring.rate)
+        state[: self.unknowns] = shortening * np.arange(1, self.cells) / self.cells
         return state
 
     def stable_time_step(self) -> float:
@@ -94,19 +102,20 @@ class WaveRod:
     def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         """Elastic energy counted from the installed position."""
         n, nodes = self.unknowns, self._nodes(state, retainer_displacement)
-        velocity = state[n : 2 * n]
+        velocity, cells = state[n : 2 * n], np.diff(nodes)
+        cells[[0, -1]] = np.maximum(cells[[0, -1]], self._free)
         if time_step > 0:
-            kick = self.cell_stiffness / self.cell_mass * np.diff(nodes, 2) - 2 * self.friction * velocity
+            kick = self.cell_stiffness / self.cell_mass * np.diff(cells) - 2 * self.friction * velocity
             velocity = velocity + time_step / 2 * kick
-        elastic = self.spring.preload * retainer_displacement + self.cell_stiffness * np.sum(np.diff(nodes) ** 2) / 2
+        elastic = self.spring.preload * np.sum(cells) + self.cell_stiffness * np.sum(cells**2) / 2
         return SpringEnergy(float(self.cell_mass * np.sum(velocity**2) / 2), float(elastic), 0.0, float(state[2 * n]))
 
     def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
-        retainer = self.spring.preload + self.cell_stiffness * (retainer_displacement - state[self.unknowns - 1])
-        return EndForces(float(retainer), float(self.spring.preload + self.cell_stiffness * state[0]))
+        ends = np.maximum([retainer_displacement - state[self.unknowns - 1], state[0]], self._free)
+        return EndForces(*(self.spring.preload + self.cell_stiffness * ends).tolist())
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
-        return self.cell_stiffness
+        return self.cell_stiffness if retainer_displacement - state[self.unknowns - 1] >= self._free else 0.0
 
     def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
         """``coil_number`` is the share 0..1 of the active length: a uniform rod knows no turns."""
@@ -127,7 +136,7 @@ def wave_friction(spring: InstalledSpring, equivalent: EquivalentSpring) -> floa
 
 def _make(spring: InstalledSpring, options: NoOptions, rest: SpringAtRest | None) -> WaveRod:
     equivalent = EquivalentSpring.from_installed(spring)
-    return WaveRod(equivalent, friction=wave_friction(spring, equivalent))
+    return WaveRod(equivalent, friction=wave_friction(spring, equivalent), pulls=spring.pulls)
 
 
 SPEC = SpringModelSpec(

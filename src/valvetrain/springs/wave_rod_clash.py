@@ -14,7 +14,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.chain_layout import NO_CONTACTS, ChainLayout, CoilContacts, uniform_chain
-from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import Array, ContactWatch, EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring, InstalledGaps, installed_gaps
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import NoOptions, SpringModelSpec
@@ -30,7 +30,7 @@ class WaveRodWithClash:
     """Rod of ``cells`` cells with the installed ``gaps`` between neighbouring turns.
 
     A contact may be no stiffer than the explicit step resolves (``CONTACT_SHARE`` of a cell), so a clash is softer than steel.
-    ``friction`` mu (1/s). The state counts from a linear free state at ``preload / rate``.
+    ``friction`` mu (1/s). ``pulls``: whether the ends are held. The state counts from a linear free state at ``preload / rate``.
     """
 
     spring: EquivalentSpring
@@ -38,6 +38,7 @@ class WaveRodWithClash:
     cells: int = 200
     friction: float = 0.0
     name: str = "wave-rod-clash"
+    pulls: bool = True
 
     def __post_init__(self) -> None:
         keep_si(self, f"the rod of spring '{self.spring.name}'", friction="damping rate")
@@ -59,7 +60,7 @@ class WaveRodWithClash:
         step = COURANT / (self.spring.wave_speed * self.cells)
         return MultiMassSpring(
             layout, self.spring.preload / self.spring.rate, mass_damping=2 * self.friction, contact_damping_time=DAMPING_SHARE * step,
-            name=self.name,
+            name=self.name, pulls=self.pulls,
         )  # fmt: skip
 
     def _contacts(self, coil: Array) -> CoilContacts:
@@ -118,6 +119,10 @@ class WaveRodWithClash:
     def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
         return self.chain.outputs(state, retainer_displacement, retainer_velocity)
 
+    def contact_watch(self) -> ContactWatch | None:
+        """That of the chain."""
+        return self.chain.contact_watch()
+
     def retainer_mass(self) -> float:
         """Half a cell plus the coils resting on the retainer (kg)."""
         return self.chain.retainer_mass()
@@ -127,7 +132,7 @@ def _make(spring: InstalledSpring, options: NoOptions, rest: SpringAtRest | None
     assert spring.wire is not None
     equivalent = EquivalentSpring.from_installed(spring)
     gaps = installed_gaps(spring.wire, spring.precompression)
-    return WaveRodWithClash(equivalent, gaps, friction=wave_friction(spring, equivalent))
+    return WaveRodWithClash(equivalent, gaps, friction=wave_friction(spring, equivalent), pulls=spring.pulls)
 
 
 SPEC = SpringModelSpec(

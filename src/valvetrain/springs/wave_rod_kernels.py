@@ -44,18 +44,19 @@ def _drift(integers, state, time_step):
 
 @njit(**OPTIONS)
 def advance_rod(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
-    """``parameters`` = preload (N), cell stiffness (N/m), cell mass (kg), mass damping (1/s); ``integers`` = [n inner nodes, n >= 2].
+    """``parameters`` = preload (N), cell stiffness (N/m), cell mass (kg), mass damping (1/s), shortening (m) at which
+    an end cell opens; ``integers`` = [n inner nodes, n >= 2].
 
     ``state`` = displacements from the installed state (n), velocities (n), dissipated energy. Every damping factor is
     exp(-alpha h / 2) on either side of the kick, so a front decays by exactly exp(-mu t), mu = alpha / 2, at unit Courant number.
     """
     n = integers[0]
-    retainer = parameters[0] + parameters[1] * (retainer_displacement - state[n - 1])
-    seat = parameters[0] + parameters[1] * state[0]
+    top, bottom = max(retainer_displacement - state[n - 1], parameters[4]), max(state[0], parameters[4])
+    retainer, seat = parameters[0] + parameters[1] * top, parameters[0] + parameters[1] * bottom
     if time_step > 0.0:
         half = math.exp(-0.5 * parameters[3] * time_step)
         gain = time_step * parameters[1] / parameters[2]
-        first, last = state[1] - 2.0 * state[0], retainer_displacement - 2.0 * state[n - 1] + state[n - 2]
+        first, last = state[1] - state[0] - bottom, top - state[n - 1] + state[n - 2]
         lost = _kick(parameters, integers, state, time_step, half)
         lost += _kick_end(state, 0, n, gain, first, half) + _kick_end(state, n - 1, n, gain, last, half)
         _drift(integers, state, time_step)

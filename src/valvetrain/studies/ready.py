@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions
 from valvetrain.integrate.run import run
@@ -116,6 +118,30 @@ def integrate_point(ready: Ready, engine_speed: float, plan: Plan, provenance: P
         return Solution(empty_channels(), (), Status("diverged", words, remedy="look at this run alone"), {}, provenance)
 
 
+def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:
+    """The run with status ``coil-bind`` where the retainer passed the lift at which the first of ``springs`` is solid.
+
+    No spring model but those with coil contact feels it, so what follows in the run is not to be believed. A spring whose card does not
+    tell installed and solid height is not judged; nor is a run that diverged.
+    """
+    told = [(spring.room, spring) for spring in springs if spring.room is not None]
+    if not told or solution.status.code not in ("completed", "not-converged") or not solution.has("valve_lift"):
+        return solution
+    room, spring = min(told, key=lambda pair: pair[0])
+    lift = solution.channel("valve_lift")
+    past = lift >= room
+    if not np.any(past):
+        return solution
+    place = int(np.argmax(past))
+    angle = float(np.degrees(solution.cam_angle[place]) % 360)
+    words = (
+        f"spring '{spring.name}' is solid at {room * 1e3:.4g} mm of lift, which the retainer passes at {angle:.1f} cam degrees "
+        f"and exceeds to {float(np.max(lift)) * 1e3:.4g} mm"
+    )
+    remedy = "run slower, or fit a spring that holds the valve and has more room to its solid height"
+    return replace(solution, status=Status("coil-bind", words, float(solution.time[place]), spring.name, remedy))
+
+
 def judge(ready: Ready, solution: Solution, plan: Plan, rest: Rest) -> Solution:
     """The run with events and named quantities, without channels where the plan keeps none."""
     frame = ready.frame
@@ -126,5 +152,5 @@ def judge(ready: Ready, solution: Solution, plan: Plan, rest: Rest) -> Solution:
     if ready.motion is not None:
         frame = replace(frame, rigid=ready.motion.table(solution.engine_speed / 2))
     if len(solution.time):
-        solution = evaluate(solution, frame)
+        solution = bound(evaluate(solution, frame), ready.member.springs)
     return solution if plan.whole else solution.reduced()

@@ -55,8 +55,10 @@ def static_curve(
 ) -> tuple[StaticCurve, StaticStress | None]:
     """Static curve (SI) from the free state to ``largest_compression`` (m) in even steps, and the stress of the wire over it.
 
-    Ends early with a status when no equilibrium is found.
+    Ends early with a status when no equilibrium is found. Raises :class:`InputError` for a compression at which the coils are solid.
     """
+    if rod.dynamics.contact_stiffness > 0:
+        rod.definition.refuse_solid(largest_compression)
     compressions = np.linspace(0.0, largest_compression, steps + 1)
     path = [rod.statics.solve(free_state(rod.mesh), 0.0), *compress(rod.statics, compressions[1:].tolist(), visit=visit)]
     reached = [point for point in path if point.converged]
@@ -102,8 +104,11 @@ def rest_by_model(
 ) -> SpringAtRest:
     """Static curve over ``compressions`` (m from the free state) and axial frequencies of a spring by any model of the contract.
 
-    A model that knows no state but the installed one and those above it gives its curve from there on.
+    A model that knows no state but the installed one and those above it gives its curve from there on. Raises :class:`InputError` for
+    compressions at which the coils are solid.
     """
+    if spring.wire is not None and spring.contact.stiffness > 0:
+        spring.wire.refuse_solid(float(np.max(compressions)))
     begun = time.perf_counter()
     model: SpringModel = spring_model(word).build(spring, rest)
     if isinstance(model, FiniteElementRod):

@@ -34,8 +34,8 @@ from valvetrain.system.prescribed import PrescribedSpring
 from valvetrain.system.problem import Member, Problem, Rest
 
 CARD_WIRE_NOTE = (
-    "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils are assumed, "
-    "and its coils never touch. Its clashes and stresses are not those of the real spring."
+    "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils with "
+    "wide gaps are assumed. Its clashes and stresses are not those of the real spring."
 )
 ReadyPoint = tuple[int, float]
 
@@ -66,9 +66,7 @@ def run_problem(
     if speeds and not problem.moves:
         remedy = "add a [lift_law] table, or leave the engine speed out for its statics and modes"
         raise InputError(f"case '{problem.record.name}' holds no lift law, so its spring does not move; {remedy}", "--engine-speed")
-    refusals = [member.refusal for member in problem.members]
-    if problem.members and all(refusals):
-        raise InputError(refusals[0], "--spring")
+    problem.must_run()
     samples = None if problem.kind == TRAIN else round(2 * np.pi / problem.output_step)
     if command == "sweep" and problem.kind == TRAIN:
         samples = 720

@@ -186,6 +186,8 @@ def find_run(name: str, root: Path = ROOT) -> KeptRun:
     if last in ("", LATEST) and (mine := [run for run in runs if run.case == case]):
         return mine[0]
     fits = [run for run in runs if run.folder.name == name or (len(name) >= 4 and run.digest.startswith(name))]
+    if not fits and (run := run_of_path(root / name)):
+        return run
     if not fits:
         raise InputError(f"there is no run '{name[:80]}' under '{root}'; 'valvetrain runs' lists those there are")
     return fits[0]

@@ -11,7 +11,7 @@ from valvetrain.cam.contract import LiftLaw
 from valvetrain.cam.event import find_lift_event
 from valvetrain.errors import InputError
 from valvetrain.mechanism.build import build_mechanism
-from valvetrain.mechanism.contour import NODES, table_from_samples
+from valvetrain.mechanism.contour import monotone_table
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, binding_lift
 from valvetrain.parameters.loading import AnyCase, case_of
@@ -107,7 +107,7 @@ def _train_members(
             mechanism = build_mechanism(bare, law, case.lift_law.lift_of)
             gas = None
             if bare.gas is not None:
-                gas = table_from_samples(np.asarray(bare.gas.cam_angles), np.asarray(bare.gas.forces), NODES)
+                gas = monotone_table(np.asarray(bare.gas.cam_angles), np.asarray(bare.gas.forces))
             gears[bare] = Gear(mechanism, bare, gas)
         gear = gears[bare]
         if sentence := binding_lift(springs, gear.mechanism.kinematics.maximum_lift):

@@ -98,6 +98,11 @@ class Problem:
         """Every installed spring of the members, each once."""
         return tuple(dict.fromkeys(spring for member in self.members for spring in member.springs))
 
+    def must_run(self) -> None:
+        """Raise :class:`InputError` when no member can run in time, with the reason of the first."""
+        if self.members and all(member.refusal for member in self.members):
+            raise InputError(self.members[0].refusal, "--spring")
+
     def only(self, keep: Callable[[Member], bool]) -> tuple[Member, ...]:
         """Members that ``keep`` says."""
         return tuple(member for member in self.members if keep(member))

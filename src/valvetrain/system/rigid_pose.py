@@ -41,9 +41,9 @@ class RigidPoses:
         """Positions (..., N) at a valve lift (m)."""
         return np.asarray(self._splines[0](valve_lift))
 
-    def mode(self, valve_lift: ArrayLike) -> Array:
-        """Travel of every coordinate per travel of the valve (..., N)."""
-        return np.asarray(self._splines[1](valve_lift))
+    def mode(self, valve_lift: ArrayLike, derivative: int = 0) -> Array:
+        """Travel of every coordinate per travel of the valve (..., N), or its derivative by the lift (per m)."""
+        return np.asarray(self._splines[1](valve_lift, nu=derivative))
 
     def mass(self, valve_lift: ArrayLike, derivative: int = 0) -> Array:
         """Reduced mass (kg) at the valve or its derivative by the lift (kg/m)."""

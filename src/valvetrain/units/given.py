@@ -199,6 +199,7 @@ def _refuse_slip(quantity: str, window: Window, found: float, shown: str, number
     meant = next(((unit, value) for unit, value in factors if window.low <= value <= window.high), None)
     if meant is None:
         span = f"{format_quantity(window.low, window.usual_unit)} to {format_quantity(window.high, window.usual_unit)}"
-        raise InputError(f"{shown} of {words} ({usual}) lies outside {span}; check the number and its unit", where)
+        told = shown if shown == usual else f"{shown} ({usual})"
+        raise InputError(f"{told} of {words} lies outside {span}; check the number and its unit", where)
     unit, value = meant
     raise InputError(f"{shown} of {words} can only be meant as {number:g} {unit}; write {value:.6g} or '{number:g} {unit}'", where)

@@ -22,6 +22,7 @@ ANGLE_LABEL = "cam angle (cam degrees)"
 #: SI unit of a channel -> unit shown and factor.
 SHOWN_UNITS = {"m": ("mm", 1e3), "rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 180 / np.pi), "Pa": ("MPa", 1e-6), "J": ("mJ", 1e3),
                "m/s2": ("m/s²", 1.0), "1": ("", 1.0)}  # fmt: skip
+STILL_WORDS = "at rest, same lift"
 #: Lines in one panel before it is parted.
 MOST_LINES = 4
 
@@ -33,6 +34,11 @@ class Look:
     colour: str
     dash: str
     words: str
+
+
+def told_by_source(study: Study) -> bool:
+    """Whether what the source of a case says is about these runs: always for a case of one's own, else where values were compared."""
+    return not study.record.study or bool(study.comparisons or study.findings)
 
 
 def looks(study: Study) -> dict[str, Look]:
@@ -95,7 +101,7 @@ def angle_panels(
     name: str,
     title: str = "",
     still: str = "",
-    still_words: str = "at rest, same lift",
+    still_words: str = STILL_WORDS,
 ) -> list[Panel]:
     """A channel over the cam angle, one line per run, at most :data:`MOST_LINES` a panel; ``still``: a channel beside it, dashed, once."""
     known, panels, label = looks(study), [], name

@@ -5,70 +5,112 @@ from __future__ import annotations
 import numpy as np
 
 from valvetrain.report.figures.common import looks
-from valvetrain.report.headlines import NAMED_CLASHES, TOPICS, HeadlineRow, clashes_of, headline_columns, headline_rows
+from valvetrain.report.headlines import (
+    NAMED_CLASHES,
+    TOPICS,
+    HeadlineRow,
+    clash_pair,
+    clash_size,
+    clashes_of,
+    headline_columns,
+    headline_rows,
+    largest_clash_rows,
+)
 from valvetrain.report.page import Block, Card, Cards, Cell, Details, Grid, SectionSpec, text
 from valvetrain.report.words import number, rpm, speed_words, unit_words
 from valvetrain.solution.event import Event
 from valvetrain.solution.study import Study
 
-#: Runs whose clashes are listed open; those of more runs stand behind a word to click.
+#: Runs that stand side by side in one table; more stand below each other, a table per question.
+BESIDE = 8
+#: Runs of which several clashes are listed at once; of more the largest of each, and the others behind a word to click.
 OPEN_LISTS = 2
 _CLASH_HEADERS = ("coils", "cam angle (deg)", "impulse (mN s)", "energy (mJ)", "peak force (N)")
 
 
 def blocks(study: Study) -> tuple[Block, ...]:
-    """What failed, a card per question in the order of :data:`TOPICS`, then the clashes of each run."""
+    """What failed, the answers in the order of :data:`TOPICS`, what must be known of them, then the clashes of each run."""
     rows = headline_rows(study)
-    cards = [
-        _card(study, topic, [row for row in rows if row.topic == topic]) for topic in TOPICS if any(row.topic == topic for row in rows)
-    ]
+    across = _columns(study)
+    topics = {topic: [row for row in rows if row.topic == topic] for topic in TOPICS}
+    if len(across) <= BESIDE:
+        cards = [_beside(study, across, {topic: found for topic, found in topics.items() if found})] if rows else []
+    else:
+        cards = [_below(topic, across, found) for topic, found in topics.items() if found]
     failed = tuple(text(words, "alert") for words in study.failures)
-    return (*failed, *((Cards(tuple(cards)),) if cards else ()), *_clashes(study))
+    own = () if study.comparisons or study.findings else tuple(text(words, "note") for words in study.notes)
+    return (*failed, *((Cards(tuple(cards)),) if cards else ()), *own, *_clashes(study))
 
 
-def _card(study: Study, topic: str, rows: list[HeadlineRow]) -> Card:
-    """Quantities down and runs across; turned where there are more than three runs."""
+def _columns(study: Study) -> list[str]:
     known = looks(study)
-    across = [
+    return [
         (known[one.label].words if one.label in known else one.label)
         + (f", {speed_words(one.engine_speed)}" if one.engine_speed is not None else "")
         for one in headline_columns(study)
     ]
-    names = [f"{row.words} ({unit_words(row.unit)})" if row.unit else row.words for row in rows]
-    values = [[_shown(value, speed) for value, speed in zip(row.values, row.engine_speeds, strict=True)] for row in rows]
-    if len(across) > 3:
-        kept = [place for place in range(len(across)) if any(column[place] != "–" for column in values)]
-        return Card(topic, tuple(names), tuple((across[place], tuple(column[place] for column in values)) for place in kept))
-    return Card(topic, tuple(across), tuple(zip(names, map(tuple, values), strict=True)))
 
 
-def _shown(value: float | None, engine_speed: float | None) -> str:
-    return number(value) if engine_speed is None else f"{number(value)} at {rpm(engine_speed):.6g} rpm"
+def _beside(study: Study, across: list[str], topics: dict[str, list[HeadlineRow]]) -> Card:
+    """Every question in one table, runs across, a line without values above each topic."""
+    lines: list[tuple[str, tuple[str, ...]]] = []
+    largest = largest_clash_rows(study, headline_columns(study))
+    for topic, rows in topics.items():
+        lines.append((topic, ()))
+        for row in rows:
+            if row.name != "largest_clash_impulse" or not largest:
+                lines.append((_name(row.words, row.unit), _values(row)))
+            if row.name == "clash_count":
+                lines += [(_name(f"\u2003{words}", unit), cells) for words, unit, cells in largest]
+    return Card("", tuple(across), tuple(lines))
+
+
+def _below(topic: str, across: list[str], rows: list[HeadlineRow]) -> Card:
+    """One question, a run per line, those without any value left out."""
+    values = list(zip(*map(_values, rows), strict=True))
+    lines = [(run, cells) for run, cells in zip(across, values, strict=True) if any(cell != "–" for cell in cells)]
+    return Card(topic, tuple(_name(row.words, row.unit) for row in rows), tuple(lines))
+
+
+def _name(words: str, unit: str) -> str:
+    return f"{words} ({unit_words(unit)})".replace("N s)", "N\u00a0s)") if unit else words
+
+
+def _values(row: HeadlineRow) -> tuple[str, ...]:
+    return tuple(
+        number(value) if speed is None else f"{number(value)} at {rpm(speed):.6g} rpm"
+        for value, speed in zip(row.values, row.engine_speeds, strict=True)
+    )
 
 
 def _clashes(study: Study) -> tuple[Block, ...]:
-    known, runs = looks(study), 0
-    rows: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
-    for run in (run for label in study.labels for run in study.runs(label)) if study.command != "sweep" else ():
-        found = clashes_of(run)
-        if found:
-            runs += 1
-            head = f"{known[run.label].words}, {speed_words(run.engine_speed)}: {min(len(found), NAMED_CLASHES)} of {len(found)} clashes"
-            rows.append(((Cell(head),), ()))
-            rows += [(_clash_cells(event), ()) for event in found[:NAMED_CLASHES]]
-    if not rows:
+    """The largest clashes open: several of one run or two, else one of each; all that are named of many runs behind a word to click."""
+    known = looks(study)
+    found = [
+        (f"{known[run.label].words}, {speed_words(run.engine_speed)}", clashes_of(run))
+        for label in study.labels for run in study.runs(label) if study.command != "sweep"
+    ]  # fmt: skip
+    found = [(words, events) for words, events in found if events]
+    if not found:
         return ()
-    grid = Grid(_CLASH_HEADERS, tuple(rows), caption="Largest coil clashes by energy, of each run.")
-    return (grid,) if runs <= OPEN_LISTS else (Details(f"The {NAMED_CLASHES} largest clashes of each run", (grid,)),)
+    rows: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
+    for words, events in found:
+        rows.append(((Cell(f"{words}: {min(len(events), NAMED_CLASHES)} of {len(events)} clashes"),), ()))
+        rows += [(_clash_cells(event), ()) for event in events[:NAMED_CLASHES]]
+    several = Grid(_CLASH_HEADERS, tuple(rows), caption="Largest coil clashes by energy; the cam angle is that of the first touch.")
+    if len(found) <= OPEN_LISTS:
+        return (several,)
+    first = tuple(((Cell(words), *_clash_cells(events[0])), ()) for words, events in found)
+    largest = Grid(
+        ("largest clash", *_CLASH_HEADERS), first, caption="Largest coil clash of each run; the cam angle is that of first touch."
+    )
+    return (largest, Details(f"The {NAMED_CLASHES} largest clashes of each run", (several,)))
 
 
 def _clash_cells(event: Event) -> tuple[Cell, ...]:
-    detail = event.details
-    pair = "–".join(number(float(detail[name]), 3) for name in ("lower_coil", "upper_coil") if name in detail) or event.where
-    angle = float(np.degrees(float(detail.get("peak_cam_angle", event.cam_angle)))) % 360
-    sizes = [float(detail[name]) * 1e3 if name in detail else None for name in ("impulse", "energy")]
-    where = f"{event.where}, " if event.where and "lower_coil" in detail else ""
-    return (Cell(where + pair), *(Cell(number(value), "number") for value in (angle, *sizes, event.size)))
+    angle = float(np.degrees(event.cam_angle)) % 360
+    sizes = (angle, clash_size(event, "impulse"), clash_size(event, "energy"), event.size)
+    return (Cell(clash_pair(event)), *(Cell(number(value), "number") for value in sizes))
 
 
 SPEC = SectionSpec("answers", "Answers", blocks)

@@ -62,13 +62,17 @@ def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str
     every = np.concatenate([np.asarray(curve.stiffness, dtype=float) for _, curve in known]) * 1e-3
     # The wall of the solid spring would flatten all else.
     top = 1.08 * min(float(every.max()), 4 * float(np.median(every)))
+    # Room at the right for the words beside the last mark.
+    reach = (0.0, 1.08 * max([*(float(curve.compression[-1]) * 1e3 for _, curve in known), *(rule.value for rule in rules)]))
     panels = [
-        Panel(_COMPRESSION, "force (N)", tuple(force), "Force", rules=rules),
-        Panel(_COMPRESSION, "tangent stiffness (N/mm)", tuple(stiffness), "Stiffness", rules=rules, y_range=(0.0, top or 1.0)),
+        Panel(_COMPRESSION, "force (N)", tuple(force), "Force", rules=rules, x_range=reach),
+        Panel(
+            _COMPRESSION, "tangent stiffness (N/mm)", tuple(stiffness), "Stiffness", rules=rules, x_range=reach, y_range=(0.0, top or 1.0)
+        ),
     ]
     if apart:
         against = f"from the {theme.model_words(known[0][0].model)} (%)"
-        panels.append(Panel(_COMPRESSION, against, tuple(apart), "Difference in force", rules=rules))
+        panels.append(Panel(_COMPRESSION, against, tuple(apart), "Difference in force", rules=rules, x_range=reach))
     caption = "Static compression from the free length. The stiffness rises where coils come to lie on the ones below."
     return Chart(key, title, caption, tuple(panels), 2, 350 * (-(-len(panels) // 2)) + 20, len(known) > 1)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from valvetrain.report.figures.common import told_by_source
 from valvetrain.report.page import Block, Cell, Details, Grid, Listing, SectionSpec, prose, text
 from valvetrain.solution.record import CaseValue
 from valvetrain.solution.study import Study
@@ -16,7 +17,8 @@ def blocks(study: Study) -> tuple[Block, ...]:
     if record.values:
         rows = tuple((_cells(one), (one.status,)) for one in record.values)
         found.append(Grid(("value of the case", "", "status", "source"), rows, ("status",)))
-    found += prose(record.remarks, "Remarks on the case")
+    if told_by_source(study):
+        found += prose(record.remarks, "Remarks on the case")
     if record.text:
         found.append(Details("The case file, resolved", (Listing(record.text),)))
     return tuple(found)

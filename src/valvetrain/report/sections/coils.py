@@ -8,12 +8,14 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Line, Panel, thin
 from valvetrain.report.figures.common import ANGLE_LABEL, Array, by_speed, event_bands, looks
-from valvetrain.report.page import Block, SectionSpec, figure_or_gap
+from valvetrain.report.page import Block, SectionSpec, Tabs, figure_or_gap
 from valvetrain.report.words import speed_words
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
 MOST_COLUMNS, MOST_ROWS, MOST_LINES = 720, 160, 16
+#: Runs of one engine speed whose figures stand below each other; more stand behind tabs.
+MOST_OPEN = 2
 #: What is drawn of the wire, the first that a run has.
 _HEIGHTS = (("axial_position", "height of the wire above its seat (mm)"), ("axial_displacement", "displacement from installed (mm)"))
 
@@ -23,15 +25,20 @@ def blocks(study: Study) -> tuple[Block, ...]:
     known = looks(study)
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
-        found: tuple[Block, ...] = ()
+        items: list[tuple[str, tuple[Block, ...]]] = []
         for number, run in enumerate(runs, start=1):
+            found: tuple[Block, ...] = ()
             for spring in run.springs:
                 whose = f"{known[run.label].words}, {spring} spring" if len(run.springs) > 1 else known[run.label].words
                 title, place = f"{whose}, {speed_words(engine_speed)}", f"{key}-{number}-{spring}"
                 for name, build in (("Coil motion", position_chart), ("Clash map", clash_chart)):
                     words = f"{name}: {title}"
                     found += figure_or_gap(words, build, study, run, spring, f"{name.split()[0].lower()}-{place}", words)
-        return found
+            if found:
+                items.append((known[run.label].words, found))
+        if len(items) > MOST_OPEN and len(study.engine_speeds) == 1:
+            return (Tabs(tuple(items), f"{key}-runs"),)
+        return tuple(block for _, blocks in items for block in blocks)
 
     return by_speed(study, "coils", at)
 
@@ -57,11 +64,12 @@ def position_chart(study: Study, run: Solution, spring: str, key: str, title: st
     chosen = np.unique([int(np.argmin(np.abs(places[order] - place))) for place in wanted])
     lines = []
     for number, (place, colour) in enumerate(zip(order[chosen], theme.ramp(len(chosen)), strict=True)):
-        direct = f"{places[place]:.3g}" if number % 5 == 0 else ""
+        direct = f"{places[place]:.3g}" if number % 5 == 0 and words == _HEIGHTS[0][1] else ""
         x, y = thin(angle, values[:, place] * 1e3)
         lines.append(Line(x, y, f"coil number {places[place]:.3g}", colour, 1.2, in_legend=False, direct=direct))
     panel = Panel(ANGLE_LABEL, words, tuple(lines), bands=event_bands(study), x_range=(0, 360), x_step=30)
-    caption = "Wire at even distances along the spring, coil number at the right. Waves run up and down between the coils."
+    told = "coil number at the right" if words == _HEIGHTS[0][1] else "light at the seat, dark at the retainer"
+    caption = f"Wire at even distances along the spring, {told}. Waves run up and down between the coils."
     return Chart(key, title, caption, (panel,), height=400, legend=False)
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from valvetrain.report.chart import Chart
-from valvetrain.report.figures.common import angle_panels, panels_chart, runs_at
+from valvetrain.report.chart import Chart, Line
+from valvetrain.report.figures.common import STILL_WORDS, angle_panels, panels_chart, runs_at
 from valvetrain.report.page import Block, SectionSpec, figure_or_gap
 from valvetrain.report.words import speed_words
 from valvetrain.solution.study import Study
@@ -26,7 +26,9 @@ def force_chart(study: Study, channel: str) -> Chart | None:
     panels = []
     for engine_speed in study.engine_speeds:
         panels += angle_panels(study, runs_at(study, engine_speed), channel, words, speed_words(engine_speed), "static_retainer_force")
-    caption = "All springs together over the reported cam cycle, compressive positive. Dashed: what springs without inertia would give."
+    still = any(isinstance(layer, Line) and layer.name == STILL_WORDS for panel in panels for layer in panel.layers)
+    caption = "All springs together over the reported cam cycle, compressive positive."
+    caption += " Dashed: what springs without inertia would give." if still else ""
     return panels_chart(key, title, caption, panels, 270)
 
 

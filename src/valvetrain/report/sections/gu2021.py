@@ -8,7 +8,7 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.filters import fine_filtered, fine_series
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, thin
-from valvetrain.report.figures.common import ANGLE_LABEL, Array, by_speed, looks, over_angle
+from valvetrain.report.figures.common import ANGLE_LABEL, Array, by_speed, looks, over_angle, told_by_source
 from valvetrain.report.page import Block, SectionSpec, figure_or_gap
 from valvetrain.report.words import number, speed_words
 from valvetrain.solution.quantity import same_speed
@@ -29,8 +29,8 @@ _NODES = {1: theme.MODEL_COLOURS["massless"], 2: theme.MODEL_COLOURS["finite-ele
 
 
 def blocks(study: Study) -> tuple[Block, ...]:
-    """Nothing for any other case."""
-    if study.record.study != STUDY or study.lift_event is None:
+    """Nothing for any other case, nor where the run is not that of the source: changed values, other speeds or models."""
+    if study.record.study != STUDY or study.lift_event is None or not told_by_source(study):
         return ()
 
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:

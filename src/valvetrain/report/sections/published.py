@@ -33,7 +33,7 @@ def blocks(study: Study) -> tuple[Block, ...]:
     if study.findings:
         rows = tuple((tuple(Cell(words) for words in (one.place, one.statement, one.computed, one.verdict)), ()) for one in study.findings)
         found.append(Grid(("place in the source", "finding of the source", "computed here", "verdict"), rows))
-    return (*found, *prose(study.notes, "Notes on these values"))
+    return (*found, *prose(study.notes, "Notes on these values")) if found else ()
 
 
 def ratios(rows: tuple[Comparison, ...]) -> list[tuple[Comparison, float]]:

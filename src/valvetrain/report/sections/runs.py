@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from valvetrain.report import theme
 from valvetrain.report.figures.common import looks
+from valvetrain.report.json import unit_of_number
 from valvetrain.report.page import Block, Cell, Details, Grid, SectionSpec, text
-from valvetrain.report.words import number, speed_words
+from valvetrain.report.words import number, speed_words, unit_words
 from valvetrain.solution.study import Study
 
 #: Rows up to which the table stands open.
@@ -44,11 +46,16 @@ def blocks(study: Study) -> tuple[Block, ...]:
 
 
 def _facts(facts: Mapping[str, float | int | str | bool | None]) -> str:
-    return ", ".join(f"{key.replace('_', ' ')} {_plain(value)}" for key, value in facts.items() if value is not None)
+    return ", ".join(f"{key.replace('_', ' ')} {_plain(key, value)}" for key, value in facts.items() if value is not None)
 
 
-def _plain(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else number(value) if isinstance(value, float) else str(value)
+def _plain(key: str, value: object) -> str:
+    """A number with its SI unit, the output step in degrees; words and switches as they are."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return str(value).lower() if isinstance(value, bool) else str(value)
+    unit = unit_of_number(key)
+    shown, value = ("deg", math.degrees(value)) if unit == "rad" else ("" if unit == "1" else unit, value)
+    return f"{number(value) if isinstance(value, float) else value} {unit_words(shown)}".strip()
 
 
 SPEC = SectionSpec("runs", "How it was computed", blocks)

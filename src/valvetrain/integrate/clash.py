@@ -1,0 +1,170 @@
+"""Coil clashes as events, from the force between each coil and the one below over time: one rule for every model and system."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.solution.event import Detail, Event
+from valvetrain.springs.contract import ContactWatch
+
+Array = NDArray[np.float64]
+TURN = 2 * np.pi
+#: A contact that lasts longer than this (cam rad) is coils at rest on each other while the spring is compressed, not a blow of surge.
+RESTING_ANGLE = TURN / 12
+#: Statistic that says that a solution's clashes were found by the integrator, and on which spacing.
+RECORDED = "contact_record_interval_duration"
+
+
+@dataclass(frozen=True, slots=True)
+class ClashRule:
+    """When contacts count as one clash; forces in N, time in s.
+
+    A pair is in contact from where its force passes ``off_force`` to where it falls below, if it passes ``on_force`` between
+    (hysteresis). Contacts of neighbouring pairs that begin within ``merge_time`` of each other are one clash: a coil that
+    rolls down on the next. A pair that parts for less than ``rebound_time`` only rings: it stays in the same contact. A contact
+    already there at the first sample is no clash: the coil rests. A closed cycle has no first sample, so there only a contact
+    without end is no clash.
+    """
+
+    on_force: float = 1.0
+    off_force: float = 0.2
+    merge_time: float = 0.3e-3
+    rebound_time: float = 10e-6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PairSeries:
+    """Coil pairs of one spring over n times: ``time`` (s), ``cam_angle`` (rad, unwrapped), ``ranks`` (p,): place of each in the row of all
+    pairs, ascending; ``places`` (p,): coil number of the upper partner; ``force`` (N) between the partners and ``energy`` (J) stored in
+    their contact, both (p, n)."""
+
+    time: Array
+    cam_angle: Array
+    ranks: NDArray[np.int64]
+    places: Array
+    force: Array
+    energy: Array
+
+    def where(self, chosen: NDArray[np.int64]) -> PairSeries:
+        """Some of the pairs."""
+        force, energy = (np.ascontiguousarray(values[chosen]) for values in (self.force, self.energy))
+        return PairSeries(self.time, self.cam_angle, self.ranks[chosen], self.places[chosen], force, energy)
+
+    def closed(self) -> PairSeries:
+        """The same period three times in a row."""
+        period, turn = (len(axis) * (axis[-1] - axis[0]) / (len(axis) - 1) for axis in (self.time, self.cam_angle))
+        times, angles = (
+            np.concatenate([axis - length, axis, axis + length]) for axis, length in ((self.time, period), (self.cam_angle, turn))
+        )
+        return PairSeries(times, angles, self.ranks, self.places, np.tile(self.force, 3), np.tile(self.energy, 3))
+
+
+def steps_between(watch: ContactWatch | None, time_step: float) -> int:
+    """Steps (of ``time_step``, s) between two rows of a record of contacts: the watch's interval, whatever samples are kept."""
+    return max(1, round(watch.interval / time_step)) if watch is not None else 1
+
+
+@dataclass(frozen=True, slots=True)
+class _Contact:
+    """One pair in contact over times ``first`` to ``last``."""
+
+    pair: int
+    first: int
+    last: int
+
+
+def find_clashes(pairs: PairSeries, spring: str = "", closed: bool = False, rule: ClashRule = ClashRule()) -> tuple[Event, ...]:
+    """Events of kind ``clash`` by start time; ``spring``: name to stand in ``where``; ``closed``: the series is one closed period.
+
+    Size is the peak of the summed force (N); details: ``impulse`` (N s, trapezoid), ``energy`` (J, largest energy stored in the pressed
+    pairs at one time), ``peak_cam_angle`` (rad, unwrapped), ``upper_coil`` and ``lower_coil`` (whole coils counted from 1 at the seat, of
+    the pair that is hit hardest), ``first_pair`` and ``last_pair`` (coil numbers of the upper partner at the ends of the touching
+    stretch), ``cause``.
+    """
+    if len(pairs.time) < 2 or not pairs.places.size:
+        return ()
+    period = len(pairs.time) if closed else 0
+    pairs = pairs.where(np.flatnonzero(np.max(pairs.force, axis=1) > rule.on_force))
+    pairs = pairs.closed() if closed else pairs
+    contacts = [one for pair, force in enumerate(pairs.force) for one in _contacts(pairs.time, force, pair, rule)]
+    found = [
+        _event(pairs, group, f"{spring} " if spring else "")
+        for group in _clashes(contacts, pairs, rule)
+        # A closed cycle stands three times in a row; what begins in the middle one has its whole neighbourhood there.
+        if not period or period <= min(contact.first for contact in group) < 2 * period
+    ]
+    return tuple(sorted(found, key=lambda event: event.time))
+
+
+def _contacts(time: Array, force: Array, pair: int, rule: ClashRule) -> list[_Contact]:
+    found: list[_Contact] = []
+    for first, last in runs(force > rule.off_force):
+        if found and time[first] - time[found[-1].last] <= rule.rebound_time:
+            found[-1] = _Contact(pair, found[-1].first, last)
+        else:
+            found.append(_Contact(pair, first, last))
+    return [one for one in found if one.first > 0 and np.max(force[one.first : one.last + 1]) > rule.on_force]
+
+
+def runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last index of every unbroken stretch of True."""
+    edges = np.diff(np.concatenate(([0], mask.astype(np.int8), [0])))
+    return list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist(), strict=True))
+
+
+def upper_coil_of(place: float) -> int:
+    """Whole coil, counted from 1 at the seat, in which coil number ``place`` lies: 1.9 and 2.0 lie in coil 2."""
+    return max(2, int(np.ceil(place - 1e-9)))
+
+
+def _clashes(contacts: list[_Contact], pairs: PairSeries, rule: ClashRule) -> list[list[_Contact]]:
+    """Groups of contacts, joined from neighbour to neighbour."""
+    time, ranks = pairs.time, pairs.ranks.tolist()
+    owner = list(range(len(contacts)))
+
+    def root(index: int) -> int:
+        while owner[index] != index:
+            index = owner[index]
+        return index
+
+    by_pair: dict[int, list[int]] = {}
+    for index, contact in enumerate(contacts):
+        by_pair.setdefault(ranks[contact.pair], []).append(index)
+    for index, contact in enumerate(contacts):
+        for other in by_pair.get(ranks[contact.pair] - 1, []):
+            below = contacts[other]
+            together = contact.first <= below.last + 1 and below.first <= contact.last + 1
+            if together and abs(time[contact.first] - time[below.first]) <= rule.merge_time:
+                owner[root(other)] = root(index)
+    groups: dict[int, list[_Contact]] = {}
+    for index, contact in enumerate(contacts):
+        groups.setdefault(root(index), []).append(contact)
+    return list(groups.values())
+
+
+def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
+    time, angle = pairs.time, pairs.cam_angle
+    first, last = min(contact.first for contact in group), max(contact.last for contact in group)
+    # Contacts begin and end between samples: half a step is added either side, and the trapezoid closes on nil force.
+    start, end = max(first - 1, 0), min(last + 1, len(time) - 1)
+    summed, stored = np.zeros(end - start + 1), np.zeros(end - start + 1)
+    for contact in group:
+        mine, inside = slice(contact.first, contact.last + 1), slice(contact.first - start, contact.last - start + 1)
+        summed[inside] += pairs.force[contact.pair, mine]
+        stored[inside] += pairs.energy[contact.pair, mine]
+    strongest = max(group, key=lambda contact: float(np.max(pairs.force[contact.pair, contact.first : contact.last + 1])))
+    top, coil = start + int(np.argmax(summed)), upper_coil_of(pairs.places[strongest.pair])
+    begin, finish = float(time[start] + time[first]) / 2, float(time[last] + time[end]) / 2
+    resting = angle[end] - angle[start] > RESTING_ANGLE
+    details: dict[str, Detail] = {
+        "impulse": float(np.trapezoid(summed, time[start : end + 1])), "energy": float(np.max(stored)),
+        "peak_cam_angle": float(angle[top]), "upper_coil": coil, "lower_coil": coil - 1,
+        "first_pair": float(min(pairs.places[contact.pair] for contact in group)),
+        "last_pair": float(max(pairs.places[contact.pair] for contact in group)),
+        "cause": "coils come to rest on each other as the spring closes" if resting else "coils meet under surge",
+    }  # fmt: skip
+    where = f"{spring}coils {coil - 1}-{coil}"
+    return Event("clash", float(angle[start] + angle[first]) / 2, begin, finish - begin, float(np.max(summed)), "N", where, details)

@@ -1,0 +1,169 @@
+"""Forces in all contacts of a train by rigid theory, and the speed at which the first of them is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.mechanism.gaps import table_value
+from valvetrain.system.rigid_pose import RigidPoses
+from valvetrain.system.train_forces import gap_state
+from valvetrain.system.train_system import TrainSystem
+
+Array = NDArray[np.float64]
+#: Distance (rad) from a jump of the law at which its two sides are looked at, and steps of the golden section.
+BESIDE, GOLDEN_STEPS = 1e-9, 45
+#: Lowest local minima of the coarse search that are followed to their exact angle.
+FOLLOWED = 6
+
+
+class ContactLoss(NamedTuple):
+    """Cam speed (rad/s, infinite for never) at which a contact of the drive is first lost, the cam angle (rad) and the contact."""
+
+    cam_speed: float
+    cam_angle: float
+    place: str
+
+
+class ContactShares(NamedTuple):
+    """Contact forces (S, contacts) by rigid theory as ``static`` (N) plus ``inertia`` (N s2) times cam speed squared, with the travel of
+    the cam's normal per valve travel ``per_lift`` (S,) and per cam angle ``per_angle`` (S,) in m/rad."""
+
+    static: Array
+    inertia: Array
+    per_lift: Array
+    per_angle: Array
+
+
+@dataclass(frozen=True, eq=False)
+class RigidForces:
+    """Newton's law for every body of a rigid train: M a = loads - G^T F, whose unknown F are the forces of contacts and links.
+
+    ``static_spring_force``: force (N) of all springs at valve lifts (m).
+    """
+
+    system: TrainSystem
+    poses: RigidPoses
+    static_spring_force: Callable[[Array], Array]
+
+    @cached_property
+    def active(self) -> list[int]:
+        """Interactions that carry force with the valve off its seat."""
+        return [k for k, name in enumerate(self.system.interaction_names) if name != "seat"]
+
+    @cached_property
+    def places(self) -> tuple[str, ...]:
+        """Contacts of the drive, which push and cannot pull, in the order of the shares."""
+        return tuple(self.system.interaction_names[k] for k in self.active if self.system.arrays.laws[k] >= 0)
+
+    def poses_at(self, valve_lift: Array) -> Array:
+        """Lift (m) at which the poses stand: that of the driving side, which is ahead by the lash once the valve is off its seat."""
+        return np.where(valve_lift > 0, valve_lift + self.system.mechanism.kinematics.lash, 0.0)
+
+    def gas(self, cam_angle: Array) -> Array:
+        """Gas force (N, opening positive) on the valve at cam angles (S,) in rad."""
+        arrays = self.system.arrays
+        if arrays.gas_coordinate < 0:
+            return np.zeros(len(cam_angle))
+        return np.array([table_value(arrays.gas, 0, angle)[0] for angle in cam_angle.tolist()])
+
+    def shares(self, cam_angle: Array) -> ContactShares:
+        """Forces of all contacts of the drive at cam angles (S,) in rad; of no meaning where the valve is on its seat."""
+        motion, system, arrays = self.system.mechanism.kinematics, self.system, self.system.arrays
+        lift, velocity, acceleration = (motion.valve_lift(cam_angle, order) for order in range(3))
+        tight = self.poses_at(lift)
+        positions, modes = self.poses.positions(tight), self.poses.mode(tight)
+        loads = np.tile(arrays.body[:, 1], (len(cam_angle), 1))
+        loads[:, arrays.retainer] -= self.static_spring_force(lift)
+        loads[:, system.mechanism.index(system.mechanism.valve)] += self.gas(cam_angle)
+        inertia = -system.masses * (modes * acceleration[:, None] + self.poses.mode(tight, 1) * velocity[:, None] ** 2)
+        kept = [place for place, k in enumerate(self.active) if arrays.laws[k] >= 0]
+        cam, count = system.mechanism.interaction_index("cam"), len(cam_angle)
+        found, per_lift, per_angle = np.zeros((2, count, len(kept))), np.zeros(count), np.zeros(count)
+        for row, angle in enumerate(cam_angle.tolist()):
+            _, gradients, slopes = gap_state(system, positions[row], angle)
+            forces = np.linalg.lstsq(gradients[self.active].T, np.stack([loads[row], inertia[row]], axis=1), rcond=None)[0]
+            found[:, row], per_lift[row], per_angle[row] = forces[kept].T, -gradients[cam] @ modes[row], slopes[cam]
+        return ContactShares(found[0], found[1], per_lift, per_angle)
+
+    def first_loss(self, cam_angle: Array) -> ContactLoss:
+        """The lowest cam speed at which a contact is lost, found to the exact angle from a coarse search over ``cam_angle`` (S,) in rad.
+
+        A contact is lost where static + inertia * cam_speed**2 = 0. Between the jumps of the law that ratio is followed continuously, on
+        both sides of every jump.
+        """
+        points, segment = self._points(cam_angle)
+        squares = self._squares(points)
+        starts = [(squares[i, c], i, c) for c in range(len(self.places)) for i in _low_points(squares[:, c], segment)]
+        found = [ContactLoss(np.inf, np.nan, "")]
+        for square, place, contact in sorted(starts)[:FOLLOWED]:
+            near = [n for n in (place - 1, place, place + 1) if 0 <= n < len(points) and segment[n] == segment[place]]
+            angle, least = _golden_section(partial(self._square, contact), points[near[0]], points[near[-1]])
+            angle, least = (angle, least) if least < square else (float(points[place]), float(square))
+            found.append(ContactLoss(float(np.sqrt(least)), float(np.mod(angle, 2 * np.pi)), self.places[contact]))
+        # of equal minima on both sides of a symmetric nose the first
+        least_speed = min(loss.cam_speed for loss in found)
+        return min((loss for loss in found if loss.cam_speed <= least_speed * (1 + 1e-9)), key=lambda loss: loss.cam_angle)
+
+    def _squares(self, cam_angle: Array) -> Array:
+        """Squares of the cam speeds (S, contacts) at which each contact force is zero; infinite where it never is."""
+        shares, opened = self.shares(cam_angle), self.system.mechanism.kinematics.valve_lift(cam_angle)[:, None] > 0
+        ratio = -shares.static / np.where(shares.inertia < 0, shares.inertia, -1.0)
+        squares = np.where(shares.static <= 0, 0.0, np.where(shares.inertia < 0, ratio, np.inf))
+        found: Array = np.where(opened, squares, np.inf)
+        return found
+
+    def _square(self, contact: int, cam_angle: float) -> float:
+        return float(self._squares(np.array([cam_angle]))[0, contact])
+
+    def _points(self, cam_angle: Array) -> tuple[Array, NDArray[np.int64]]:
+        """Cam angles of the coarse search with both sides of every jump, and the smooth segment each lies in."""
+        motion = self.system.mechanism.kinematics
+        turned = np.mod(np.asarray(motion.law.joints, dtype=float), 2 * np.pi)
+        edges: Array = np.unique(np.round(np.append(turned, self._openings(cam_angle)), 12))
+        points = np.unique(np.concatenate([cam_angle, edges - BESIDE, edges + BESIDE]))
+        points = points[~np.isin(points, edges)]
+        return points, np.searchsorted(edges, points)
+
+    def _openings(self, cam_angle: Array) -> list[float]:
+        """Cam angles (rad) between those given where the valve leaves or meets its seat, by bisection."""
+        motion = self.system.mechanism.kinematics
+        ring = np.append(cam_angle, cam_angle[0] + 2 * np.pi)
+        up = motion.valve_lift(ring) > 0
+        found = []
+        for place in np.flatnonzero(up[1:] != up[:-1]):
+            low, high = ring[place], ring[place + 1]
+            for _ in range(50):
+                middle = (low + high) / 2
+                low, high = (middle, high) if (motion.valve_lift(np.array([middle]))[0] > 0) == up[place] else (low, middle)
+            found.append(float(np.mod(high, 2 * np.pi)))
+        return found
+
+
+def _low_points(values: Array, segment: NDArray[np.int64]) -> list[int]:
+    """Places of finite ``values`` that no neighbour of the same segment undercuts."""
+    before = np.where(np.append(-1, segment[:-1]) == segment, np.append(np.inf, values[:-1]), np.inf)
+    after = np.where(np.append(segment[1:], -1) == segment, np.append(values[1:], np.inf), np.inf)
+    return [int(i) for i in np.flatnonzero(np.isfinite(values) & (values <= before) & (values <= after))]
+
+
+def _golden_section(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
+    """Place and value of the least value of ``function`` between ``low`` and ``high``, one minimum supposed."""
+    share = (np.sqrt(5) - 1) / 2
+    left, right = high - share * (high - low), low + share * (high - low)
+    at_left, at_right = function(left), function(right)
+    for _ in range(GOLDEN_STEPS):
+        if at_left <= at_right:
+            high, right, at_right = right, left, at_left
+            left = high - share * (high - low)
+            at_left = function(left)
+        else:
+            low, left, at_left = left, right, at_right
+            right = low + share * (high - low)
+            at_right = function(right)
+    return (left, at_left) if at_left <= at_right else (right, at_right)

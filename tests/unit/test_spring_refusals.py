@@ -1,0 +1,138 @@
+"""Wrong input about springs: each slip gets one sentence that names it, or what was meant."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from valvetrain.cosserat.mesh import mesh_spring
+from valvetrain.cosserat.modes import natural_modes
+from valvetrain.cosserat.state import free_state
+from valvetrain.cosserat.static import RodStatics, TipLoads
+from valvetrain.errors import InputError
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.constructors import cylindrical, variable_pitch
+from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear
+from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
+from valvetrain.parameters.loading import load_case
+from valvetrain.parameters.material import OTEVA_90_SC
+from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+from valvetrain.quantities.evaluate import evaluate
+from valvetrain.quantities.frame import Frame
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.multi_mass import MultiMassSpring
+from valvetrain.springs.spec import spring_model
+from valvetrain.studies.rest import at_rest, rest_by_model
+from valvetrain.studies.run import run_study
+
+WIRE = cylindrical("4 mm", "24 mm", "7 mm", 6)
+
+
+def definition(wire=Constant(4e-3), mean=Constant(24e-3), pitch=Constant(7e-3), **other):
+    usual = {"total_coils": 6.0, "material": OTEVA_90_SC, "lower_end": OPEN_END, "upper_end": OPEN_END}
+    return SpringDefinition(wire, mean, pitch, **{**usual, **other})
+
+
+def installed(**options):
+    return InstalledSpring(wire=WIRE, precompression=3e-3, options={"finite-element": options})
+
+
+@pytest.mark.parametrize(
+    ("slip", "reason"),
+    [
+        (lambda: definition(wire=4e-3), "wire_diameter of spring 'spring' is no curve"),
+        (lambda: definition(mean=24e-3), r"mean_diameter of spring 'spring' is no curve .* write Constant\(0.024\)"),
+        (lambda: variable_pitch("4 mm", "24 mm", 7e-3, 6), "pitch of spring 'variable pitch' is no curve"),
+        (lambda: definition(material="steel"), "is no Material"),
+        (lambda: definition(lower_end="open"), "lower_end of spring 'spring' is no EndCoil"),
+        (lambda: definition(mean=PiecewiseLinear((0, 3, 3.001, 6), (24e-3, 24e-3, 34e-3, 34e-3))), "coil 3.00 .* coil diameter jumps"),
+        (lambda: definition(wire=FunctionCurve(lambda u: np.where(u < 2, 4e-3, 3e-3))), "at coil 2.00 .* wire diameter jumps"),
+        (lambda: definition(mean=FunctionCurve(lambda u: np.where(u < 0, np.nan, 24e-3))), "at coil -0.50 .* not a finite number"),
+        (lambda: definition(mean=FunctionCurve(lambda u: 24e-3 + np.where(u > 6, np.nan, 0.0))), "past both tips"),
+        (lambda: cylindrical("4 mm", "24 mm", "7 mm", 6, closed_coils=-1), "closed_coils is -1"),
+        (lambda: InstalledSpring(wire=WIRE, precompression=3e-3, seats="clamp"), "seats 'clamp' .* use planes or clamps"),
+        (lambda: FiniteElementRod(WIRE, 3e-3, seats="clamp"), "seats 'clamp' .* use planes or clamps"),
+        (lambda: InstalledSpring(card=SpringCard(-1.0, 100.0)), "the rate must be positive"),
+        (lambda: InstalledSpring(card=SpringCard(0.0, 100.0)), "the rate must be positive"),
+        (lambda: spring_model("finite-element").build(installed(elements_per_coil=24.5)), "elements_per_coil .* is 24.5"),
+        (lambda: spring_model("finite-element").build(installed(elements_per_coil=2)), "elements_per_coil .* is 2"),
+        (lambda: mesh_spring(WIRE, 24.5), "give a whole number"),
+        (lambda: MultiMassSpring.from_definition(WIRE, 3e-3, masses_per_coil=3.5), "give a whole number"),
+    ],
+)  # fmt: skip
+def test_a_slip_about_a_spring_gets_one_sentence(slip, reason):
+    with pytest.raises(InputError, match=reason):
+        slip()
+
+
+@pytest.mark.parametrize(
+    "build",
+    [
+        lambda depth: InstalledSpring(wire=WIRE, precompression=depth),
+        lambda depth: FiniteElementRod(WIRE, depth),
+        lambda depth: MultiMassSpring.from_definition(WIRE, depth),
+    ],
+    ids=["installed", "finite-element", "multi-mass"],
+)
+def test_no_spring_is_installed_beyond_solid(build):
+    room = WIRE.free_length - WIRE.solid_height
+    assert WIRE.solid_compression == pytest.approx(room)
+    assert build(0.9 * room)
+    for depth in (room, 1.1 * room, 2 * room, -1e-3, float("nan")):
+        with pytest.raises(InputError, match="precompression"):
+            build(depth)
+
+
+def test_no_static_curve_goes_beyond_solid():
+    """It gave forces of tens of kilonewtons."""
+    spring, beyond = InstalledSpring(wire=WIRE, precompression=3e-3), 1.1 * WIRE.solid_compression
+    with pytest.raises(InputError, match=r"solid at 10\.5 mm"):
+        at_rest(FiniteElementRod(WIRE, 3e-3, 12), beyond, 4)
+    for word in ("multi-mass", "wave-rod", "massless"):
+        with pytest.raises(InputError, match=r"solid at 10\.5 mm"):
+            rest_by_model(spring, word, np.linspace(0.0, beyond, 5))
+
+
+def test_open_ends_mean_one_thing_in_python_and_in_a_case_file(tmp_path):
+    text = """
+    [spring]
+    wire_diameter = "4 mm"
+    mean_diameter = "24 mm"
+    pitch = "7.5 mm"
+    total_coils = 6
+    ends = "open"
+    material = "OTEVA 90 SC"
+    """
+    file = tmp_path / "open.toml"
+    file.write_text(text)
+    (from_file,) = load_case(file).springs
+    bare = cylindrical("4 mm", "24 mm", "7.5 mm", 6, closed_coils=0)
+    ended = cylindrical("4 mm", "24 mm", "7.5 mm", 6, closed_coils=0, lower_end=EndCoil("open"), upper_end=EndCoil("open"))
+    rates = [MultiMassSpring.from_definition(wire, 0.0).layout.rate for wire in (from_file.wire, bare, ended)]
+    closed_form = OTEVA_90_SC.shear_modulus * 4e-3**4 / (8 * 24e-3**3 * 6)
+    assert rates == pytest.approx([closed_form] * 3, rel=1e-6)
+
+
+def test_modes_of_a_wire_with_a_free_tip():
+    """A quarter wave: f = sqrt(k / m) / 4, half of the wire fixed at both ends."""
+    wire = cylindrical("4 mm", "24 mm", "7 mm", 6, closed_coils=0)
+    mesh = mesh_spring(wire, 24)
+    modes = natural_modes(RodStatics(mesh, loads=TipLoads()), free_state(mesh), 6)
+    rate = natural_modes(RodStatics(mesh), free_state(mesh), 6).axial_stiffness
+    axial = int(np.argmax(modes.axial_mass_share))
+    assert modes.natural_frequency[axial] == pytest.approx(np.sqrt(rate / wire.mass) / 4, rel=0.01)
+    assert modes.axial_mass_share[axial] == pytest.approx(8 / np.pi**2, rel=0.05)
+    assert not np.any(modes.axial_transmission) and not len(modes.axial_modes())
+
+
+def test_coils_whose_contact_is_off_do_not_clash():
+    """Nothing is listed or counted for job-t; nor for a record with contact forces once it is judged as of springs without contact."""
+    for solution in run_study(load_case("job-t"), spring_models=["finite-element", "multi-mass"], workers=1).solutions:
+        assert solution.status.completed and "clash_count" not in solution.quantities
+        assert not [event for event in solution.events if event.kind == "clash"]
+    case = load_case("job-c")
+    (clashing,) = run_study(case, spring_models=["multi-mass"], workers=1).solutions
+    assert clashing.quantities["clash_count"] > 0
+    off = replace(case.springs[0], contact=CoilContact(0.0))
+    judged = evaluate(clashing, Frame(springs=(off,)))
+    assert "clash_count" not in judged.quantities and not [event for event in judged.events if event.kind == "clash"]
