@@ -20,7 +20,6 @@ KINDS: dict[str, tuple[str, str]] = {
     "lifts": ("valvetrain.lifts", "lift law"),
     "mechanisms": ("valvetrain.mechanisms", "train kind"),
     "integrators": ("valvetrain.integrators", "integrator"),
-    "readers": ("valvetrain.readers", "reader of lift tables"),
     "sources": ("valvetrain.sources", "source study"),
     "quantities": ("valvetrain.quantities", "table of quantities"),
     "sections": ("valvetrain.sections", "section of the report"),

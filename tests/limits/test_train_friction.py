@@ -10,6 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 from train_parts import LAW, STIFF, contacts, direct, finger, pushrod, rocker, system
+from twins.train_step import sliding_state
 from valvetrain.contact.friction import CoulombFriction
 from valvetrain.integrate.train_friction import slowed
 from valvetrain.integrate.train_run import TrainOptions, runner
@@ -17,7 +18,6 @@ from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.train import FollowerParameters
 from valvetrain.quantities.kinematics import rigid_table
 from valvetrain.system.rigid_pose import rigid_poses
-from valvetrain.system.train_forces import sliding_state
 
 MU = 0.12
 

@@ -6,7 +6,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from valvetrain.contact.kernels import contact_force
-from valvetrain.system.train_forces import gap_state, sliding_state
+from valvetrain.mechanism.sliding import SLIDING_KINDS, sliding_gradient
+from valvetrain.system.train_forces import gap_state
 
 
 def integrate_in_time(runner, state, steps):
@@ -40,6 +41,20 @@ def integrate_in_time(runner, state, steps):
         q = q + h * v
         angle += h * omega
     return q, v, forces
+
+
+def sliding_state(system, q, cam_angle):
+    """Sliding velocity of every contact per coordinate velocity (n, N) and per cam speed (n,) in m/rad; zero where nothing slides."""
+    arrays, count = system.arrays, len(system.arrays.kinds)
+    rows, slopes, gradients = np.zeros((count, 4)), np.zeros(count), np.zeros((count, len(q)))
+    for k in np.flatnonzero(np.isin(arrays.kinds, SLIDING_KINDS)):
+        slopes[k] = sliding_gradient(
+            k, arrays.kinds, arrays.coordinate_of, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows
+        )
+        for slot in range(4):
+            if arrays.coordinate_of[k, slot] >= 0:
+                gradients[k, arrays.coordinate_of[k, slot]] += rows[k, slot]
+    return gradients, slopes
 
 
 def _rub(system, q, angle, omega, forces, mass, h, v):

@@ -9,7 +9,8 @@ import pytest
 
 from synthetic_study import EVENT, SPEED, at_rest, modal_run, own_study, published_study, rod_run, sweep_study, train_run, train_study
 from valvetrain.parameters.loading import load_case
-from valvetrain.registry import find
+from valvetrain.registry import find, words
+from valvetrain.report import theme
 from valvetrain.report.build import study_page
 from valvetrain.report.chart import Chart, HeatMap, Line, Marks
 from valvetrain.report.headlines import headline_columns, headline_rows
@@ -20,6 +21,7 @@ from valvetrain.report.uncertainty_section import uncertainty_grid, uncertainty_
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
+from valvetrain.springs.spec import spring_model
 from valvetrain.studies.uncertainty_file import load_uncertainty
 
 DEGREES = np.arange(720) / 2
@@ -318,3 +320,16 @@ def test_runs_that_end_alike_are_told_once():
     runs = tuple(replace(run, status=ended) for run in study.solutions)
     told = study.with_solutions(runs).failures
     assert len(told) == len(study.labels) and all("at time" not in words for words in told)
+
+
+def test_models_and_origins_look_as_their_own_entries_say():
+    specs = [spring_model(word) for word in words("springs")]
+    assert [(theme.model_words(one.word), theme.model_colour(one.word)) for one in specs] == [(one.label, one.colour) for one in specs]
+    assert len({one.colour for one in specs}) == len(specs)
+    assert theme.model_words("a-run-of-my-own") == "a run of my own"
+    for word in words("sources"):
+        origins = find("sources", word).origins
+        styles = [theme.origin_style(name) for name in origins]
+        assert [style[0] for style in styles] == [one.sign for one in origins.values()]
+        assert len({style[2:] for style in styles}) == len(styles)
+    assert theme.origin_style("transfer matrix")[0] == "TR"

@@ -17,7 +17,7 @@ from valvetrain.springs.massless import MasslessSpring, MasslessTable, massless_
 from valvetrain.springs.modal_uniform import ModalUniform
 from valvetrain.springs.modal_varied import ModalVaried
 from valvetrain.springs.multi_mass import MultiMassSpring
-from valvetrain.springs.nested import NestedSprings, RadialRubbing, radial_clearance
+from valvetrain.springs.nested import NestedSprings, RadialRubbing
 from valvetrain.springs.wave_rod import WaveRod
 
 
@@ -213,11 +213,6 @@ def test_chain_gaps_close_with_the_wire():
     upper, lower = (np.interp(c, shown.coil_number, shown.axial_displacement) for c in (4.5, 3.5))
     assert shown.coil_gap[pair] - start.coil_gap[pair] == pytest.approx(upper - lower, rel=1e-6)
     assert np.sum(shown.coil_contact_force) > np.sum(start.coil_contact_force) > 0
-
-
-def test_radial_clearance():
-    inner = cylindrical(2.8e-3, 14e-3, 5e-3, 8.0)
-    assert radial_clearance(CLOSED_ENDS, inner) == pytest.approx((22 - 3.8 - 14 - 2.8) / 2 * 1e-3)
 
 
 BAD = [

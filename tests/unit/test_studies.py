@@ -59,7 +59,7 @@ CARD = '[spring]\nname = "card"\nrate = "30 N/mm"\npreload = "250 N"\nmass = "40
 )
 
 
-def counted(monkeypatch, place, name: str, counts: Counter[str], key: str = ""):
+def counted(monkeypatch, place, name: str, counts: Counter[object], key: str = ""):
     """Count the calls of a function or the making of a class, which goes on as before."""
     real = getattr(place, name)
 
@@ -71,15 +71,15 @@ def counted(monkeypatch, place, name: str, counts: Counter[str], key: str = ""):
 
 
 @pytest.fixture
-def counts(monkeypatch) -> Counter[str]:
-    """How often each part was made."""
+def counts(monkeypatch) -> Counter[object]:
+    """How often each part was made; spring models by their word and the installed spring they stand for."""
     from valvetrain.mechanism import build as mechanisms
     from valvetrain.mechanism import parts
     from valvetrain.springs import finite_element
     from valvetrain.studies import ready
     from valvetrain.system import build as building
 
-    found: Counter[str] = Counter()
+    found: Counter[object] = Counter()
     counted(monkeypatch, building, "build_lift_law", found)
     counted(monkeypatch, building, "build_mechanism", found)
     counted(monkeypatch, finite_element, "mesh_spring", found)
@@ -92,7 +92,7 @@ def counts(monkeypatch) -> Counter[str]:
     real = SpringModelSpec.build
 
     def building_spring(self, spring, rest=None):
-        found[f"spring {self.word} {spring.name}"] += 1
+        found[self.word, spring] += 1
         return real(self, spring, rest)
 
     monkeypatch.setattr(SpringModelSpec, "build", building_spring)
@@ -100,10 +100,11 @@ def counts(monkeypatch) -> Counter[str]:
 
 
 def test_every_part_of_a_spring_study_is_built_once(counts):
-    study = run_study(load_case("gu2021-beehive", COARSE), engine_speeds=[4000 * RPM], workers=1)
+    case = load_case("gu2021-beehive", COARSE)
+    study = run_study(case, engine_speeds=[4000 * RPM], workers=1)
     assert not study.failures
-    name = study.rest[0].spring
-    assert counts == {"build_lift_law": 1, "mesh_spring": 1, f"spring finite-element {name}": 1, f"spring modal-varied {name}": 1}
+    (spring,) = case.springs
+    assert counts == {"build_lift_law": 1, "mesh_spring": 1, ("finite-element", spring): 1, ("modal-varied", spring): 1}
 
 
 def test_every_part_of_a_spring_study_is_built_once_for_any_number_of_speeds(counts):
@@ -120,13 +121,42 @@ def test_parts_of_a_train_and_its_variants_are_built_once(counts):
     assert len(study.solutions) == len(variants) > 3
     assert counts["build_lift_law"] == 1
     # a mechanism per train that differs in more than its springs, as a damper on the valve
-    bare = {(variant.lash, variant.valve_damping) for variant in variants}
-    assert counts["build_mechanism"] == len(bare)
+    trains = {(variant.lash, variant.valve_damping) for variant in variants}
+    assert counts["build_mechanism"] == len(trains)
     assert counts["build_contact_law"] == counts["build_mechanism"] * len(case.train.contacts)
-    # one model per variant, whose springs differ, and a massless one per spring set for what rigid theory says of it
-    sets = {variant.spring_set or case.train.spring_set for variant in variants}
-    assert sum(count for key, count in counts.items() if key.startswith("spring ")) == len(variants) + len(sets)
-    assert counts["rest_of"] == counts["rigid_motion"] == len(variants) + len(sets)
+    # with preload by a chain, without it massless, and massless with it for what rigid theory says: of either set, damped or not
+    springs = [one for (one,) in case.train.springs.values()]
+    bare = [spring.without_preload() for spring in springs]
+    assert models_built(counts) == {("multi-mass", one) for one in springs} | {("massless", one) for one in (*springs, *bare)}
+    assert counts["rest_of"] == counts["rigid_motion"] == len(variants) + len(springs)
+
+
+def models_built(counts: Counter[object]) -> set[object]:
+    """The spring models that were built, each of which once."""
+    found = {key: count for key, count in counts.items() if isinstance(key, tuple)}
+    assert set(found.values()) == {1}, found
+    return set(found)
+
+
+def test_variants_that_differ_in_lash_share_their_springs_and_rigid_theory_shares_a_massless_variant(counts):
+    case = load_case("vaz-ohc", {"train.cycles": 1})
+    study = run_study(case, engine_speeds=[2000 * RPM], workers=1)
+    variants = case.train.variants
+    assert len(study.solutions) == len(variants) == 8
+    wires, cards = case.train.spring_parts("nested"), case.train.spring_parts("nested-cards")
+    words = {("massless", one) for one in (*wires, *cards)} | {("finite-element", one) for one in wires}
+    assert models_built(counts) == words | {(word, one) for word in ("multi-mass", "wave-rod") for one in cards}
+    assert counts["mesh_spring"] == len(wires) and counts["build_mechanism"] == 2
+    # the single mass on its cards is a variant, so only that of the wires comes to the variants
+    assert counts["rest_of"] == counts["rigid_motion"] == len(variants) + 1
+
+
+def test_a_comparison_builds_every_model_once_for_motion_and_rest(counts):
+    case = load_case("job-t", COARSE)
+    study = compare_study(case, engine_speeds=[4000 * RPM], workers=2)
+    assert models_built(counts) == {(word, case.springs[0]) for word in study.labels} and len(study.labels) == 6
+    assert counts["mesh_spring"] == counts["build_lift_law"] == 1
+    assert len(study.rest) == 6
 
 
 @pytest.mark.parametrize("name", ["job-t", "vaz-ohc"])
@@ -294,6 +324,16 @@ def test_a_train_far_beyond_its_speed_keeps_every_variant_with_its_status():
     assert swept.failures == ()  # in a sweep motion that does not settle is a finding
 
 
+def test_a_run_is_found_by_its_own_speed_however_high():
+    """An SI number may look like a slip of units to a reader; the speed of a run that exists is none."""
+    study = run_study(load_case("job-t"), engine_speeds=[16000 * RPM], spring_models=["massless"])
+    (speed,) = study.engine_speeds
+    assert study.solution("massless", speed) is study.solutions[0] is study.solution("massless", "16000 rpm")
+    assert study.quantities.of_run("massless", speed) == study.quantities.of_run("massless", "16000 rpm") != {}
+    with pytest.raises(InputError, match="without a unit"):
+        study.solution("massless", 1700.0)
+
+
 def test_a_sweep_keeps_whole_solutions_where_asked():
     whole, reduced = (vt.sweep("job-t", "2000 rpm", spring_models=["massless"], whole=whole).solutions[0] for whole in (True, False))
     assert whole.channels.sizes["sample"] > 0 and not reduced.channels.data_vars
@@ -320,13 +360,3 @@ def test_a_static_curve_that_cannot_be_is_refused(wanted, sentence):
 
 def test_a_problem_is_built_from_a_name_a_path_or_a_case():
     assert vt.build("job-t").record == vt.build(vt.load_case("job-t")).record
-
-
-def test_a_run_is_found_by_its_own_speed_however_high():
-    """An SI number may look like a slip of units to a reader; the speed of a run that exists is none."""
-    study = run_study(load_case("job-t"), engine_speeds=[16000 * RPM], spring_models=["massless"])
-    (speed,) = study.engine_speeds
-    assert study.solution("massless", speed) is study.solutions[0] is study.solution("massless", "16000 rpm")
-    assert study.quantities.of_run("massless", speed) == study.quantities.of_run("massless", "16000 rpm") != {}
-    with pytest.raises(InputError, match="without a unit"):
-        study.solution("massless", 1700.0)

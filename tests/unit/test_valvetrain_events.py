@@ -6,18 +6,22 @@ import numpy as np
 import pytest
 
 from synthetic_train import ANGLE, CAM_SPEED, COUNT, TIME, degrees, found, lift_of, rigid, train
+from valvetrain.integrate.clash import runs
 from valvetrain.quantities.clash import clash_events
-from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE, CAUSE_VIBRATION, intervals
+from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE, CAUSE_VIBRATION
 from valvetrain.quantities.train_numbers import of_kind
 from valvetrain.solution.event import Event
 
 
-def test_intervals_close_the_ring():
+def test_stretches_on_a_line_and_on_a_ring():
     flag = np.zeros(10, dtype=bool)
     flag[[0, 1, 8, 9, 4]] = True
-    assert sorted(intervals(flag)) == [(4, 1), (8, 4)]
-    assert intervals(np.ones(5, dtype=bool)) == [(0, 5)]
-    assert intervals(np.zeros(5, dtype=bool)) == []
+    assert runs(flag) == [(0, 1), (4, 4), (8, 9)]
+    assert runs(flag, ring=True) == [(4, 4), (8, 11)]
+    assert runs(flag[:9], ring=True) == [(4, 4), (8, 10)]
+    assert runs(flag[:8], ring=True) == [(0, 1), (4, 4)]
+    for whole, ends in ((np.ones(5, dtype=bool), [(0, 4)]), (np.zeros(5, dtype=bool), [])):
+        assert runs(whole) == runs(whole, ring=True) == ends
 
 
 def test_a_quiet_cycle_seats_once_and_nothing_else():

@@ -26,12 +26,3 @@ def evaluate_pieces(cam_angle, breaks, coefficients):
         velocity = velocity * step + lift
         lift = lift * step + coefficients[low, power]
     return lift, velocity, acceleration
-
-
-@njit(cache=True, nogil=True)
-def evaluate_pieces_many(cam_angles, breaks, coefficients):
-    """As :func:`evaluate_pieces` for an array of angles; shape (angles, 3)."""
-    values = np.empty((cam_angles.shape[0], 3))
-    for index in range(cam_angles.shape[0]):
-        values[index, 0], values[index, 1], values[index, 2] = evaluate_pieces(cam_angles[index], breaks, coefficients)
-    return values

@@ -57,7 +57,7 @@ def _put_together(case: Case, models: tuple[str, ...]) -> Problem | None:
         if member.refusal and models:
             raise InputError(member.refusal, "--spring")
         if not member.refusal and not member.model.needs_rest:
-            member.system()
+            member.system(built=problem.built)
     return problem
 
 

@@ -13,7 +13,10 @@ from valvetrain.parameters.schema_contact import ContactTable
 
 @dataclass(frozen=True, slots=True)
 class HertzPoint(DampedPower):
-    """F = K d**1.5; ``contact_stiffness`` K in N/m**1.5 (``contact.hertz.point_stiffness``). No loss: a drop rebounds fully."""
+    """F = K d**1.5; ``contact_stiffness`` K in N/m**1.5 of a sphere of radius R: 4/3 E* sqrt(R) (Johnson 1985, chapter 4).
+
+    1/E* is the sum of (1 - nu**2)/E of the two bodies, 1/R of their curvatures. No loss: a drop rebounds fully.
+    """
 
     contact_stiffness: float
     exponent: float = field(default=1.5, init=False)

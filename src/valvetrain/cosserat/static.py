@@ -240,27 +240,3 @@ def compress(
         if visit:
             visit(result)
     return found
-
-
-def compress_to_force(statics: RodStatics, force: float, start: RodState | None = None, tolerance: float = 1e-6) -> Equilibrium:
-    """Load control: the equilibrium whose retainer force is ``force`` (N, compressive positive, relative ``tolerance``).
-
-    The displacement path is followed until the load is passed, then the secant finds it. ``converged`` is False when the spring
-    goes solid or loses its equilibrium before it carries the load.
-    """
-    here = statics.solve(start or free_state(statics.mesh), (start or free_state(statics.mesh)).compression)
-    travel = statics.options.largest_increment
-    below = here
-    while here.converged and here.retainer_force < force:
-        below = here
-        here = compress(statics, [here.state.compression + travel], here.state)[-1]
-    above = here
-    for _ in range(60):
-        if not above.converged or abs(here.retainer_force - force) <= tolerance * max(abs(force), 1e-3):
-            return here
-        share = (force - below.retainer_force) / (above.retainer_force - below.retainer_force)
-        # Kept off the ends, so that both sides of the bracket move even where contact bends the curve.
-        target = below.state.compression + np.clip(share, 0.02, 0.98) * (above.state.compression - below.state.compression)
-        here = compress(statics, [float(target)], below.state)[-1]
-        below, above = (here, above) if here.retainer_force < force else (below, here)
-    return here

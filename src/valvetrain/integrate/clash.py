@@ -109,10 +109,14 @@ def _contacts(time: Array, force: Array, pair: int, rule: ClashRule) -> list[_Co
     return [one for one in found if one.first > 0 and np.max(force[one.first : one.last + 1]) > rule.on_force]
 
 
-def runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last index of every unbroken stretch of True."""
+def runs(mask: NDArray[np.bool_], ring: bool = False) -> list[tuple[int, int]]:
+    """First and last index of every unbroken stretch of True; on a ``ring`` one that passes its end goes on beyond the last index."""
     edges = np.diff(np.concatenate(([0], mask.astype(np.int8), [0])))
-    return list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist(), strict=True))
+    found = list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist(), strict=True))
+    if ring and len(found) > 1 and mask[0] and mask[-1]:
+        (_, last), (first, _) = found.pop(0), found.pop()
+        found.append((first, last + len(mask)))
+    return found
 
 
 def upper_coil_of(place: float) -> int:

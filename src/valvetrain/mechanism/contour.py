@@ -121,17 +121,3 @@ def check_round(table: Array, follower_radius: float) -> None:
             f"a follower arc of {follower_radius * 1e3:g} mm needs an undercut cam near cam angle {worst * 360 / len(table):.1f} deg; "
             "enlarge the base circle or use a smaller radius"
         )
-
-
-def pitch_from_support(support: Array, follower_radius: float) -> tuple[Array, Array]:
-    """Pitch-curve table of an arc on the cam whose support function is given, and the lift of that arc's centre (central, along the axis).
-
-    The centre of the arc touching where the normal points to ``psi`` is ``(h + radius) n + h' t``.
-    """
-    nodes = len(support)
-    angle = np.arange(nodes) * 2 * np.pi / nodes
-    height, slope = support[:, 0] + follower_radius, support[:, 1]
-    # the cam angle runs against the direction on the cam, so h' enters with a minus sign
-    chi = angle + np.arctan2(slope, height)
-    table = table_from_samples(chi, np.hypot(height, slope))
-    return table, table[:, 0] - np.min(table[:, 0])

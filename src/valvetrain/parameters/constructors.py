@@ -229,10 +229,10 @@ def _coil(mean_diameter: Given) -> float:
 
 
 def _pitch_law(total_coils: float, wire_diameter: Given, pitch: Curve | Given, closed_coils: float) -> Curve:
-    if isinstance(pitch, Curve):
-        return pitch
     if not (np.isfinite(closed_coils) and closed_coils >= 0):
         raise InputError(f"closed_coils is {closed_coils:g}; give the turns that lie closed at either end, 0 for open ends")
+    if isinstance(pitch, Curve):
+        return pitch
     if closed_coils == 0:
         return Constant(si(pitch, "pitch", "pitch"))
     return pitch_with_closed_ends(total_coils, wire_diameter, pitch, closed_coils, closed_coils)

@@ -72,12 +72,12 @@ class SpringDefinition:
     name: str = "spring"
 
     def __post_init__(self) -> None:
-        for key in ("wire_diameter", "mean_diameter", "pitch"):
-            if not isinstance(law := getattr(self, key), Curve):
-                object.__setattr__(self, key, Constant(si(law, key, f"{key} of spring '{self.name}'")))
         for place in ("lower_end", "upper_end"):
             if not isinstance(getattr(self, place), EndCoil):
                 raise InputError(f"{place} of spring '{self.name}' is no EndCoil; write EndCoil('closed-ground'), 'closed' or 'open'")
+        for key in ("wire_diameter", "mean_diameter", "pitch"):
+            if not isinstance(law := getattr(self, key), Curve):
+                object.__setattr__(self, key, Constant(si(law, key, f"{key} of spring '{self.name}'")))
         check_spring(self)
 
     def replace(self, **changes: Any) -> SpringDefinition:

@@ -69,15 +69,15 @@ def check_spring(spring: WireShape) -> None:
         _refuse(~(values > 0), coil, spring, f"{label} is not positive; give a positive length")
     _refuse(~np.isfinite(spring.pitch.value(coil)), coil, spring, "pitch is not a finite number")
     _refuse(spring.pitch.value(coil) < 0, coil, spring, "pitch is negative, so the wire runs back through itself; make it positive")
-    for law, quantity in ((spring.wire_diameter, "wire_diameter"), (spring.mean_diameter, "mean_diameter"), (spring.pitch, "pitch")):
-        # millimetres taken for metres are 0.2 m or more; smaller values meet the checks of the shape
-        if (largest := float(np.max(law.value(coil)))) >= 0.2:
-            si(largest, quantity, f"{quantity} of spring '{spring.name}'")
     beyond = np.linspace(-BEYOND_TIPS, spring.total_coils + BEYOND_TIPS, len(coil))
     for law, label in ((spring.wire_diameter, "wire diameter"), (spring.mean_diameter, "mean coil diameter"), (spring.pitch, "pitch")):
         bad = ~(np.isfinite(law.value(beyond)) & np.isfinite(law.derivative(beyond)))
         remedy = f"let its curve go on {BEYOND_TIPS:g} turns past both tips, such as by np.clip of the coil number"
         _refuse(bad, beyond, spring, f"{label} is not a finite number with a slope; {remedy}")
+    for law, quantity in ((spring.wire_diameter, "wire_diameter"), (spring.mean_diameter, "mean_diameter"), (spring.pitch, "pitch")):
+        # millimetres taken for metres are 0.2 m or more; smaller values meet the checks of the shape
+        if (largest := float(np.max(law.value(coil)))) >= 0.2:
+            si(largest, quantity, f"{quantity} of spring '{spring.name}'")
     thick = spring.index(coil) <= 1.0
     _refuse(thick, coil, spring, "mean coil diameter does not exceed the wire diameter (index at most 1); widen the coil")
     _refuse_jumps(spring, coil)

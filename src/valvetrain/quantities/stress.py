@@ -75,12 +75,6 @@ def nominal_stress_per_force(wire: SpringDefinition) -> float:
     return float(np.max(bergstraesser(mean / diameter) * 8 * mean / (np.pi * diameter**3)))
 
 
-def wire_stress_of(cycle: Cycle, spring: str = "spring", wire: SpringDefinition | None = None) -> WireStress | None:
-    """Extremes over the cycle, from stress channels or, with ``wire``, from section loads; None where the run has neither."""
-    traces = _traces(cycle, spring, wire)
-    return None if traces is None else _extremes(*traces)
-
-
 def _extremes(coil: Array, shear: Array, equivalent: Array) -> WireStress:
     return WireStress(coil, shear.min(axis=0), shear.max(axis=0), equivalent.max(axis=0))
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.integrate.clash import runs
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.solution.event import Detail, Event
 from valvetrain.solution.result import Solution
@@ -22,8 +23,7 @@ PLACES = {"cam": "loft", "tappet": "loss-of-contact", "rocker": "loss-of-contact
 CAUSE_INERTIA = "inertia exceeds the spring force (rigid theory loses contact here too)"
 CAUSE_SURGE = "surge lowers the spring force below its static value"
 CAUSE_VIBRATION = "vibration of the train unloads the contact"
-#: Kinds that this module finds; closings of contacts that the integrator logged are read and not kept.
-FOUND = (*dict.fromkeys(PLACES.values()), "float", "seating", "bounce")
+#: Closings of contacts that the integrator logged are read and not kept.
 LOGGED = ("touch",)
 
 
@@ -42,20 +42,6 @@ def rigid_cycle(solution: Solution, rigid: RigidTable) -> RigidCycle:
     return RigidCycle(*(np.interp(solution.cam_angle, rigid.cam_angle, rigid[name], period=TURN) for name in names))
 
 
-def intervals(flag: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Runs of True on a ring as (start, length); one run of the whole length when all are True."""
-    count = len(flag)
-    if np.all(flag):
-        return [(0, count)]
-    starts = np.flatnonzero(flag & ~np.roll(flag, 1))
-    stops = np.flatnonzero(~flag & np.roll(flag, 1))
-    found = []
-    for start in starts:
-        later = stops[stops > start]
-        found.append((int(start), int((later[0] if len(later) else stops[0] + count) - start)))
-    return found
-
-
 def train_events(solution: Solution, rigid: RigidCycle) -> tuple[Event, ...]:
     """All events of one closed cycle but clashes, in order of cam angle."""
     found = [*_contact_losses(solution, rigid), *_floats(solution, rigid), *_seatings_and_bounces(solution)]
@@ -69,7 +55,8 @@ def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
         if not solution.has(f"{place}_gap"):
             continue
         gap, force = solution.channel(f"{place}_gap"), solution.channel(f"{place}_contact_force")
-        for start, length in intervals((gap > SMALLEST_GAP) & (rigid.valve_lift > 0)):
+        for start, last_open in runs((gap > SMALLEST_GAP) & (rigid.valve_lift > 0), ring=True):
+            length = last_open - start + 1
             window = _window(start, length, len(gap))
             details: dict[str, Detail] = {
                 "cause": _cause(solution, rigid, window), "landing_cam_angle": float(solution.cam_angle[window[-1]]),
@@ -87,7 +74,8 @@ def _floats(solution: Solution, rigid: RigidCycle) -> list[Event]:
     nose = (rigid.valve_lift > 0.3 * np.max(rigid.valve_lift)) & (rigid.valve_acceleration < 0)
     excess = solution.channel("valve_lift") - rigid.valve_lift
     found = []
-    for start, length in intervals(np.any(gaps, axis=0) & nose & (excess > 10 * SMALLEST_GAP)):
+    for start, last_open in runs(np.any(gaps, axis=0) & nose & (excess > 10 * SMALLEST_GAP), ring=True):
+        length = last_open - start + 1
         window = _window(start, length, len(excess))
         details: dict[str, Detail] = {"cause": _cause(solution, rigid, window)}
         found.append(_event(solution, "float", start, length, float(np.max(excess[window])), "m", "valve", details))
@@ -145,7 +133,8 @@ def _sampled_openings(solution: Solution) -> list[_Opening]:
     gap = solution.channel("seat_gap" if solution.has("seat_gap") else "valve_lift")
     angle, rate, count = solution.cam_angle, solution.channel("valve_velocity"), len(lift)
     step, seconds, found = float(angle[1] - angle[0]), float(solution.time[1] - solution.time[0]), []
-    for start, length in intervals(lift > SMALLEST_GAP):
+    for start, last_open in runs(lift > SMALLEST_GAP, ring=True):
+        length = last_open - start + 1
         if length == count:
             return []
         last, before = (start + length - 1) % count, (start + length - 2) % count

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cache
+
+from valvetrain import registry
+from valvetrain.sources.contract import SourceStudy
+from valvetrain.springs.spec import spring_model
+
 INK = "#1b2430"
 MUTED = "#5f6b7a"
 RULE = "#c9d0d9"
@@ -12,26 +18,11 @@ ALERT = "#b3261e"
 
 FONT = "'Source Sans 3', 'Segoe UI', 'Helvetica Neue', 'Liberation Sans', Arial, sans-serif"
 
-#: One colour per spring model, the same in every figure; a new model takes the next spare one.
-MODEL_COLOURS = {
-    "finite-element": "#1f5aa6", "modal-varied": "#d9772b", "modal-uniform": "#b0891e", "wave-rod": "#16877a", "wave-rod-clash": "#3c7d3f",
-    "multi-mass": "#7a4fa0", "massless": "#7b8794", "solid": "#a33b53",
-}  # fmt: skip
+#: Colours of models that are not installed here, as in a stored run of a package's.
 _SPARE = ("#3c7d3f", "#8c6d1f", "#4b5aa8")
 
-MODEL_WORDS = {
-    "finite-element": "finite-element rod", "modal-varied": "modal model with varied stiffness", "modal-uniform": "modal model",
-    "wave-rod": "equivalent rod", "wave-rod-clash": "equivalent rod with clash",
-    "multi-mass": "multi-mass chain",
-    "massless": "massless spring", "solid": "solid finite elements",
-}  # fmt: skip
-
-#: What produced a published value -> short sign, words, colour, mark.
-ORIGINS = {
-    "solid finite elements": ("FE", "FE, published", "#0f2c57", "circle"),
-    "analytical modal": ("AN", "AN, published", "#8f4514", "diamond"),
-    "engine head test": ("EX", "EX, published", "#15713d", "triangle"),
-}
+#: Colour and mark of the published values of a source, in the order of its origins.
+_ORIGIN_MARKS = (("#0f2c57", "circle"), ("#8f4514", "diamond"), ("#15713d", "triangle"))
 
 #: Colours of a series that belongs to no model, in order.
 SERIES = ("#1f5aa6", "#d9772b", "#16877a", "#7a4fa0", "#7b8794", "#a33b53", "#8c6d1f", "#3c7d3f", "#4b5aa8", "#1b2430")
@@ -41,19 +32,25 @@ SEQUENTIAL = ("#ffffff", "#dbe8f4", "#a9cbe6", "#66a3d2", "#2f74b5", "#174a8a", 
 
 
 def model_colour(model: str) -> str:
-    """Colour of a spring model; the same name always gives the same colour."""
-    return MODEL_COLOURS.get(model, _SPARE[sum(map(ord, model)) % len(_SPARE)])
+    """Colour of a spring model, its own; the same name always gives the same colour."""
+    return spring_model(model).colour if model in registry.words("springs") else _SPARE[sum(map(ord, model)) % len(_SPARE)]
 
 
 def model_words(model: str) -> str:
-    """A spring model's name as a reader knows it."""
-    return MODEL_WORDS.get(model, model.replace("-", " "))
+    """A spring model's name as a reader knows it; any other label without its hyphens."""
+    return spring_model(model).label if model in registry.words("springs") else model.replace("-", " ")
 
 
+@cache
 def origin_style(origin: str) -> tuple[str, str, str, str]:
-    """Short sign, words, colour and mark of what produced a published value."""
+    """Short sign, words, colour and mark of what produced a published value, as its source study tells."""
+    for word in registry.words("sources"):
+        source: SourceStudy = registry.find("sources", word)
+        if origin in source.origins:
+            sign, place = source.origins[origin].sign, list(source.origins).index(origin)
+            return (sign, f"{sign}, published", *_ORIGIN_MARKS[place % len(_ORIGIN_MARKS)])
     sign = origin[:2].upper() or "?"
-    return ORIGINS.get(origin, (sign, f"{sign}, published", INK, "square"))
+    return (sign, f"{sign}, published", INK, "square")
 
 
 #: Where the words beside a mark stand, so that marks of several origins at one place stay readable.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -156,7 +156,3 @@ class Study:
             if run.status.code not in accepted:
                 ended.setdefault((run.label, run.status.sentence()), []).append(f"{run.engine_speed * 30 / np.pi:.6g}")
         return (*found, *(f"{label} at {', '.join(speeds)} rpm: {words}" for (label, words), speeds in ended.items()))
-
-    def with_solutions(self, solutions: tuple[Solution, ...]) -> Study:
-        """A copy with other solutions."""
-        return replace(self, solutions=solutions)

@@ -57,12 +57,12 @@ class MultiMassSpring:
         """From the wire: ``masses_per_coil`` elements per turn; ``contact_stiffness`` in N/m per m of wire (0: coils pass through)."""
         if masses_per_coil < 1 or masses_per_coil != int(masses_per_coil):
             raise InputError(f"masses_per_coil of spring '{spring.name}' is {masses_per_coil}; give a whole number, 12 is usual")
-        precompression = si(precompression, "compression", f"precompression of spring '{spring.name}'")
+        compression = si(precompression, "compression", f"precompression of spring '{spring.name}'")
         if contact_stiffness > 0:
-            spring.refuse_solid(precompression)
+            spring.refuse_solid(compression)
         first, last = spring.free_coils
         layout = chain_from_definition(spring, max(2, round((last - first) * masses_per_coil)), contact_stiffness)
-        return cls(layout, precompression, **options)
+        return cls(layout, compression, **options)
 
     @classmethod
     def from_card(

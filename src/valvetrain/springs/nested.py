@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.chain_layout import ChainLayout
 from valvetrain.springs.contract import (
     Array,
@@ -46,13 +45,6 @@ class RadialRubbing:
         for key in ("coefficient", "normal_force"):
             if not (np.isfinite(getattr(self, key)) and getattr(self, key) >= 0):
                 raise InputError(f"{key} of the rubbing of nested springs is {getattr(self, key)}; give zero or a positive number")
-
-
-def radial_clearance(outer: SpringDefinition, inner: SpringDefinition, places: int = 201) -> float:
-    """Smallest radial gap (m) between the springs in the free state at equal share of the turns; negative where they interfere."""
-    share = np.linspace(0.0, 1.0, places)
-    bore = outer.mean_diameter.value(share * outer.total_coils) - outer.wire_diameter.value(share * outer.total_coils)
-    return float(np.min(bore - inner.outer_diameter(share * inner.total_coils)) / 2)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -23,6 +22,7 @@ from valvetrain.studies.run import run_problem
 from valvetrain.studies.solid import Cancel, SolidMotion, check_motion, rod_motion, solid_motion, solid_rest
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
+from valvetrain.system.problem import Problem
 
 SOLID = "solid"
 #: Models that are compared when none are named: of a spring alone, of a train.
@@ -58,7 +58,7 @@ def compare_study(
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
     rest, motions = [], []
     for spring in problem.springs:
-        at_rest, moved = _by_each_model(study, spring, chosen, lift, with_solid, solid, problem.record.name, problem.valve_lift, progress)
+        at_rest, moved = _by_each_model(study, problem, spring, chosen, lift, with_solid, solid, progress)
         rest += at_rest
         motions += moved
     return replace(study, rest=tuple(rest), solutions=(*study.solutions, *motions))
@@ -79,10 +79,11 @@ def comparison_reach(spring: InstalledSpring) -> float:
 
 
 def _by_each_model(
-    study: Study, spring: InstalledSpring, chosen: tuple[str, ...], lift: float, with_solid: bool, motion: SolidMotion | None,
-    name: str, lift_law: LiftLaw, progress: Progress | None,
+    study: Study, problem: Problem, spring: InstalledSpring, chosen: tuple[str, ...], lift: float, with_solid: bool,
+    motion: SolidMotion | None, progress: Progress | None,
 ) -> tuple[list[SpringAtRest], list[Solution]]:  # fmt: skip
     """One spring at rest by every model that can stand for it, the solid first, then the rod; and the solid's stretch of motion."""
+    name, lift_law = problem.record.name, problem.valve_lift
     reach = comparison_reach(spring) if with_solid else reach_of(spring, lift) if spring.wire is not None else spring.precompression + lift
     compressions = np.linspace(0.0, max(reach, 1e-6), (FINE_STEPS if with_solid else STEPS) + 1)
     own = next((one for one in study.rest if one.spring == spring.name), None)
@@ -101,7 +102,7 @@ def _by_each_model(
                     jobs.append(pool.submit(solid_motion, name, spring, lift_law, motion, cancel))
             for word in dict.fromkeys(order):
                 if not spring_model(word).why_not(spring):
-                    found[word] = rest_by_model(spring, word, compressions, own, modes=20 if with_solid else 12)
+                    found[word] = rest_by_model(spring, word, problem.model_of(word, spring, own), compressions, 20 if with_solid else 12)
             results = [job.result() for job in jobs]
         except BaseException:
             cancel.flag.set()  # the solver's own loop sees it and stops the solver
@@ -109,7 +110,7 @@ def _by_each_model(
     members = [*(one for one in results if isinstance(one, SpringAtRest)), *found.values()]
     motions = [one for one in results if isinstance(one, Solution)]
     if motions and "finite-element" in chosen and len(motions[0].time) > 2:
-        rod = spring_model("finite-element").build(spring)
+        rod = problem.model_of("finite-element", spring)
         assert isinstance(rod, FiniteElementRod)
         motions.append(rod_motion(name, rod, lift_law, motions[0]))
     return members, motions

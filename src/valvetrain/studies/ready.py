@@ -61,7 +61,7 @@ def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Rea
     frequencies = tuple(value for value in told if value is not None)
     frame = Frame(member.springs, found, frequencies, problem.lift_event, problem.valve_lift.lift, source)
     try:
-        system = member.system(rest)
+        system = member.system(rest, problem.built)
         if isinstance(system, PrescribedSpring):
             for spring in system.springs:
                 if isinstance(spring, FiniteElementRod):  # found once, before the runs share the model

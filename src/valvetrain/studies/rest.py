@@ -20,7 +20,6 @@ from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import interpolation, pair_values, static_section_loads, wire_points
 from valvetrain.springs.multi_mass import MultiMassSpring
-from valvetrain.springs.spec import spring_model
 from valvetrain.springs.stress import wire_stress
 
 Array = NDArray[np.float64]
@@ -99,10 +98,8 @@ def modal_result(rod: FiniteElementRod, count: int = MODES) -> ModalResult:
     )  # fmt: skip
 
 
-def rest_by_model(
-    spring: InstalledSpring, word: str, compressions: Array, rest: SpringAtRest | None = None, modes: int = 12
-) -> SpringAtRest:
-    """Static curve over ``compressions`` (m from the free state) and axial frequencies of a spring by any model of the contract.
+def rest_by_model(spring: InstalledSpring, word: str, model: SpringModel, compressions: Array, modes: int = 12) -> SpringAtRest:
+    """Static curve over ``compressions`` (m from the free state) and axial frequencies of a spring by its ``model`` of any ``word``.
 
     A model that knows no state but the installed one and those above it gives its curve from there on. Raises :class:`InputError` for
     compressions at which the coils are solid.
@@ -110,7 +107,6 @@ def rest_by_model(
     if spring.wire is not None and spring.contact.stiffness > 0:
         spring.wire.refuse_solid(float(np.max(compressions)))
     begun = time.perf_counter()
-    model: SpringModel = spring_model(word).build(spring, rest)
     if isinstance(model, FiniteElementRod):
         return at_rest(model, float(compressions[-1]), len(compressions) - 1, modes)
     lifts = compressions - spring.precompression

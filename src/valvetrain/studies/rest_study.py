@@ -15,6 +15,7 @@ from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.study import Study
+from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.engine import Progress
@@ -51,9 +52,9 @@ def rest_study(
             if reason := spec.why_not(spring):
                 raise InputError(reason, "--spring")
             if spec.needs_rest and rest is None:
-                rest = _by_rod(spring, reach, steps, max(modes, 8))
-            one = _by_rod(spring, reach, steps, modes) if word == WIRE else rest_by_model(
-                spring, word, np.linspace(0.0, reach, steps + 1), rest, modes
+                rest = _by_rod(problem.model_of(WIRE, spring), reach, steps, max(modes, 8))
+            one = _by_rod(problem.model_of(WIRE, spring), reach, steps, modes) if word == WIRE else rest_by_model(
+                spring, word, problem.model_of(word, spring, rest), np.linspace(0.0, reach, steps + 1), modes
             )  # fmt: skip
             found.append(one)
             if progress is not None:
@@ -74,14 +75,13 @@ def curve_by_model(spring: InstalledSpring, word: str, valve_lift: float, wanted
         raise InputError(reason, "spring_model")
     if spec.no_motion:
         raise InputError(f"{word} is asked for by compare, or by SolidSpring.static_curve; choose another model", "spring_model")
-    rest = _by_rod(spring, reach, steps, 8) if spec.needs_rest else None
-    curve = rest_by_model(spring, word, np.linspace(0.0, reach, steps + 1), rest, 0).curve
+    rest = _by_rod(spring_model(WIRE).build(spring), reach, steps, 8) if spec.needs_rest else None
+    curve = rest_by_model(spring, word, spec.build(spring, rest), np.linspace(0.0, reach, steps + 1), 0).curve
     assert curve is not None
     return curve
 
 
-def _by_rod(spring: InstalledSpring, reach: float, steps: int, modes: int) -> SpringAtRest:
-    rod = spring_model(WIRE).build(spring)
+def _by_rod(rod: SpringModel, reach: float, steps: int, modes: int) -> SpringAtRest:
     assert isinstance(rod, FiniteElementRod)
     return at_rest(rod, reach, steps, modes)
 

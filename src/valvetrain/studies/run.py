@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 
@@ -30,7 +30,6 @@ from valvetrain.studies.spread import spread_sentences
 from valvetrain.studies.uncertainty_file import uncertainty_sentences
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
-from valvetrain.system.prescribed import PrescribedSpring
 from valvetrain.system.problem import Member, Problem, Rest
 
 CARD_WIRE_NOTE = (
@@ -130,7 +129,7 @@ def _run_springs(
     raw: dict[tuple[Member, float], Future[Solution]] = {}
     with ThreadPoolExecutor(max(1, workers)) as pool:
         raw |= {(member, speed): pool.submit(one, ready[member], speed) for member in ready for speed in speeds}
-        jobs_at_rest = {spring: pool.submit(_rest, spring, lift, ready) for spring in problem.springs}
+        jobs_at_rest = {spring: pool.submit(_rest, problem, spring, lift) for spring in problem.springs}
         rest: Rest = {spring: job.result() for spring, job in jobs_at_rest.items()}
         tell("springs at rest")
         for member in problem.members:
@@ -148,18 +147,14 @@ def _run_springs(
     return tuple(solutions), tuple(rest.values()), still
 
 
-def _rest(spring: InstalledSpring, maximum_lift: float, ready: Mapping[Member, Ready]) -> SpringAtRest:
+def _rest(problem: Problem, spring: InstalledSpring, maximum_lift: float) -> SpringAtRest:
     """A spring at rest by the finite-element rod (the one that runs, where one does), or from its card."""
     if spring.wire is None:
         assert spring.card is not None
         word = "modal-uniform" if spring.card.mass is not None else "massless"
         reach = spring.precompression + max(1.06 * maximum_lift, 0.2 * spring.precompression)
-        return rest_by_model(spring, word, np.linspace(0.0, reach, 33))
-    rods = (
-        model for one in ready.values() if isinstance(one.system, PrescribedSpring)
-        for own, model in zip(one.member.springs, one.system.springs, strict=False) if own == spring and isinstance(model, FiniteElementRod)
-    )  # fmt: skip
-    rod = next(rods, None) or spring_model("finite-element").build(spring)
+        return rest_by_model(spring, word, problem.model_of(word, spring), np.linspace(0.0, reach, 33))
+    rod = problem.model_of("finite-element", spring)
     assert isinstance(rod, FiniteElementRod)
     return at_rest(rod, reach_of(spring, maximum_lift))
 
@@ -172,8 +167,17 @@ def _run_trains(
         raise InputError(f"case '{problem.record.name}' names no engine speed; add engine_speeds or cam_speeds to [operation]")
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
     needed = [spring for member in problem.members if member.model.needs_rest for spring in member.springs if spring.wire is not None]
-    rest: Rest = {spring: _rest(spring, 1.05 * _largest_lift(problem, lift), {}) for spring in dict.fromkeys(needed)}
-    ready = tuple(make_ready(problem, member, rest, problem.record.study) for member in problem.members)
+    rest: Rest = {spring: _rest(problem, spring, 1.05 * _largest_lift(problem, lift)) for spring in dict.fromkeys(needed)}
+    made: dict[Hashable, Ready] = {}
+
+    def prepared(member: Member) -> Ready:
+        """Members whose train and springs agree share system, rest and rigid motion."""
+        key = (member.gear, member.model.word, member.springs, member.rubbing)
+        if key not in made:
+            made[key] = make_ready(problem, member, rest, problem.record.study)
+        return replace(made[key], member=member)
+
+    ready = tuple(prepared(member) for member in problem.members)
     points = [(place, speed) for speed in speeds for place in range(len(ready))]
     shared = (problem, ready, plan)
 
@@ -187,7 +191,7 @@ def _run_trains(
     for one in ready:
         if one.motion is not None and one.member.spring_set not in still:
             # rigid theory knows no surge: the springs count with the Rayleigh share of their mass, whatever model runs
-            plain = make_ready(problem, replace(one.member, model=spring_model("massless"), rubbing=None), {}, "")
+            plain = prepared(replace(one.member, model=spring_model("massless"), rubbing=None))
             cam_speed, angle = (plain.motion or one.motion).contact_loss()
             values = {"rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle}
             values["rigid_maximum_valve_lift"] = float(np.max(one.motion.derivatives[0]))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
@@ -15,13 +15,15 @@ from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import LiftEvent
 from valvetrain.springs.contract import Array, SpringModel
 from valvetrain.springs.nested import NestedSprings, RadialRubbing
-from valvetrain.springs.spec import SpringModelSpec
+from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.contract import PRESCRIBED, TRAIN
 from valvetrain.system.prescribed import PrescribedSpring
 from valvetrain.system.train_system import TrainSystem
 
 #: Springs at rest by the installed spring they stand for.
 Rest = Mapping[InstalledSpring, SpringAtRest]
+#: Models by word, installed spring (its options included) and, for models that need it, the spring at rest.
+BuiltModels = dict[tuple[str, InstalledSpring, SpringAtRest | None], SpringModel]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,14 +59,16 @@ class Member:
         """Why the model cannot run here, empty when it can."""
         return self.model.no_motion or next((reason for spring in self.springs if (reason := self.model.why_not(spring))), "")
 
-    def system(self, rest: Rest | None = None) -> PrescribedSpring | TrainSystem:
-        """The member assembled; ``rest`` holds the springs at rest where the model needs them (``model.needs_rest``).
+    def system(self, rest: Rest | None = None, built: BuiltModels | None = None) -> PrescribedSpring | TrainSystem:
+        """The member assembled; ``rest`` holds the springs at rest where the model needs them (``model.needs_rest``), ``built`` the
+        models that stand already (new ones are added).
 
         Raises :class:`InputError` where the model cannot stand for a spring.
         """
         if self.model.no_motion:
             raise InputError(self.model.no_motion)
-        springs: tuple[SpringModel, ...] = tuple(self.model.build(spring, (rest or {}).get(spring)) for spring in self.springs)
+        models: BuiltModels = {} if built is None else built
+        springs: tuple[SpringModel, ...] = tuple(_once(models, self.model, spring, (rest or {}).get(spring)) for spring in self.springs)
         if self.rubbing is not None and len(springs) == 2:
             springs = (NestedSprings(springs[0], springs[1], self.rubbing, name=self.model.word),)
         if self.gear is None:
@@ -76,7 +80,7 @@ class Member:
 class Problem:
     """All parts of a case, built once. ``engine_speeds`` in rad/s of the crank; ``cycles`` cam turns of prescribed motion, the last is
     reported; ``output_step`` (cam rad) between its samples; ``cycles_to_settle`` bounds the search for a train's periodic state;
-    ``moves``: whether there is a lift law."""
+    ``moves``: whether there is a lift law; ``built``: the spring models built so far, shared by members and states at rest."""
 
     record: CaseRecord
     members: tuple[Member, ...]
@@ -87,6 +91,7 @@ class Problem:
     output_step: float
     cycles_to_settle: int | None = None
     moves: bool = True
+    built: BuiltModels = field(default_factory=dict, repr=False)
 
     @property
     def kind(self) -> str:
@@ -106,3 +111,14 @@ class Problem:
     def only(self, keep: Callable[[Member], bool]) -> tuple[Member, ...]:
         """Members that ``keep`` says."""
         return tuple(member for member in self.members if keep(member))
+
+    def model_of(self, word: str, spring: InstalledSpring, rest: SpringAtRest | None = None) -> SpringModel:
+        """The model of an installed spring, the one of a member where it runs. Raises :class:`InputError` where it cannot stand for it."""
+        return _once(self.built, spring_model(word), spring, rest)
+
+
+def _once(built: BuiltModels, spec: SpringModelSpec, spring: InstalledSpring, rest: SpringAtRest | None) -> SpringModel:
+    key = (spec.word, spring, rest if spec.needs_rest else None)
+    if key not in built:
+        built[key] = spec.build(spring, key[2])
+    return built[key]

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.mechanism.gaps import penetration_and_gradient, table_value
-from valvetrain.mechanism.sliding import SLIDING_KINDS, sliding_gradient
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
@@ -27,20 +26,6 @@ def gap_state(system: TrainSystem, q: Array, cam_angle: float) -> tuple[Array, A
             if arrays.coordinate_of[k, slot] >= 0:
                 gradients[k, arrays.coordinate_of[k, slot]] += rows[k, slot]
     return pens, gradients, slopes
-
-
-def sliding_state(system: TrainSystem, q: Array, cam_angle: float) -> tuple[Array, Array]:
-    """Sliding velocity of every contact per coordinate velocity (n, N) and per cam speed (n,) in m/rad; zero where nothing slides."""
-    arrays, count = system.arrays, len(system.arrays.kinds)
-    rows, slopes, gradients = np.zeros((count, 4)), np.zeros(count), np.zeros((count, len(q)))
-    for k in np.flatnonzero(np.isin(arrays.kinds, SLIDING_KINDS)):
-        slopes[k] = sliding_gradient(
-            k, arrays.kinds, arrays.coordinate_of, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows
-        )
-        for slot in range(4):
-            if arrays.coordinate_of[k, slot] >= 0:
-                gradients[k, arrays.coordinate_of[k, slot]] += rows[k, slot]
-    return gradients, slopes
 
 
 def law_force(system: TrainSystem, place: int, pen: float) -> float:

@@ -25,7 +25,7 @@ MOTIONS = {
     "axial_displacement": ("displacement", "mm", 1e3), "axial_velocity": ("velocity", "m/s", 1.0),
     "axial_acceleration": ("acceleration", "km/s²", 1e-3),
 }  # fmt: skip
-_NODES = {1: theme.MODEL_COLOURS["massless"], 2: theme.MODEL_COLOURS["finite-element"]}
+_NODES = {1: theme.SERIES[4], 2: theme.SERIES[0]}
 
 
 def blocks(study: Study) -> tuple[Block, ...]:

@@ -47,15 +47,6 @@ def find_solver() -> str:
     return found
 
 
-def solver_available() -> bool:
-    """True when :func:`find_solver` finds one."""
-    try:
-        find_solver()
-    except MissingExtraError:
-        return False
-    return True
-
-
 def run_deck(
     deck: str, *, time_limit: float = 300.0, threads: int = 1, read_fields: bool = False, watch: Watch | None = None
 ) -> SolverOutput:
