@@ -81,7 +81,7 @@ ENTRIES = [
           6.0, kept("precompression")),
     Entry("Case.replace of speeds", lambda x: CASE.replace({"operation.engine_speeds": [x]}).operation, 2000 * np.pi / 30, 2000.0, "rpm",
           2000.0, kept("engine_speeds")),
-    Entry("Quantity", lambda x: vt.Quantity("peak_seat_force", x, "rod"), 2000 * np.pi / 30, 2000.0, "rpm", 2000.0, kept("engine_speed")),
+    Entry("Quantity", lambda x: vt.Quantity("peak_seat_force", x, "rod"), 2000 * np.pi / 30, 2000.0, "rpm", None, kept("engine_speed")),
 ]  # fmt: skip
 
 
@@ -110,3 +110,5 @@ def test_a_quantity_is_found_by_the_speed_in_any_form():
     assert values[vt.Quantity("peak_seat_force", "2000 rpm", "rod")] == 820.0
     with pytest.raises(KeyError):
         values[vt.Quantity("peak_seat_force", "2100 rpm", "rod")]
+    with pytest.raises(vt.InputError, match="'2000 rpm'"):
+        values[vt.Quantity("peak_seat_force", 2000, "rod")]

@@ -35,7 +35,7 @@ class Quantity:
         def __init__(self, name: str, engine_speed: Given | None = None, label: str = "") -> None: ...
 
     def __post_init__(self) -> None:
-        keep_si(self, f"quantity '{self.name}'", engine_speed="engine_speed")
+        keep_si(self, f"quantity '{self.name}'", engine_speed="angular speed")
 
     @property
     def unit(self) -> str:
@@ -56,7 +56,7 @@ def named(values: Mapping[str, float], engine_speed: float | None, label: str) -
 class Quantities(Mapping[Quantity, float]):
     """Read-only mapping of :class:`Quantity` to SI values; a plain name serves where it is unique: ``quantities["preload"]``.
 
-    Raises :class:`KeyError` for a name that was not computed and :class:`InputError` for one that several runs gave.
+    Raises :class:`KeyError` for what was not computed and :class:`InputError` for a name that several runs gave and for a slip of units.
 
     >>> quantities = Quantities({Quantity("preload"): 301.5, Quantity("peak_seat_force", 586.43, "massless"): 820.0})
     >>> quantities["preload"]
@@ -74,12 +74,11 @@ class Quantities(Mapping[Quantity, float]):
 
     def __getitem__(self, key: Quantity | str) -> float:
         if isinstance(key, Quantity):
-            near = (
-                one
-                for one in self._values
-                if (one.name, one.label) == (key.name, key.label) and same_speed(one.engine_speed, key.engine_speed)
-            )
-            return self._values[key if key in self._values else next(near, key)]
+            near = (one for one in self._values if (one.name, one.label) == (key.name, key.label))
+            same = next((one for one in near if same_speed(one.engine_speed, key.engine_speed)), key)
+            if same not in self._values and key.engine_speed is not None:
+                si(key.engine_speed, "engine_speed", f"quantity '{key.name}'")  # a speed that no run has may be a slip of units
+            return self._values[key if key in self._values else same]
         found = [one for one in self._values if one.name == key]
         if len(found) == 1:
             return self._values[found[0]]
