@@ -110,7 +110,7 @@ def test_a_fault_in_the_wave_rod_turns_rows_red(monkeypatch):
     from valvetrain.springs.wave_rod import WaveRod
 
     whole = WaveRod.parameters
-    monkeypatch.setattr(WaveRod, "parameters", lambda self: whole(self) * [1, 1, 1.1, 1])
+    monkeypatch.setattr(WaveRod, "parameters", lambda self: whole(self) * [1, 1, 1.1, 1, 1])
     assert red(models.wave_rod_impact())
 
 

@@ -102,12 +102,16 @@ MAY_SEE_A_CASE = (
 )  # fmt: skip
 
 
+#: Modules that give the names of a case.
+HOMES = ("valvetrain.parameters.case", "valvetrain.parameters.loading")
+
+
 def _case_takers() -> set[str]:
     """``file:function`` of every function or method of the package whose parameters name the :class:`Case` of ``parameters.case``."""
     found = set()
     for path in sorted(SOURCE.rglob("*.py")):
         tree = ast.parse(path.read_text())
-        imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module == "valvetrain.parameters.case"]
+        imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module in HOMES]
         known = {one.asname or one.name for node in imports for one in node.names if one.name in ("Case", "AnyCase")}
         if path.name == "case.py" and path.parent.name == "parameters":
             known = {"Case"}

@@ -310,7 +310,7 @@ def test_options_and_statistics_of_a_run_have_units():
 def test_what_is_nothing_but_rounding_is_shown_as_nil():
     study = own_study()
     runs = tuple(replace(run, quantities={**run.quantities, "surge_amplitude_force": 4e-15}) for run in study.solutions)
-    row = next(row for row in headline_rows(study.with_solutions(runs)) if row.name == "surge_amplitude_force")
+    row = next(row for row in headline_rows(replace(study, solutions=runs)) if row.name == "surge_amplitude_force")
     assert set(row.values) == {0.0}
 
 
@@ -318,7 +318,7 @@ def test_runs_that_end_alike_are_told_once():
     study = own_study()
     ended = Status("refused", "a rod needs the gaps of its wire", remedy="choose another model")
     runs = tuple(replace(run, status=ended) for run in study.solutions)
-    told = study.with_solutions(runs).failures
+    told = replace(study, solutions=runs).failures
     assert len(told) == len(study.labels) and all("at time" not in words for words in told)
 
 

@@ -40,9 +40,9 @@ def installed(**options):
 @pytest.mark.parametrize(
     ("slip", "reason"),
     [
-        (lambda: definition(wire=4e-3), "wire_diameter of spring 'spring' is no curve"),
-        (lambda: definition(mean=24e-3), r"mean_diameter of spring 'spring' is no curve .* write Constant\(0.024\)"),
-        (lambda: variable_pitch("4 mm", "24 mm", 7e-3, 6), "pitch of spring 'variable pitch' is no curve"),
+        (lambda: definition(wire="thin"), "'thin' is no quantity; a length is needed here"),
+        (lambda: definition(mean=24.0), "can only be meant as 24 mm"),
+        (lambda: variable_pitch("4 mm", "24 mm", "7 N", 6), "'7 N' is a force, but a length is needed"),
         (lambda: definition(material="steel"), "is no Material"),
         (lambda: definition(lower_end="open"), "lower_end of spring 'spring' is no EndCoil"),
         (lambda: definition(mean=PiecewiseLinear((0, 3, 3.001, 6), (24e-3, 24e-3, 34e-3, 34e-3))), "coil 3.00 .* coil diameter jumps"),
@@ -89,8 +89,9 @@ def test_no_static_curve_goes_beyond_solid():
     with pytest.raises(InputError, match=r"solid at 10\.5 mm"):
         at_rest(FiniteElementRod(WIRE, 3e-3, 12), beyond, 4)
     for word in ("multi-mass", "wave-rod", "massless"):
+        model = spring_model(word).build(spring)
         with pytest.raises(InputError, match=r"solid at 10\.5 mm"):
-            rest_by_model(spring, word, np.linspace(0.0, beyond, 5))
+            rest_by_model(spring, word, model, np.linspace(0.0, beyond, 5))
 
 
 def test_open_ends_mean_one_thing_in_python_and_in_a_case_file(tmp_path):
