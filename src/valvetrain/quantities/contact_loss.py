@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -16,10 +16,12 @@ from valvetrain.system.train_forces import gap_state
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
-#: Distance (rad) from a jump of the law at which its two sides are looked at, and steps of the golden section.
-BESIDE, GOLDEN_STEPS = 1e-9, 45
-#: Lowest local minima of the coarse search that are followed to their exact angle.
-FOLLOWED = 6
+#: Distance (rad) from a jump of the law at which its two sides are looked at.
+BESIDE = 1e-9
+#: Lowest local minima of the coarse search that are followed to their exact angle: how many, and up to which multiple of the lowest.
+FOLLOWED, NEAR_LOWEST = 6, 1.1
+#: A bracket is narrowed to an eighth in each round, all angles of a round at once.
+ROUNDS, IN_ROUND = 8, 17
 
 
 class ContactLoss(NamedTuple):
@@ -99,11 +101,10 @@ class RigidForces:
         """
         points, segment = self._points(cam_angle)
         squares = self._squares(points)
-        starts = [(squares[i, c], i, c) for c in range(len(self.places)) for i in _low_points(squares[:, c], segment)]
+        starts = sorted((squares[i, c], i, c) for c in range(len(self.places)) for i in _low_points(squares[:, c], segment))
+        followed = [start for start in starts[:FOLLOWED] if start[0] <= NEAR_LOWEST * starts[0][0]]
         found = [ContactLoss(np.inf, np.nan, "")]
-        for square, place, contact in sorted(starts)[:FOLLOWED]:
-            near = [n for n in (place - 1, place, place + 1) if 0 <= n < len(points) and segment[n] == segment[place]]
-            angle, least = _golden_section(partial(self._square, contact), points[near[0]], points[near[-1]])
+        for (square, place, contact), (angle, least) in zip(followed, self._minima(points, segment, followed), strict=True):
             angle, least = (angle, least) if least < square else (float(points[place]), float(square))
             found.append(ContactLoss(float(np.sqrt(least)), float(np.mod(angle, 2 * np.pi)), self.places[contact]))
         # of equal minima on both sides of a symmetric nose the first
@@ -118,8 +119,19 @@ class RigidForces:
         found: Array = np.where(opened, squares, np.inf)
         return found
 
-    def _square(self, contact: int, cam_angle: float) -> float:
-        return float(self._squares(np.array([cam_angle]))[0, contact])
+    def _minima(self, points: Array, segment: NDArray[np.int64], starts: Sequence[tuple[float, int, int]]) -> list[tuple[float, float]]:
+        """Cam angle and value of the least square near each of ``starts`` (value, place, contact), within its own segment."""
+        if not starts:
+            return []
+        near = [[n for n in (i - 1, i, i + 1) if 0 <= n < len(points) and segment[n] == segment[i]] for _, i, _ in starts]
+        low, high = np.array([[points[places[0]], points[places[-1]]] for places in near]).T
+        rows, contacts = np.arange(len(starts)), np.array([contact for *_, contact in starts])
+        for _ in range(ROUNDS):
+            angles = np.linspace(low, high, IN_ROUND, axis=1)
+            values = self._squares(angles.ravel()).reshape(len(starts), IN_ROUND, -1)[rows, :, contacts]
+            best = np.argmin(values, axis=1)
+            low, high = angles[rows, np.maximum(best - 1, 0)], angles[rows, np.minimum(best + 1, IN_ROUND - 1)]
+        return list(zip(angles[rows, best].tolist(), values[rows, best].tolist(), strict=True))
 
     def _points(self, cam_angle: Array) -> tuple[Array, NDArray[np.int64]]:
         """Cam angles of the coarse search with both sides of every jump, and the smooth segment each lies in."""
@@ -150,20 +162,3 @@ def _low_points(values: Array, segment: NDArray[np.int64]) -> list[int]:
     before = np.where(np.append(-1, segment[:-1]) == segment, np.append(np.inf, values[:-1]), np.inf)
     after = np.where(np.append(segment[1:], -1) == segment, np.append(values[1:], np.inf), np.inf)
     return [int(i) for i in np.flatnonzero(np.isfinite(values) & (values <= before) & (values <= after))]
-
-
-def _golden_section(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """Place and value of the least value of ``function`` between ``low`` and ``high``, one minimum supposed."""
-    share = (np.sqrt(5) - 1) / 2
-    left, right = high - share * (high - low), low + share * (high - low)
-    at_left, at_right = function(left), function(right)
-    for _ in range(GOLDEN_STEPS):
-        if at_left <= at_right:
-            high, right, at_right = right, left, at_left
-            left = high - share * (high - low)
-            at_left = function(left)
-        else:
-            low, left, at_left = left, right, at_right
-            right = low + share * (high - low)
-            at_right = function(right)
-    return (left, at_left) if at_left <= at_right else (right, at_right)
