@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import ItemsView, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -74,11 +74,13 @@ class Quantities(Mapping[Quantity, float]):
 
     def __getitem__(self, key: Quantity | str) -> float:
         if isinstance(key, Quantity):
+            if key in self._values:
+                return self._values[key]
             near = (one for one in self._values if (one.name, one.label) == (key.name, key.label))
             same = next((one for one in near if same_speed(one.engine_speed, key.engine_speed)), key)
             if same not in self._values and key.engine_speed is not None:
                 si(key.engine_speed, "engine_speed", f"quantity '{key.name}'")  # a speed that no run has may be a slip of units
-            return self._values[key if key in self._values else same]
+            return self._values[same]
         found = [one for one in self._values if one.name == key]
         if len(found) == 1:
             return self._values[found[0]]
@@ -89,6 +91,10 @@ class Quantities(Mapping[Quantity, float]):
 
     def __iter__(self) -> Iterator[Quantity]:
         return iter(self._values)
+
+    def items(self) -> ItemsView[Quantity, float]:
+        """Keys with their values."""
+        return self._values.items()
 
     def __len__(self) -> int:
         return len(self._values)
