@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 #: Target spacing of the dense force record (s): 250 kHz resolves spikes filtered at 20 kHz.
 DENSE_INTERVAL = 4e-6
 #: Target spacing of the record of coil contacts (s), whose blows last some 10 us.
-CONTACT_INTERVAL = 4e-6
+CONTACT_INTERVAL = 2e-6
 
 
 @dataclass(frozen=True)
