@@ -128,11 +128,6 @@ def rigid_table(system: TrainSystem, train: TrainParameters, cam_speed: float, s
     return rigid_motion(system, train, samples).table(cam_speed)
 
 
-def contact_loss_cam_speed(system: TrainSystem, samples: int = 1440) -> tuple[float, float]:
-    """:meth:`RigidMotion.contact_loss` of a train on ``samples`` cam angles."""
-    return rigid_motion(system, None, samples).contact_loss()
-
-
 def _between(lifts: Array, spring_forces: Array, valve_lift: Array) -> Array:
     return np.asarray(np.interp(valve_lift, lifts, spring_forces))
 
