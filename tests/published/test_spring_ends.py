@@ -20,7 +20,7 @@ MUSIC_WIRE = Material("music wire", 28.5e3 * KPSI, 11.85e3 * KPSI, 7850.0)
 def test_shigley_example_10_1():
     """k = 4.13 lbf/in, solid length 0.500 in, pitch 0.186 in: as printed, from what a user writes."""
     spring = vt.cylindrical(
-        "0.037 inch", "0.4005 inch", total_coils=12.5, free_length="2.06 inch", ends="closed", material=MUSIC_WIRE
+        "0.037 inch", "0.400 inch", total_coils=12.5, free_length="2.06 inch", ends="closed", material=MUSIC_WIRE
     )
     assert float(spring.pitch.value(6.0)) / INCH == pytest.approx(0.186, abs=5e-4)
     assert spring.solid_height / INCH == pytest.approx(0.500, abs=5e-4)
