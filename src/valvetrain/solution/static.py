@@ -21,13 +21,23 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True, slots=True)
+class Buckling:
+    """Where a spring under rising compression buckles: ``compression`` from the free length and ``height`` (m), ``force`` (N)."""
+
+    compression: float
+    height: float
+    force: float
+
+
 @dataclass(frozen=True, eq=False)
 class StaticCurve:
     """Static curve from the free state; SI, shapes beside the names.
 
     ``compression`` (step) m, ``force`` (step) N, ``stiffness`` (step) N/m tangent; ``coil_gap`` (step, coil_pair) m and
     ``coil_contact_force`` (step, coil_pair) N with ``upper_coil`` (coil_pair); ``axial_position`` (step, wire_point) m
-    with ``coil_number`` (wire_point). Arrays that a model does not compute have zero pairs or points.
+    with ``coil_number`` (wire_point). Arrays that a model does not compute have zero pairs or points. ``buckling``: None where the
+    spring stands all the way, or the model cannot tell.
 
     >>> import numpy as np
     >>> steps, none = np.linspace(0, 8e-3, 9), np.zeros((9, 0))
@@ -48,6 +58,7 @@ class StaticCurve:
     axial_position: Array
     coil_number: Array
     status: Status = COMPLETED
+    buckling: Buckling | None = None
 
     def __post_init__(self) -> None:
         steps, pairs, points = len(self.compression), len(self.upper_coil), len(self.coil_number)

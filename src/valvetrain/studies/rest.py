@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import interpolation, pair_values, static_section_loads, wire_points
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.stress import wire_stress
+from valvetrain.studies.buckling import buckled_status, find_buckling
 
 Array = NDArray[np.float64]
 #: Steps of a static curve, modes about the installed state.
@@ -46,6 +48,8 @@ def at_rest(
     curve, stress = static_curve(rod, largest_compression, steps, visit)
     facts = {"elements per coil": rod.elements_per_coil, "elements": rod.mesh.elements}
     found = modal_result(rod, modes) if modes else None
+    if found is not None and curve.buckling is not None and rod.precompression >= curve.buckling.compression:
+        found = replace(found, status=buckled_status(rod, curve.buckling))
     return SpringAtRest(rod.definition.name, rod.name, rod.precompression, curve, found, stress, facts, time.perf_counter() - begun)
 
 
@@ -68,6 +72,9 @@ def static_curve(
             "not-converged", f"no equilibrium beyond {reached[-1].state.compression * 1e3:.3f} mm compression", 0.0,
             f"{stuck * 1e3:.3f} mm", "the coils are solid or the spring buckles; compress less or refine the mesh",
         )  # fmt: skip
+    buckling = find_buckling(rod, reached)
+    if buckling is not None:
+        status = buckled_status(rod, buckling)
     compression = np.array([point.state.compression for point in reached])
     force = np.array([point.retainer_force for point in reached])
     force[np.abs(force) < ROUND_OFF_SHARE * np.max(np.abs(force))] = 0.0
@@ -78,7 +85,7 @@ def static_curve(
         compression=compression, force=force,
         stiffness=np.gradient(force, compression) if len(reached) > 2 else np.full(len(reached), np.nan),
         coil_gap=gap, coil_contact_force=pressed, upper_coil=upper,
-        axial_position=heights - rod.definition.lower_seat_height, coil_number=coil, status=status,
+        axial_position=heights - rod.definition.lower_seat_height, coil_number=coil, status=status, buckling=buckling,
     )  # fmt: skip
     if len(reached) < 2:
         return curve, None
