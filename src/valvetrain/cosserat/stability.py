@@ -6,6 +6,7 @@ that an imperfection opens only the fall of the rate is left. Both are looked fo
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,13 +59,18 @@ def free_rate(statics: RodStatics) -> float:
 
 
 def buckling_between(statics: RodStatics, standing: RodState, buckled_compression: float) -> RodState:
-    """First buckled equilibrium between a ``standing`` one and a compression (m) at which the spring has buckled, by bisection."""
-    rate, lower, upper = free_rate(statics), standing, buckled_compression
-    found = standing
-    while upper - lower.compression > PLACE_TOLERANCE:
-        middle = compress(statics, [0.5 * (lower.compression + upper)], lower)[-1]
-        if middle.converged and stability(statics, middle.state).holds(rate):
-            lower = middle.state
+    """Last equilibrium before the spring buckles, between a ``standing`` one and a compression (m) at which the spring has buckled."""
+    rate = free_rate(statics)
+    return last_before(statics, standing, buckled_compression, lambda state: stability(statics, state).holds(rate))
+
+
+def last_before(statics: RodStatics, start: RodState, compression: float, holds: Callable[[RodState], bool]) -> RodState:
+    """Last equilibrium from ``start`` to a ``compression`` (m) of which something ``holds`` that does not there, by bisection."""
+    upper = compression
+    while upper - start.compression > PLACE_TOLERANCE:
+        middle = compress(statics, [0.5 * (start.compression + upper)], start)[-1]
+        if middle.converged and holds(middle.state):
+            start = middle.state
         else:
-            upper, found = 0.5 * (lower.compression + upper), middle.state
-    return found if found.compression > lower.compression else lower
+            upper = 0.5 * (start.compression + upper)
+    return start

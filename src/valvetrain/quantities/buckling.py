@@ -73,7 +73,8 @@ def formula_compression(wire: SpringDefinition) -> float | None:
 
 
 def buckling_quantities(spring: InstalledSpring, rest: SpringAtRest, maximum_lift: float) -> dict[str, float]:
-    """Where the spring buckles by the rod and by the formula (m), and what is left at the largest lift (m)."""
+    """Where the spring buckles by the rod and by the formula (m), what is left at the largest lift (m), and how it
+    leans on its guide."""
     found: dict[str, float] = {}
     if rest.curve is not None and rest.curve.buckling is not None:
         buckling = rest.curve.buckling
@@ -81,5 +82,7 @@ def buckling_quantities(spring: InstalledSpring, rest: SpringAtRest, maximum_lif
             "buckling_compression": buckling.compression, "buckling_height": buckling.height,
             "buckling_clearance": buckling.compression - spring.precompression - maximum_lift,
         }  # fmt: skip
+    if rest.curve is not None and rest.curve.leaning is not None:
+        found |= {"guide_contact_compression": rest.curve.leaning.compression, "guide_force": rest.curve.leaning.force}
     formula = None if spring.wire is None else formula_compression(spring.wire)
     return found if formula is None else found | {"formula_buckling_compression": formula}

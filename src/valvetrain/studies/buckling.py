@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from valvetrain.cosserat.stability import RATE_SHARE, buckling_between, free_rate, stability
+from valvetrain.cosserat.stability import RATE_SHARE, buckling_between, free_rate, last_before, stability
+from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import Equilibrium, compress
-from valvetrain.solution.static import Buckling
+from valvetrain.solution.static import Buckling, Leaning
 from valvetrain.solution.status import Status
 from valvetrain.springs.finite_element import FiniteElementRod
 
@@ -55,12 +56,41 @@ def _between(rod: FiniteElementRod, lower: Equilibrium, upper: Equilibrium, rate
 def _told(rod: FiniteElementRod, standing: Equilibrium, buckled_compression: float) -> Buckling:
     state = buckling_between(rod.statics, standing.state, buckled_compression)
     force = rod.statics.solve(state, state.compression).retainer_force
-    return Buckling(state.compression, rod.definition.free_length - state.compression, force)
+    compression = float(state.compression)
+    return Buckling(compression, rod.definition.free_length - compression, force)
 
 
-def buckled_status(rod: FiniteElementRod, buckling: Buckling) -> Status:
-    """What a static curve ends with that passes ``buckling``."""
-    words = f"spring '{rod.definition.name}' buckles at {buckling.compression * 1e3:.4g} mm compression"
+def find_leaning(rod: FiniteElementRod, path: Sequence[Equilibrium]) -> Leaning | None:
+    """Where the wire first touches its guide on a ``path`` of rising compression, and how hard it leans on it in the end."""
+    walls = rod.mesh.guide
+    if walls is None:
+        return None
+
+    def clear(state: RodState) -> bool:
+        return walls.least_gap(state.position) > 0.0
+
+    met = next((place for place, one in enumerate(path) if not clear(one.state)), None)
+    if met is None:
+        return None
+    touch = last_before(rod.statics, path[max(met - 1, 0)].state, path[met].state.compression, clear)
+    return Leaning(float(touch.compression), float(walls.pressed(path[-1].state.position, rod.mesh.node_length)))
+
+
+def path_status(rod: FiniteElementRod, buckling: Buckling | None, leaning: Leaning | None) -> Status | None:
+    """What a static curve ends with that passes a ``buckling`` or ends ``leaning`` on a guide; None for any other.
+
+    A spring in a guide that bows until it leans on it has not failed.
+    """
+    if buckling is None and leaning is None:
+        return None
+    name = f"spring '{rod.definition.name}'"
+    if leaning is not None:
+        bows = "" if buckling is None else f" buckles at {buckling.compression * 1e3:.4g} mm compression and"
+        touch = f" leans on its guide from {leaning.compression * 1e3:.4g} mm, in the end with {leaning.force:.4g} N in all"
+        return Status("completed", name + bows + touch)
+    assert buckling is not None
     place = f"{buckling.height * 1e3:.4g} mm high, {buckling.force:.4g} N"
-    remedy = "compress it less, guide it in a bore or on a rod, or make it shorter or wider"
-    return Status("buckled", f"{words} ({place}); what lies beyond is a spring bent sideways", 0.0, place, remedy)
+    words = f"{name} buckles at {buckling.compression * 1e3:.4g} mm compression ({place}); what lies beyond is a spring bent sideways"
+    if rod.guide is not None:
+        return Status("completed", f"{name} buckles at {buckling.compression * 1e3:.4g} mm compression and does not yet touch its guide")
+    return Status("buckled", words, 0.0, place, "compress it less, guide it in a bore or on a rod, or make it shorter or wider")

@@ -22,7 +22,7 @@ from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import interpolation, pair_values, static_section_loads, wire_points
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.stress import wire_stress
-from valvetrain.studies.buckling import buckled_status, find_buckling
+from valvetrain.studies.buckling import find_buckling, find_leaning, path_status
 
 Array = NDArray[np.float64]
 #: Steps of a static curve, modes about the installed state.
@@ -49,7 +49,7 @@ def at_rest(
     facts = {"elements per coil": rod.elements_per_coil, "elements": rod.mesh.elements}
     found = modal_result(rod, modes) if modes else None
     if found is not None and curve.buckling is not None and rod.precompression >= curve.buckling.compression:
-        found = replace(found, status=buckled_status(rod, curve.buckling))
+        found = replace(found, status=path_status(rod, curve.buckling, None) or found.status)
     return SpringAtRest(rod.definition.name, rod.name, rod.precompression, curve, found, stress, facts, time.perf_counter() - begun)
 
 
@@ -72,9 +72,9 @@ def static_curve(
             "not-converged", f"no equilibrium beyond {reached[-1].state.compression * 1e3:.3f} mm compression", 0.0,
             f"{stuck * 1e3:.3f} mm", "the coils are solid or the spring buckles; compress less or refine the mesh",
         )  # fmt: skip
-    buckling = find_buckling(rod, reached)
-    if buckling is not None:
-        status = buckled_status(rod, buckling)
+    buckling, leaning = find_buckling(rod, reached), find_leaning(rod, reached)
+    if status.completed or leaning is None:
+        status = path_status(rod, buckling, leaning) or status
     compression = np.array([point.state.compression for point in reached])
     force = np.array([point.retainer_force for point in reached])
     force[np.abs(force) < ROUND_OFF_SHARE * np.max(np.abs(force))] = 0.0
@@ -85,7 +85,7 @@ def static_curve(
         compression=compression, force=force,
         stiffness=np.gradient(force, compression) if len(reached) > 2 else np.full(len(reached), np.nan),
         coil_gap=gap, coil_contact_force=pressed, upper_coil=upper,
-        axial_position=heights - rod.definition.lower_seat_height, coil_number=coil, status=status, buckling=buckling,
+        axial_position=heights - rod.definition.lower_seat_height, coil_number=coil, status=status, buckling=buckling, leaning=leaning,
     )  # fmt: skip
     if len(reached) < 2:
         return curve, None
