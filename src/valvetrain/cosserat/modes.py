@@ -16,30 +16,36 @@ from valvetrain.cosserat.static import RodStatics
 
 Array = NDArray[np.float64]
 
+#: Axial share of the kinetic energy of a motion that is the same in all three directions.
+EVEN_SHARE = 1 / 3
+
 
 @dataclass(frozen=True)
 class RodModes:
     """Modes about one static state: ``natural_frequency`` (nm,) in Hz, mass-normalised ``shape`` (nm, nv, 3) in 1/sqrt(kg).
 
     ``axial_transmission`` (nm,): residue of seat reaction x retainer reaction over 2 k omega^2, so that each surge mode
-    of an ideal uniform spring has +1 or -1; ``axial_mass_share`` (nm,): effective axial mass over the free mass.
+    of an ideal uniform spring has +1 or -1; ``axial_mass_share`` (nm,): effective axial mass over the free mass;
+    ``axial_energy_share`` (nm,): share of the wire's kinetic energy that goes along the spring's axis.
     """
 
     natural_frequency: Array
     shape: Array
     axial_transmission: Array
     axial_mass_share: Array
+    axial_energy_share: Array
     axial_stiffness: float
 
     def axial_modes(self, count: int = 3) -> NDArray[np.int64]:
         """Indices of the first ``count`` axial (surge) modes.
 
         Surge spreads over clusters of modes; each cluster is named by its strongest transmitter. Successive surge
-        modes transmit with alternating sign, so neighbours of one sign are one cluster.
+        modes transmit with alternating sign, so neighbours of one sign are one cluster. A buckled spring transmits by its sway as well:
+        a mode that moves less along the axis than evenly in all directions is none of surge.
         """
         size = np.abs(self.axial_transmission)
         found: list[int] = []
-        for index in np.flatnonzero((size > 0.12) & (self.natural_frequency > 0)):
+        for index in np.flatnonzero((size > 0.12) & (self.natural_frequency > 0) & (self.axial_energy_share > EVEN_SHARE)):
             if not found or np.sign(self.axial_transmission[found[-1]]) != np.sign(self.axial_transmission[index]):
                 found.append(int(index))
             elif size[index] > size[found[-1]]:
@@ -83,6 +89,7 @@ def natural_modes(statics: RodStatics, state: RodState, count: int = 24) -> RodM
         shape=np.moveaxis(full.reshape(-1, 6, count)[:, :3], 2, 0),
         axial_transmission=transmission,
         axial_mass_share=axial**2 / np.sum(mass[moving]),
+        axial_energy_share=(mass @ full[2::6] ** 2) / sum(inertia[place::6] @ full[place::6] ** 2 for place in range(3)),
         axial_stiffness=axial_stiffness,
     )
 

@@ -88,6 +88,11 @@ class RodStatics:
             x, mesh.lower_seat_limit, mesh.upper_seat_limit - state.compression, mesh.node_length,
             self.contact_stiffness, residual, band, with_tangent,
         )  # fmt: skip
+        if mesh.guide is not None:
+            energy += kern.guide_terms(
+                mesh.first, mesh.last, x, mesh.guide.bore, mesh.guide.rod, mesh.node_length, mesh.guide.stiffness, residual, band,
+                with_tangent,
+            )  # fmt: skip
         contact = None
         if self._has_contact:
             more, contact = self._contact(x, residual, with_tangent)

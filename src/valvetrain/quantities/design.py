@@ -7,6 +7,7 @@ import numpy as np
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.quantities.buckling import formula_compression
 
 _SAMPLES = 4001
 
@@ -18,7 +19,9 @@ def design_quantities(spring: InstalledSpring) -> dict[str, float]:
         return card_quantities(spring.card) | room
     assert spring.wire is not None
     installed = {"installed_compression": spring.precompression, "installed_height": spring.wire.free_length - spring.precompression}
-    return definition_quantities(spring.wire) | installed | room
+    formula = formula_compression(spring.wire)
+    buckling = {} if formula is None else {"formula_buckling_compression": formula}
+    return definition_quantities(spring.wire) | installed | room | buckling
 
 
 def definition_quantities(spring: SpringDefinition) -> dict[str, float]:

@@ -21,6 +21,24 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True, slots=True)
+class Buckling:
+    """Where a spring under rising compression buckles: ``compression`` from the free length and ``height`` (m), ``force`` (N)."""
+
+    compression: float
+    height: float
+    force: float
+
+
+@dataclass(frozen=True, slots=True)
+class Leaning:
+    """A spring in a guide: ``compression`` from the free length (m) at which its wire first touches a wall, and ``force``, the sum of the
+    normal forces there (N) at the end of the curve."""
+
+    compression: float
+    force: float
+
+
 @dataclass(frozen=True, eq=False)
 class StaticCurve:
     """Static curve from the free state; SI, shapes beside the names.
@@ -29,6 +47,7 @@ class StaticCurve:
     ``coil_contact_force`` (step, coil_pair) N with ``upper_coil`` (coil_pair); ``axial_position`` (step, wire_point) m
     with ``coil_number`` (wire_point). Arrays that a model does not compute have zero pairs or points. ``path``: the same curve on
     points that do not depend on the number of steps, the installed state among them; what is asked between the points is read there.
+    ``buckling``: None where the spring stands all the way, or the model cannot tell. ``leaning``: None where it touches no guide.
 
     >>> import numpy as np
     >>> steps, none = np.linspace(0, 8e-3, 9), np.zeros((9, 0))
@@ -50,6 +69,8 @@ class StaticCurve:
     coil_number: Array
     status: Status = COMPLETED
     path: StaticCurve | None = None
+    buckling: Buckling | None = None
+    leaning: Leaning | None = None
 
     def __post_init__(self) -> None:
         steps, pairs, points = len(self.compression), len(self.upper_coil), len(self.coil_number)

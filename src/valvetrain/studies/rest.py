@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.rates import axial_rate
-from valvetrain.cosserat.state import RodState, free_state
+from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import Equilibrium, compress
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.stress import EQUIVALENT, SHEAR
@@ -23,6 +23,7 @@ from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import interpolation, pair_values, static_section_loads, wire_points
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.stress import wire_stress
+from valvetrain.studies.buckling import find_buckling, find_leaning, path_status
 
 Array = NDArray[np.float64]
 #: Steps of a static curve, modes about the installed state.
@@ -63,6 +64,8 @@ def at_rest(
     curve, stress = static_curve(rod, largest_compression, steps, visit)
     facts = {"elements per coil": rod.elements_per_coil, "elements": rod.mesh.elements}
     found = modal_result(rod, modes) if modes else None
+    if found is not None and curve.buckling is not None and rod.precompression >= curve.buckling.compression:
+        found = replace(found, status=path_status(rod, curve.buckling, None) or found.status)
     return SpringAtRest(rod.definition.name, rod.name, rod.precompression, curve, found, stress, facts, time.perf_counter() - begun)
 
 
@@ -76,20 +79,27 @@ def static_curve(
     """
     if rod.dynamics.contact_stiffness > 0:
         rod.definition.refuse_solid(largest_compression)
-    path, states = _curve_over(rod, path_points(rod.precompression, largest_compression), visit)
+    path, reached = _curve_over(rod, path_points(rod.precompression, largest_compression), visit)
+    buckling, leaning = find_buckling(rod, reached), find_leaning(rod, reached)
+    status = path.status
+    if status.completed or leaning is None:
+        status = path_status(rod, buckling, leaning) or status
+    path = replace(path, buckling=buckling, leaning=leaning, status=status)
     stress = None
-    if len(states) > 1:
+    if len(reached) > 1:
         coil = wire_points(rod.definition.total_coils)
-        found = wire_stress(static_section_loads(rod, states), rod.definition, coil)
+        found = wire_stress(static_section_loads(rod, [point.state for point in reached]), rod.definition, coil)
         stress = StaticStress(path.compression, coil, found[SHEAR], found[EQUIVALENT])
     if steps is None:
         return path, stress
-    return replace(_curve_over(rod, np.linspace(0.0, largest_compression, steps + 1), visit)[0], path=path), stress
+    shown, _ = _curve_over(rod, np.linspace(0.0, largest_compression, steps + 1), visit)
+    status = shown.status if path.status.completed else path.status
+    return replace(shown, path=path, buckling=buckling, leaning=leaning, status=status), stress
 
 
 def _curve_over(
     rod: FiniteElementRod, compressions: Array, visit: Callable[[Equilibrium], None] | None
-) -> tuple[StaticCurve, list[RodState]]:
+) -> tuple[StaticCurve, list[Equilibrium]]:
     """Curve over rising compressions (m) from the free state on, as far as equilibria are found, and those."""
     path = [rod.statics.solve(free_state(rod.mesh), 0.0), *compress(rod.statics, compressions[1:].tolist(), visit=visit)]
     reached = [point for point in path if point.converged]
@@ -111,7 +121,7 @@ def _curve_over(
         stiffness=np.array([axial_rate(rod.statics, state) for state in states]),
         coil_gap=gap, coil_contact_force=pressed, upper_coil=upper,
         axial_position=heights - rod.definition.lower_seat_height, coil_number=coil, status=status,
-    ), states  # fmt: skip
+    ), reached  # fmt: skip
 
 
 def modal_result(rod: FiniteElementRod, count: int = MODES) -> ModalResult:

@@ -11,6 +11,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.static import SpringAtRest, StaticCurve
@@ -42,6 +43,7 @@ def rest_study(
     problem = build(case, spring_sets=spring_sets)
     lift = largest_lift(problem)
     found: list[SpringAtRest] = []
+    still: dict[str, dict[str, float]] = {}
     for installed in problem.springs:
         spring = installed if compression is None else _compressed(installed, compression)
         reach = _reach(spring, lift, largest_compression)
@@ -57,9 +59,11 @@ def rest_study(
                 spring, word, problem.model_of(word, spring, rest), np.linspace(0.0, reach, steps + 1), modes
             )  # fmt: skip
             found.append(one)
+            still[f"{one.spring}, {one.model}"] = rest_quantities(one) | buckling_quantities(installed, one, lift)
             if progress is not None:
                 progress(len(found) / (len(problem.springs) * len(words)), f"{spring.name} by {word}")
-    still = {"" if len(found) == 1 else f"{one.spring}, {one.model}": rest_quantities(one) for one in found}
+    if len(still) == 1:
+        still = {"": values for values in still.values()}
     record = problem.record
     origin = collect_provenance(record.name, ", ".join(dict.fromkeys(one.model for one in found)), citations=record.citations)
     return Study(record, command, (), tuple(found), still, provenance=origin, wall_time=time.perf_counter() - begun)

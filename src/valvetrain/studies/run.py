@@ -13,6 +13,7 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
@@ -143,7 +144,10 @@ def _run_springs(
                 tell(f"{member.label} at {speed * 30 / np.pi:.6g} rpm")
     wanted = [value.quantity for value in problem.record.published]
     names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
-    still = {name: rest_quantities(rest[spring], wanted) for name, spring in zip(names, problem.springs, strict=True)}
+    still = {
+        name: rest_quantities(rest[spring], wanted) | buckling_quantities(spring, rest[spring], lift)
+        for name, spring in zip(names, problem.springs, strict=True)
+    }
     return tuple(solutions), tuple(rest.values()), still
 
 
