@@ -42,7 +42,7 @@ def compare(
             Comparison(
                 quantity=value.quantity, engine_speed=value.engine_speed, model=label, origin=value.model, unit=value.unit,
                 published=value.value, computed=computed, difference=difference, role=value.role, tolerance=value.tolerance,
-                verdict=verdict(value, difference), source=value.source,
+                verdict=verdict(value, difference), source=value.source, used_for=value.used_for,
             )
         )  # fmt: skip
     return tuple(rows)
