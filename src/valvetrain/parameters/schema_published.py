@@ -26,6 +26,7 @@ class ValueModel(StrictModel):
     origin: str = ""
     role: Role | None = None
     used_for: str = ""
+    doubt: str = ""
 
     def read(self, quantity: str) -> tuple[float, str, float | None]:
         """SI value, the unit it was written in and the SI tolerance (given in percent or in the same dimension)."""
@@ -76,6 +77,7 @@ class PublishedModel(StrictModel):
                     tolerance=tolerance,
                     relation=entry.relation,
                     used_for=entry.used_for,
+                    doubt=entry.doubt,
                 )
             )
         return tuple(values)

@@ -16,7 +16,8 @@ class PublishedValue:
     ``quantity``: name from docs/quantities.md. ``value``: SI. ``unit``: the unit to show it in. ``model``: what produced it
     in the source (such as ``solid finite elements``). ``origin``: the place in the source. ``role``: ``calibration`` for a value that
     unknown numbers of the case were found or chosen by, ``check`` for one that was known then and not used, ``prediction`` for one that
-    must not be used; ``used_for``: what it was used for, in words. ``engine_speed`` in rad/s of the crank, None for statics and modes.
+    must not be used; ``used_for``: what it was used for, in words; ``doubt``: why the number
+    cannot be right, where its source contradicts it. ``engine_speed`` in rad/s of the crank, None for statics and modes.
     ``tolerance``: allowed absolute difference (SI), None where none is stated. ``relation``: how firmly the source states it.
     """
 
@@ -31,6 +32,7 @@ class PublishedValue:
     tolerance: float | None = None
     relation: Literal["equal", "about", "at-most", "at-least"] = "equal"
     used_for: str = ""
+    doubt: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -97,10 +97,12 @@ def _two_maxima(run: Solution, solid: Printed) -> tuple[Finding, ...]:
 def _rattle(run: Solution, modal: Solution, solid: Printed, study: Study) -> tuple[Finding, ...]:
     """High-frequency vibration early in Stage III by finite elements and in the test, where the paper says the modal model misses it."""
     printed, event = solid.get("stage_3_peak_cam_angle"), study.lift_event
-    heights = None if printed is None or event is None else (rattle(run, event), rattle(modal, event))
-    if printed is None or heights is None or heights[0] is None or heights[1] is None:
+    if printed is None or event is None:
         return ()
-    (here, place), (there, _) = heights
+    mine, theirs = rattle(run, event), rattle(modal, event)
+    if mine is None or theirs is None:
+        return ()
+    (here, place), there = mine, theirs[0]
     statement = (
         f"{_rpm(run)}: high-frequency vibration about {np.degrees(printed.value):.0f} degrees by finite elements and in the test, from the "
         "contact of coils, missing from the modal model"
