@@ -69,7 +69,10 @@ def work(base: Path, name: str, tasks: Queue[tuple[int, Fault]], known: dict[str
             answer = {"verdict": "unseen", "by": "no test enters it", "seconds": 0.0}
         answers[number] = answer | {"tests": len(nodes)}
         told = "" if answer["verdict"] == "noticed" else "\n" + difference(fault)
-        print(f"{number:4d} {answer['verdict']:8s} {answer['seconds']:6.1f} s  {fault.file}:{fault.line} [{fault.kind}] {answer['by'][:110]}{told}", flush=True)
+        print(
+            f"{number:4d} {answer['verdict']:8s} {answer['seconds']:6.1f} s  {fault.file}:{fault.line} [{fault.kind}] {answer['by'][:110]}{told}",
+            flush=True,
+        )
     process.stdin.close()
     process.wait()
 
@@ -82,6 +85,7 @@ def main() -> None:
     parser.add_argument("--folders", default="", help="folders of the package, by commas; all of them where left out")
     parser.add_argument("--workers", type=int, default=1, help="faults judged at one time, each in a copy of its own")
     parser.add_argument("--only", default="", help="numbers of the sample, by commas")
+    parser.add_argument("--recorded", action="store_true", help="ask only the test files whose trails are recorded, make none anew")
     parser.add_argument("--list", action="store_true", help="print the faults and run nothing")
     given = parser.parse_args()
     chosen = list(enumerate(sample(given.sample, given.seed, filter(None, given.folders.split(",")))))
@@ -92,7 +96,7 @@ def main() -> None:
             print(f"{number:4d} {fault.file}:{fault.line} [{fault.kind}]\n{difference(fault)}")
         return
     base = renew("base")
-    known, tasks, answers = trails(base), Queue[tuple[int, Fault]](), dict[int, dict[str, Any]]()
+    known, tasks, answers = trails(base, anew=not given.recorded), Queue[tuple[int, Fault]](), dict[int, dict[str, Any]]()
     same = judged()
     for number, fault in chosen:
         if mark(fault) in same:
@@ -122,7 +126,9 @@ def summary(chosen: dict[int, Fault], answers: dict[int, dict[str, Any]]) -> Non
     for folder in sorted(every):
         print(f"{folder:12s} {seen[folder]:4d} of {every[folder]:4d}")
     total = max(sum(every.values()), 1)
-    print(f"noticed {sum(seen.values())} of {total} ({100 * sum(seen.values()) / total:.1f} %), {late} of them only by a golden number or a page")
+    print(
+        f"noticed {sum(seen.values())} of {total} ({100 * sum(seen.values()) / total:.1f} %), {late} of them only by a golden number or a page"
+    )
 
 
 if __name__ == "__main__":

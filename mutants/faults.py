@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from mutants.words import SILENT, SWAPPED_CALLS, UNITS, vocabulary
@@ -198,7 +199,7 @@ def _order(source: Source, node: ast.AST) -> Iterator[Fault]:
     items = node.args if isinstance(node, ast.Call) else node.elts if isinstance(node, ast.Tuple) and isinstance(node.ctx, ast.Load) else []
     if isinstance(node, ast.Call) and source.of(node.func) in ("isinstance", "getattr", "field", "TypeVar", "replace", "cast"):
         return
-    for left, right in zip(items, items[1:], strict=False):
+    for left, right in pairwise(items):
         like = {ast.Name, ast.Attribute, ast.Subscript} >= {type(left), type(right)} or type(left) is type(right) is ast.Constant
         if like and source.of(left) != source.of(right):
             first, last = source.span(left)[0], source.span(right)[1]

@@ -32,14 +32,14 @@ def test_files(copy: Path) -> list[str]:
     return sorted(counted, key=lambda name: (order.index(name.split("/")[1]) if name.split("/")[1] in order else 9, name))
 
 
-def trails(copy: Path, limit: float = 1200.0) -> dict[str, dict[str, Any]]:
-    """Test file -> its trail, from the copy; a file is run again only after a change of its text."""
+def trails(copy: Path, anew: bool = True, limit: float = 1200.0) -> dict[str, dict[str, Any]]:
+    """Test file -> its trail, from the copy; a file is run again only after a change of its text, and only ``anew``."""
     (PLACE / "trails").mkdir(parents=True, exist_ok=True)
     found = {}
     for name in test_files(copy):
         text = hashlib.sha256((ROOT / name).read_bytes()).hexdigest()[:12]
         kept = PLACE / "trails" / f"{Path(name).parent.name}-{Path(name).stem}-{text}.json"
-        if not kept.exists():
+        if anew and not kept.exists():
             begun = time.time()
             more = {"VALVETRAIN_TRAIL": str(kept), "VALVETRAIN_TRAIL_SOURCE": str(copy / "src" / "valvetrain")}
             command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "mutants.trail", name]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import signal
 import sys
 import time
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -85,8 +87,6 @@ def seed_and_judge(base: Path, copy: Path, fault: Fault, nodes: list[str], limit
 
 def _outside(text: str) -> set[int]:
     """Lines outside functions: constants there may be built into kernels."""
-    import ast
-
     inside: set[int] = set()
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.FunctionDef):
@@ -96,12 +96,8 @@ def _outside(text: str) -> set[int]:
 
 def main() -> None:
     """Reads tasks, one JSON a line, and answers each with one line."""
-    import numba
-    import numpy
-    import plotly.graph_objects
-    import scipy.optimize
-    import xarray  # noqa: F401
-
+    for library in ("numba", "scipy.optimize", "xarray", "pydantic", "pint", "tomlkit", "typer", "rich", "jinja2", "hypothesis"):
+        import_module(library)
     base, copy = Path(sys.argv[1]), Path(sys.argv[2])
     for line in sys.stdin:
         task = json.loads(line)
