@@ -69,10 +69,8 @@ def work(base: Path, name: str, tasks: Queue[tuple[int, Fault]], known: dict[str
             answer = {"verdict": "unseen", "by": "no test enters it", "seconds": 0.0}
         answers[number] = answer | {"tests": len(nodes)}
         told = "" if answer["verdict"] == "noticed" else "\n" + difference(fault)
-        print(
-            f"{number:4d} {answer['verdict']:8s} {answer['seconds']:6.1f} s  {fault.file}:{fault.line} [{fault.kind}] {answer['by'][:110]}{told}",
-            flush=True,
-        )
+        place = f"{fault.file}:{fault.line} [{fault.kind}]"
+        print(f"{number:4d} {answer['verdict']:8s} {answer['seconds']:6.1f} s  {place} {answer['by'][:110]}{told}", flush=True)
     process.stdin.close()
     process.wait()
 
@@ -126,9 +124,8 @@ def summary(chosen: dict[int, Fault], answers: dict[int, dict[str, Any]]) -> Non
     for folder in sorted(every):
         print(f"{folder:12s} {seen[folder]:4d} of {every[folder]:4d}")
     total = max(sum(every.values()), 1)
-    print(
-        f"noticed {sum(seen.values())} of {total} ({100 * sum(seen.values()) / total:.1f} %), {late} of them only by a golden number or a page"
-    )
+    share = 100 * sum(seen.values()) / total
+    print(f"noticed {sum(seen.values())} of {total} ({share:.1f} %), {late} of them only by a golden number or a printed page")
 
 
 if __name__ == "__main__":

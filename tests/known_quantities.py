@@ -237,7 +237,8 @@ def moving_train() -> Known:
     )  # fmt: skip
     counted = {
         "cycle_work_energy": 1.7, "cycle_dissipated_energy": 1.1, "spring_dissipated_energy": 0.6,
-        "contact_friction_dissipated_energy": 0.4, "steady_cycles_count": 7, "steady_residual_ratio": 3e-5, "steady_tolerance_ratio": 1e-4, "motion_period_count": 2,
+        "contact_friction_dissipated_energy": 0.4, "steady_cycles_count": 7, "steady_residual_ratio": 3e-5,
+        "steady_tolerance_ratio": 1e-4, "motion_period_count": 2,
         "peak_cam_contact_force": 1234.0, "peak_support_force": 411.0, "peak_stem_force": 412.0, "peak_pushrod_bar_force": 413.0,
         "peak_lever_bending_force": 414.0, "wall_time_per_cycle_duration": 9.0,
     }  # fmt: skip
