@@ -13,8 +13,8 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.parameters.steel_contacts import usual_contacts
+from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
