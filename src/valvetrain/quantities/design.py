@@ -25,6 +25,11 @@ def design_quantities(spring: InstalledSpring) -> dict[str, float]:
     return definition_quantities(spring.wire) | solid_quantities(spring.wire) | installed | room | buckling
 
 
+def closing_quantities(spring: InstalledSpring) -> dict[str, float]:
+    """Of a wire, force and stress with all coils closed; nothing of a card."""
+    return {} if spring.wire is None else solid_quantities(spring.wire)
+
+
 def size_quantities(spring: InstalledSpring) -> dict[str, float]:
     """Of a wire, the sizes beside which its static curve is read, and what closes it."""
     if spring.wire is None:

@@ -83,7 +83,8 @@ def rest_point(rod: FiniteElementRod, equilibrium: Equilibrium) -> RestPoint:
         stiffness=axial_rate(rod.statics, state),
         nominal_shear_stress=nominal_stress_per_force(wire) * equilibrium.retainer_force,
         shear_stress=float(np.max(stress["inner_fibre_shear_stress"])),
-        equivalent_stress=float(np.max(stress["inner_fibre_equivalent_stress"])), torque=0.0 if rod.statics.turns else hand * float(moment[2]),
+        equivalent_stress=float(np.max(stress["inner_fibre_equivalent_stress"])),
+        torque=0.0 if rod.statics.turns else hand * float(moment[2]),
         moment=float(np.hypot(moment[0], moment[1])), side_force=float(np.hypot(force[0], force[1])),
         rotation=hand * rotation_of(rod.statics, state) if rod.statics.turns else None,
     )  # fmt: skip

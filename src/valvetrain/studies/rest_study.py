@@ -65,11 +65,13 @@ def rest_study(
                 spring, word, model, np.linspace(0.0, reach, steps + 1), modes
             )  # fmt: skip
             found.append(replace(one, points=points_asked(spring, model, one, heights, loads)))
-            still[f"{one.spring}, {one.model}"] = size_quantities(spring) | rest_quantities(one) | buckling_quantities(installed, one, lift)
+            label = f"{one.spring}, {one.model}"
+            again = sum(other == label or other.startswith(f"{label}, ") for other in still)
+            still[f"{label}, {again + 1}" if again else label] = size_quantities(spring) | rest_quantities(one) | buckling_quantities(installed, one, lift)
             if progress is not None:
                 progress(len(found) / (len(problem.springs) * len(words)), f"{spring.name} by {word}")
     if len(still) == 1:
-        still = {"": values for values in still.values()}
+        still = {"": next(iter(still.values()))}
     record = problem.record
     origin = collect_provenance(record.name, ", ".join(dict.fromkeys(one.model for one in found)), citations=record.citations)
     return Study(record, command, (), tuple(found), still, provenance=origin, wall_time=time.perf_counter() - begun)

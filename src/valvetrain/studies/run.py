@@ -15,6 +15,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.steel_contacts import usual_contacts
 from valvetrain.quantities.buckling import buckling_quantities
+from valvetrain.quantities.design import closing_quantities
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
@@ -147,7 +148,7 @@ def _run_springs(
     wanted = [value.quantity for value in problem.record.published]
     names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
     still = {
-        name: rest_quantities(rest[spring], wanted) | buckling_quantities(spring, rest[spring], lift)
+        name: closing_quantities(spring) | rest_quantities(rest[spring], wanted) | buckling_quantities(spring, rest[spring], lift)
         for name, spring in zip(names, problem.springs, strict=True)
     }
     return tuple(solutions), tuple(rest.values()), still
