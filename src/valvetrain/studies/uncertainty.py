@@ -17,10 +17,10 @@ from valvetrain.solution.definition import pattern_of, tables
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.finite_element_rest import modal_result
 from valvetrain.studies.engine import Progress, map_points
 from valvetrain.studies.grid_convergence import TRUSTED, grid_convergence
 from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
-from valvetrain.studies.rest import modal_result
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import names_of
 from valvetrain.system.problem import Problem
