@@ -39,17 +39,18 @@ class Stability:
 
 
 def stability(statics: RodStatics, state: RodState) -> Stability:
-    """Tangent rate, and number of negative eigenvalues of the tangent, of an equilibrium with both ends held."""
+    """Tangent rate, and number of negative eigenvalues of the tangent, of an equilibrium with both ends fixed."""
     tangent, mesh, free = statics.tangent(state), statics.mesh, statics.free
     held = np.zeros(len(free))
     held[6 * mesh.last + 2 :: 6] = 1.0
+    seat = statics.contact_stiffness * mesh.node_length * (state.position[:, 2] > mesh.upper_seat_limit - state.compression)
     coupled = tangent @ held
+    coupled[2::6] -= seat  # the seat plane of the retainer moves with it
     inner: csc_matrix = tangent[free][:, free].tocsc()
     # Without exchange of rows the signs of the pivots are those of the eigenvalues (Sylvester's law of inertia).
     factors = splu(inner, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     held[free] = factors.solve(-coupled[free])
-    seat = state.position[:, 2] > mesh.upper_seat_limit - state.compression
-    rate = float((tangent @ held)[6 * mesh.last + 2 :: 6].sum()) + statics.contact_stiffness * float(mesh.node_length @ (seat * (1.0 - held[2::6])))
+    rate = float((tangent @ held)[6 * mesh.last + 2 :: 6].sum() + seat @ (1.0 - held[2::6]))
     return Stability(rate, int(np.count_nonzero(factors.U.diagonal() < 0.0)))
 
 

@@ -11,7 +11,6 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.units import keep_si
 
-
 #: Stiffness of a wall (N/m per m of wire): that of coil on coil.
 GUIDE_STIFFNESS = 2e10
 

@@ -75,7 +75,9 @@ class InstalledSpring:
             self.wire.refuse_solid(self.precompression)
         if self.guide is not None:
             if self.wire is None:
-                raise InputError(f"spring '{self.name}' is known by its card, so it cannot lean on a guide; remove the guide or give its wire")
+                raise InputError(
+                    f"spring '{self.name}' is known by its card, so it cannot lean on a guide; remove the guide or give its wire"
+                )
             self.guide.check_fit(self.wire)
 
     @property

@@ -62,8 +62,8 @@ def rest_study(
             still[f"{one.spring}, {one.model}"] = rest_quantities(one) | buckling_quantities(installed, one, lift)
             if progress is not None:
                 progress(len(found) / (len(problem.springs) * len(words)), f"{spring.name} by {word}")
-    if len(still) == 1:
-        still = {"": values for values in still.values()}
+    if len(found) == 1:
+        still = {"": next(iter(still.values()))}
     record = problem.record
     origin = collect_provenance(record.name, ", ".join(dict.fromkeys(one.model for one in found)), citations=record.citations)
     return Study(record, command, (), tuple(found), still, provenance=origin, wall_time=time.perf_counter() - begun)
