@@ -10,6 +10,7 @@ from scipy.sparse import csc_matrix, diags
 from scipy.sparse.linalg import eigsh
 
 from valvetrain.cosserat.buffer import inertia_of
+from valvetrain.cosserat.rates import axial_rate
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import RodStatics
 
@@ -76,7 +77,7 @@ def natural_modes(statics: RodStatics, state: RodState, count: int = 24) -> RodM
     transmission, axial_stiffness = np.zeros(count), 0.0
     if statics.loads is None:
         reactions = _end_reactions(statics, tangent, vectors)
-        axial_stiffness = _axial_stiffness(statics, tangent)
+        axial_stiffness = axial_rate(statics, state)
         transmission = reactions[0] * reactions[1] / (2 * axial_stiffness * values)
     full = np.zeros((len(free), count))
     full[free] = vectors
@@ -98,16 +99,3 @@ def _end_reactions(statics: RodStatics, tangent: csc_matrix, vectors: Array) -> 
     free, mesh = statics.free, statics.mesh
     rows = tangent[2::6][:, free] @ vectors
     return rows[: mesh.first + 1].sum(axis=0), rows[mesh.last :].sum(axis=0)
-
-
-def _axial_stiffness(statics: RodStatics, tangent: csc_matrix) -> float:
-    """Static tangent stiffness (N/m) of the retainer's axial travel."""
-    from scipy.sparse.linalg import spsolve
-
-    free, mesh = statics.free, statics.mesh
-    unit = np.zeros(len(free))
-    unit[6 * mesh.last + 2 :: 6] = 1.0
-    coupled = tangent @ unit
-    follow = spsolve(tangent[free][:, free].tocsc(), -coupled[free])
-    unit[free] = follow
-    return float((tangent @ unit)[6 * mesh.last + 2 :: 6].sum())

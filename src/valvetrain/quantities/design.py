@@ -32,6 +32,7 @@ def definition_quantities(spring: SpringDefinition) -> dict[str, float]:
     return {
         "total_coil_count": spring.total_coils, "active_coil_count": spring.active_coils, "free_length": spring.free_length,
         "solid_height": spring.solid_height, "solid_compression": spring.free_length - spring.solid_height,
+        "largest_pitch": float(np.max(spring.pitch.value(coil))),
         "wire_length": spring.wire_length, "wire_mass": spring.mass, "smallest_index_ratio": float(np.min(index)),
         "largest_index_ratio": float(np.max(index)), "largest_outer_diameter": float(np.max(spring.outer_diameter(coil))),
         "smallest_inner_diameter": float(np.min(spring.mean_diameter.value(coil) - spring.wire_diameter.value(coil))),

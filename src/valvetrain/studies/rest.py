@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.cosserat.modes import natural_modes
-from valvetrain.cosserat.state import free_state
+from valvetrain.cosserat.rates import axial_rate
+from valvetrain.cosserat.state import RodState, free_state
 from valvetrain.cosserat.static import Equilibrium, compress
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.stress import EQUIVALENT, SHEAR
@@ -27,6 +28,10 @@ from valvetrain.studies.buckling import find_buckling, find_leaning, path_status
 Array = NDArray[np.float64]
 #: Steps of a static curve, modes about the installed state.
 STEPS, MODES = 64, 24
+#: Even steps of the path that named numbers are read from: up to the installed state, and from there to the end.
+APPROACH, BEYOND = 24, 28
+#: Half the travel (m) over which a model without a tangent of its own tells its slope.
+SLOPE_TRAVEL = 1e-6
 #: A force below this share of the curve's largest is what rounding leaves of zero, as in the free state.
 ROUND_OFF_SHARE = 1e-11
 
@@ -39,11 +44,22 @@ def reach_of(spring: InstalledSpring, maximum_lift: float) -> float:
     return float(min(spring.precompression + 1.06 * top, 0.98 * travel))
 
 
+def path_points(precompression: float, reach: float) -> Array:
+    """Compressions (m) of a path from the free state through the installed one to ``reach`` (m), the same whatever output is asked for."""
+    if precompression <= 0:
+        return np.linspace(0.0, reach, APPROACH + BEYOND + 1)
+    approach = np.linspace(0.0, precompression, APPROACH + 1)
+    return approach if reach <= precompression * (1 + 1e-9) else np.append(approach, np.linspace(precompression, reach, BEYOND + 1)[1:])
+
+
 def at_rest(
-    rod: FiniteElementRod, largest_compression: float, steps: int = STEPS, modes: int = MODES,
+    rod: FiniteElementRod, largest_compression: float, steps: int | None = None, modes: int = MODES,
     visit: Callable[[Equilibrium], None] | None = None,
 ) -> SpringAtRest:  # fmt: skip
-    """Static curve, modes and stress of a wire by the finite-element rod; ``visit`` is told each equilibrium as it is found."""
+    """Static curve, modes and stress of a wire by the finite-element rod; ``visit`` is told each equilibrium as it is found.
+
+    ``steps``: even steps of the curve, None for the points of its path.
+    """
     begun = time.perf_counter()
     curve, stress = static_curve(rod, largest_compression, steps, visit)
     facts = {"elements per coil": rod.elements_per_coil, "elements": rod.mesh.elements}
@@ -54,15 +70,37 @@ def at_rest(
 
 
 def static_curve(
-    rod: FiniteElementRod, largest_compression: float, steps: int = STEPS, visit: Callable[[Equilibrium], None] | None = None
+    rod: FiniteElementRod, largest_compression: float, steps: int | None = None, visit: Callable[[Equilibrium], None] | None = None
 ) -> tuple[StaticCurve, StaticStress | None]:
-    """Static curve (SI) from the free state to ``largest_compression`` (m) in even steps, and the stress of the wire over it.
+    """Static curve (SI) from the free state to ``largest_compression`` (m) in even ``steps``, and the stress of the wire over its path.
 
-    Ends early with a status when no equilibrium is found. Raises :class:`InputError` for a compression at which the coils are solid.
+    Both rest on one path of equilibria that does not depend on ``steps`` (None: the curve has the points of the path). Ends early with a
+    status when no equilibrium is found. Raises :class:`InputError` for a compression at which the coils are solid.
     """
     if rod.dynamics.contact_stiffness > 0:
         rod.definition.refuse_solid(largest_compression)
-    compressions = np.linspace(0.0, largest_compression, steps + 1)
+    path, states = _curve_over(rod, path_points(rod.precompression, largest_compression), visit)
+    buckling, leaning = find_buckling(rod, states, path.stiffness), find_leaning(rod, states)
+    told = path_status(rod, buckling, leaning)
+    if told is not None and (path.status.completed or not told.completed):
+        path = replace(path, status=told)
+    path = replace(path, buckling=buckling, leaning=leaning)
+    stress = None
+    if len(states) > 1:
+        coil = wire_points(rod.definition.total_coils)
+        found = wire_stress(static_section_loads(rod, states), rod.definition, coil)
+        stress = StaticStress(path.compression, coil, found[SHEAR], found[EQUIVALENT])
+    if steps is None:
+        return path, stress
+    curve, _ = _curve_over(rod, np.linspace(0.0, largest_compression, steps + 1), visit)
+    status = path.status if curve.status.completed or buckling is not None else curve.status
+    return replace(curve, path=path, status=status, buckling=buckling, leaning=leaning), stress
+
+
+def _curve_over(
+    rod: FiniteElementRod, compressions: Array, visit: Callable[[Equilibrium], None] | None
+) -> tuple[StaticCurve, list[RodState]]:
+    """Curve over rising compressions (m) from the free state on, as far as equilibria are found, and those."""
     path = [rod.statics.solve(free_state(rod.mesh), 0.0), *compress(rod.statics, compressions[1:].tolist(), visit=visit)]
     reached = [point for point in path if point.converged]
     status = COMPLETED
@@ -72,25 +110,18 @@ def static_curve(
             "not-converged", f"no equilibrium beyond {reached[-1].state.compression * 1e3:.3f} mm compression", 0.0,
             f"{stuck * 1e3:.3f} mm", "the coils are solid or the spring buckles; compress less or refine the mesh",
         )  # fmt: skip
-    buckling, leaning = find_buckling(rod, reached), find_leaning(rod, reached)
-    if status.completed or leaning is None:
-        status = path_status(rod, buckling, leaning) or status
-    compression = np.array([point.state.compression for point in reached])
+    states = [point.state for point in reached]
     force = np.array([point.retainer_force for point in reached])
     force[np.abs(force) < ROUND_OFF_SHARE * np.max(np.abs(force))] = 0.0
     coil = wire_points(rod.definition.total_coils)
-    heights = np.stack([point.state.position[:, 2] for point in reached]) @ interpolation(rod.mesh, coil).T
-    upper, gap, pressed = pair_values(rod, np.stack([rod.statics.gaps(point.state.position) for point in reached]))
-    curve = StaticCurve(
-        compression=compression, force=force,
-        stiffness=np.gradient(force, compression) if len(reached) > 2 else np.full(len(reached), np.nan),
+    heights = np.stack([state.position[:, 2] for state in states]) @ interpolation(rod.mesh, coil).T
+    upper, gap, pressed = pair_values(rod, np.stack([rod.statics.gaps(state.position) for state in states]))
+    return StaticCurve(
+        compression=np.array([state.compression for state in states]), force=force,
+        stiffness=np.array([axial_rate(rod.statics, state) for state in states]),
         coil_gap=gap, coil_contact_force=pressed, upper_coil=upper,
-        axial_position=heights - rod.definition.lower_seat_height, coil_number=coil, status=status, buckling=buckling, leaning=leaning,
-    )  # fmt: skip
-    if len(reached) < 2:
-        return curve, None
-    stress = wire_stress(static_section_loads(rod, [point.state for point in reached]), rod.definition, coil)
-    return curve, StaticStress(compression, coil, stress[SHEAR], stress[EQUIVALENT])
+        axial_position=heights - rod.definition.lower_seat_height, coil_number=coil, status=status,
+    ), states  # fmt: skip
 
 
 def modal_result(rod: FiniteElementRod, count: int = MODES) -> ModalResult:
@@ -116,11 +147,8 @@ def rest_by_model(spring: InstalledSpring, word: str, model: SpringModel, compre
     begun = time.perf_counter()
     if isinstance(model, FiniteElementRod):
         return at_rest(model, float(compressions[-1]), len(compressions) - 1, modes)
-    lifts = compressions - spring.precompression
-    force = np.array([model.force(model.initial_state(float(lift)), float(lift)).retainer for lift in lifts])
-    none = np.zeros((len(compressions), 0))
-    stiffness = np.gradient(force, compressions) if len(force) > 2 else np.full(len(force), np.nan)
-    curve = StaticCurve(compressions, force, stiffness, none, none, np.zeros(0), none, np.zeros(0))
+    path = _curve_of(model, spring.precompression, path_points(spring.precompression, float(compressions[-1])))
+    curve = replace(_curve_of(model, spring.precompression, compressions), path=path)
     frequencies = axial_frequencies(model, modes)
     found = None
     if len(frequencies):
@@ -129,6 +157,20 @@ def rest_by_model(spring: InstalledSpring, word: str, model: SpringModel, compre
             spring.precompression, frequencies, shape, np.zeros(1), np.ones(len(frequencies)), tuple(range(len(frequencies)))
         )
     return SpringAtRest(spring.name, word, spring.precompression, curve, found, None, facts_of(model), time.perf_counter() - begun)
+
+
+def _curve_of(model: SpringModel, precompression: float, compressions: Array) -> StaticCurve:
+    """Force and slope by a model at ``compressions`` (m from the free state); at the free state the slope is that of compressing it."""
+
+    def force(lift: float) -> float:
+        return model.force(model.initial_state(lift), lift).retainer
+
+    lifts = compressions - precompression
+    below = np.minimum(SLOPE_TRAVEL, np.maximum(compressions, 0.0))
+    slopes = [(force(x + SLOPE_TRAVEL) - force(x - down)) / (SLOPE_TRAVEL + down) for x, down in zip(lifts.tolist(), below, strict=True)]
+    none = np.zeros((len(compressions), 0))
+    forces = np.array([force(lift) for lift in lifts.tolist()])
+    return StaticCurve(compressions, forces, np.array(slopes), none, none, np.zeros(0), none, np.zeros(0))
 
 
 def axial_frequencies(model: SpringModel, count: int) -> Array:

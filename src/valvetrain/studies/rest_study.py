@@ -54,7 +54,7 @@ def rest_study(
             if reason := spec.why_not(spring):
                 raise InputError(reason, "--spring")
             if spec.needs_rest and rest is None:
-                rest = _by_rod(problem.model_of(WIRE, spring), reach, steps, max(modes, 8))
+                rest = _by_rod(problem.model_of(WIRE, spring), reach, None, max(modes, 8))
             one = _by_rod(problem.model_of(WIRE, spring), reach, steps, modes) if word == WIRE else rest_by_model(
                 spring, word, problem.model_of(word, spring, rest), np.linspace(0.0, reach, steps + 1), modes
             )  # fmt: skip
@@ -79,13 +79,13 @@ def curve_by_model(spring: InstalledSpring, word: str, valve_lift: float, wanted
         raise InputError(reason, "spring_model")
     if spec.no_motion:
         raise InputError(f"{word} is asked for by compare, or by SolidSpring.static_curve; choose another model", "spring_model")
-    rest = _by_rod(spring_model(WIRE).build(spring), reach, steps, 8) if spec.needs_rest else None
+    rest = _by_rod(spring_model(WIRE).build(spring), reach, None, 8) if spec.needs_rest else None
     curve = rest_by_model(spring, word, spec.build(spring, rest), np.linspace(0.0, reach, steps + 1), 0).curve
     assert curve is not None
     return curve
 
 
-def _by_rod(rod: SpringModel, reach: float, steps: int, modes: int) -> SpringAtRest:
+def _by_rod(rod: SpringModel, reach: float, steps: int | None, modes: int) -> SpringAtRest:
     assert isinstance(rod, FiniteElementRod)
     return at_rest(rod, reach, steps, modes)
 
