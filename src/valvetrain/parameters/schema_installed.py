@@ -28,7 +28,9 @@ from valvetrain.parameters.schema_types import (
 from valvetrain.parameters.spring_options import options_problem, options_table
 
 _CONTACT, _RUBBING = CoilContact(), Rubbing()
-_CARD_KEYS = set(SpringCardModel.model_fields) - {"name", "installed_height"}
+#: Keys that a card alone has, and a wire alone; a wire_diameter says nothing, for a card may have one for its mass.
+_CARD_KEYS = set(SpringCardModel.model_fields) - set(SpringModel.model_fields) - {"installed_height"}
+_WIRE_KEYS = set(SpringModel.model_fields) - set(SpringCardModel.model_fields)
 
 LineStiffness = Annotated[float, quantity("line stiffness", low=0.0)]
 PositiveLineStiffness = Annotated[float, quantity("line stiffness", low=0.0, open_low=True)]
@@ -179,7 +181,7 @@ def _read_blocks(raw: Any) -> SpringBlocks:
 def _read_block(entry: Any, path: tuple[int, ...]) -> WireBlock | CardBlock:
     if not isinstance(entry, dict):
         raise problem("a spring is a table: its wire (wire_diameter and so on) or its card (preload, rate)", path)
-    by_card = "wire_diameter" not in entry and any(key in _CARD_KEYS for key in entry)
+    by_card = any(key in _CARD_KEYS for key in entry) and not ("wire_diameter" in entry and any(key in _WIRE_KEYS for key in entry))
     return validate_as(CardBlock, entry, path) if by_card else validate_as(WireBlock, entry, path)
 
 
