@@ -15,6 +15,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.steel_contacts import usual_contacts
 from valvetrain.quantities.statics import rest_quantities
+from valvetrain.quantities.valve_events import rigid_events
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
@@ -197,6 +198,7 @@ def _run_trains(
             cam_speed, angle = (plain.motion or one.motion).contact_loss()
             values = {"rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle}
             values["rigid_maximum_valve_lift"] = float(np.max(one.motion.derivatives[0]))
+            values |= rigid_events(one.motion.kinematics)
             still[one.member.spring_set] = {name: float(value) for name, value in values.items() if np.isfinite(value)}
     return solutions, tuple(rest.values()), still
 
