@@ -17,7 +17,6 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_types import Angle, PositiveLength, problem, quantity
 
-
 Flank = Literal["quintic", "pulses"]
 
 

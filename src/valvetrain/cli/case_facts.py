@@ -57,6 +57,8 @@ def _spring_facts(spring: InstalledSpring) -> list[tuple[str, str]]:
     facts = _wire_facts(spring.wire) if spring.wire is not None else [("spring", f"known by its card, {_short(spring)}")]
     if spring.wire is not None:
         facts.append(("seats", "end coils may touch flat seats" if spring.seats == "planes" else "inactive ends only"))
+    if spring.guide is not None:
+        facts.append(("guide", f"{spring.guide.words()}, without friction"))
     damping = spring.damping
     if damping.mass_damping or damping.stiffness_damping:
         ratio = "" if damping.ratio is None else f"ratio {number(damping.ratio)}: "

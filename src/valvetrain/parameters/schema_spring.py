@@ -9,7 +9,9 @@ from pydantic import Field, PlainValidator
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.constructors import pitch_with_closed_ends
 from valvetrain.parameters.curve_forms import add_curves
+from valvetrain.parameters.curves import Constant, Curve
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.materials import material_by_name
 from valvetrain.parameters.schema_curves import CurveContext, CurveField, HeightForm
@@ -27,6 +29,7 @@ from valvetrain.parameters.schema_types import (
     validate_as,
 )  # fmt: skip
 from valvetrain.parameters.spring import EndCoil, EndKind, SpringDefinition
+from valvetrain.parameters.wire_ends import is_closed, wind
 
 #: A spring of more turns than this is a slip of the pen, and would cost minutes to check.
 MOST_COILS = 200.0
@@ -47,6 +50,10 @@ class EndModel(StrictModel):
         """The end coil, with the usual turns of its kind where none are given."""
         given = {"inactive_coils": self.inactive_coils, "ground_coils": self.ground_coils}
         return EndCoil(self.kind, **{name: turns for name, turns in given.items() if turns is not None})
+
+    def wound(self) -> EndCoil | EndKind:
+        """The end of a spring given by its free length: its kind alone where no turns are given, for the textbook's to hold."""
+        return self.kind if self.inactive_coils is None and self.ground_coils is None else self.build()
 
 
 def _read_end(raw: Any) -> EndModel:
@@ -102,6 +109,7 @@ class SpringModel(StrictModel):
     outer_diameter: CurveField | None = None
     pitch: CurveField | None = None
     height: HeightForm | None = None
+    free_length: PositiveLength | None = Field(default=None, description="unloaded length, from which the pitch follows")
     total_coils: TotalCoils
     hand: Literal["right", "left"] = Field(default="right", description="sense of winding")
     material: MaterialField
@@ -114,17 +122,9 @@ class SpringModel(StrictModel):
         total = float(self.total_coils)
         bare = CurveContext(total)
         wire = guarded(self.wire_diameter.build, bare, path=("wire_diameter",))
-        context = CurveContext(total, wire)
         diameter_key = self._one_of("mean_diameter", "outer_diameter")
         diameter = guarded(getattr(self, diameter_key).build, bare, path=(diameter_key,))
-        pitch_key = self._one_of("pitch", "height")
-        try:
-            pitch = getattr(self, pitch_key).build(context)
-        except InputError as error:  # a pitch made from the wire tells a slip of units in the wire
-            raise problem(error.reason, ("wire_diameter" if error.where == "wire_diameter" else pitch_key,)) from error
-        if self.ends is not None and (self.lower_end is not None or self.upper_end is not None):
-            raise problem("'ends' speaks for both ends, so lower_end and upper_end contradict it; give one or the other", ("ends",))
-        lower, upper = self.lower_end or self.ends or EndModel(), self.upper_end or self.ends or EndModel()
+        pitch, lower, upper = self._wind(total, wire)
         spring: SpringDefinition = guarded(
             lambda: SpringDefinition(
                 wire_diameter=wire,
@@ -132,20 +132,41 @@ class SpringModel(StrictModel):
                 pitch=pitch,
                 total_coils=total,
                 material=self.material,
-                lower_end=lower.build(),
-                upper_end=upper.build(),
+                lower_end=lower,
+                upper_end=upper,
                 hand=self.hand,
                 name=self.name or name,
             )
         )
         return spring
 
-    def _one_of(self, first: str, second: str) -> str:
-        given = [name for name in (first, second) if getattr(self, name) is not None]
-        if len(given) == 2:
-            raise problem(f"{first} and {second} are both given and may contradict each other; give one", (second,))
+    def _wind(self, total: float, wire: Curve) -> tuple[Curve, EndCoil, EndCoil]:
+        """Pitch law and both ends, from a pitch, a height or the free length."""
+        key = self._one_of("pitch", "height", "free_length")
+        if self.ends is not None and (self.lower_end is not None or self.upper_end is not None):
+            raise problem("'ends' speaks for both ends, so lower_end and upper_end contradict it; give one or the other", ("ends",))
+        lower, upper = self.lower_end or self.ends or EndModel(), self.upper_end or self.ends or EndModel()
+        if self.free_length is not None:
+            wound: tuple[Curve, EndCoil, EndCoil] = guarded(
+                wind, total, wire, self.free_length, lower.wound(), upper.wound(), path=("free_length",)
+            )
+            return wound
+        closed = tuple(float(is_closed(end.kind)) for end in (lower, upper))
+        try:
+            pitch = getattr(self, key).build(CurveContext(total, wire))
+            if isinstance(pitch, Constant) and any(closed) and isinstance(wire, Constant):  # one length is the pitch between closed ends
+                pitch = pitch_with_closed_ends(total, wire.level, pitch.level, *closed)
+        except InputError as error:  # a pitch made from the wire tells a slip of units in the wire
+            raise problem(error.reason, ("wire_diameter" if error.where == "wire_diameter" else key,)) from error
+        return pitch, guarded(lower.build), guarded(upper.build)
+
+    def _one_of(self, *names: str) -> str:
+        given = [name for name in names if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise problem(f"{' and '.join(given)} are {'both' if len(given) == 2 else 'all'} given and may contradict each other; give one",
+                          (given[1],))  # fmt: skip
         if not given:
-            raise problem(f"neither {first} nor {second} is given; add one")
+            raise problem(f"neither {' nor '.join(names)} is given; add one")
         return given[0]
 
 

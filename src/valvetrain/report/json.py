@@ -56,7 +56,7 @@ def comparison_object(row: Comparison) -> dict[str, Any]:
     return {
         "quantity": row.quantity, "engine_speed": engine_speed_object(row.engine_speed), "model": row.model, "published_by": row.origin,
         "role": row.role, **{name: None if value is None else measured(value, unit) for name, value in values.items()},
-        "verdict": row.verdict, "source": row.source,
+        "verdict": row.verdict, "source": row.source, "used_for": row.used_for, "doubt": row.doubt,
     }  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.steel_contacts import usual_contacts
+from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.quantities.valve_events import rigid_events
 from valvetrain.solution.provenance import collect_provenance
@@ -146,7 +147,10 @@ def _run_springs(
                 tell(f"{member.label} at {speed * 30 / np.pi:.6g} rpm")
     wanted = [value.quantity for value in problem.record.published]
     names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
-    still = {name: rest_quantities(rest[spring], wanted) for name, spring in zip(names, problem.springs, strict=True)}
+    still = {
+        name: rest_quantities(rest[spring], wanted) | buckling_quantities(spring, rest[spring], lift)
+        for name, spring in zip(names, problem.springs, strict=True)
+    }
     return tuple(solutions), tuple(rest.values()), still
 
 
