@@ -67,7 +67,10 @@ def train_quantities(solution: Solution, rigid: RigidCycle, events: Sequence[Eve
 
 
 def margin_quantities(rigid: RigidTable) -> dict[str, float]:
-    """Least surplus of the spring over what inertia, weight and gas ask for at the valve by rigid theory, and as a ratio."""
+    """Least surplus of the spring over what inertia, weight and gas ask for at the valve by rigid theory, and as a ratio; none from a
+    table without these columns."""
+    if not {"spring_margin", "inertia_force"} <= set(rigid.columns):
+        return {}
     margin, inertia = rigid["spring_margin"], rigid["inertia_force"]
     slowing = (rigid["valve_lift"] > 0) & (inertia < 0)
     if not np.any(slowing):
