@@ -58,6 +58,7 @@ _HOMES = {
     "simulate_batch": "cosserat.batch",
     "RodBatch": "cosserat.batch",
     "map_cases": "studies.batch",
+    "run_up": "studies.run_up",
     "train_modes": "studies.train_modes",
     # results
     "Solution": "solution.result",
@@ -145,6 +146,7 @@ if TYPE_CHECKING:
     from valvetrain.studies.api import static_curve as static_curve
     from valvetrain.studies.api import sweep as sweep
     from valvetrain.studies.batch import map_cases as map_cases
+    from valvetrain.studies.run_up import run_up as run_up
     from valvetrain.studies.train_modes import train_modes as train_modes
     from valvetrain.system.build import build as build
     from valvetrain.system.problem import Problem as Problem

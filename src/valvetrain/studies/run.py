@@ -207,6 +207,12 @@ def _run_trains(
     return solutions, tuple(rest.values()), still
 
 
+def member_rest(problem: Problem, member: Member) -> Rest:
+    """Springs at rest where the model of a member of a train needs them."""
+    lift = 1.05 * _largest_lift(problem, 0.0)
+    return {spring: _rest(problem, spring, lift) for spring in member.springs if member.model.needs_rest and spring.wire is not None}
+
+
 def _largest_lift(problem: Problem, cam_lift: float) -> float:
     lifts = [float(m.gear.mechanism.kinematics.maximum_lift) for m in problem.members if m.gear is not None]
     return max(lifts, default=cam_lift)

@@ -9,10 +9,9 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import AnyCase
 from valvetrain.solution.train_modes import TrainModes
-from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.studies.rest import at_rest, reach_of
+from valvetrain.studies.run import member_rest
 from valvetrain.system.build import build
-from valvetrain.system.problem import Member, Problem, Rest
+from valvetrain.system.problem import Member, Problem
 from valvetrain.system.train_modes import modes_of_train
 from valvetrain.system.train_system import TrainSystem
 
@@ -65,19 +64,10 @@ def problem_modes(problem: Problem) -> tuple[TrainModes, ...]:
 
 
 def _member_modes(problem: Problem, member: Member) -> tuple[TrainModes, ...]:
-    system = member.system(_rest(problem, member), problem.built)
+    system = member.system(member_rest(problem, member), problem.built)
     assert isinstance(system, TrainSystem)
     angle = np.linspace(0.0, 2 * np.pi, 1441)
     top = float(angle[np.argmax(system.mechanism.kinematics.valve_lift(angle))])
     low = float(angle[np.argmin(problem.valve_lift.lift(angle))])
     places = {"closed": low, "full_lift": top}
     return tuple(modes_of_train(system, member.springs, place, state, member.label) for state, place in places.items())
-
-
-def _rest(problem: Problem, member: Member) -> Rest:
-    """Springs at rest where the model needs them."""
-    if not member.model.needs_rest:
-        return {}
-    rods = {spring: problem.model_of("finite-element", spring) for spring in member.springs if spring.wire is not None}
-    lift = 0.0 if member.gear is None else 1.05 * float(member.gear.mechanism.kinematics.maximum_lift)
-    return {spring: at_rest(rod, reach_of(spring, lift)) for spring, rod in rods.items() if isinstance(rod, FiniteElementRod)}
