@@ -60,12 +60,15 @@ _HOMES = {
     "simulate_batch": "cosserat.batch",
     "RodBatch": "cosserat.batch",
     "map_cases": "studies.batch",
+    "run_up": "studies.run_up",
+    "train_modes": "studies.train_modes",
     # results
     "Solution": "solution.result",
     "Event": "solution.event",
     "Status": "solution.status",
     "StaticCurve": "solution.static",
     "ModalResult": "solution.modal",
+    "TrainModes": "solution.train_modes",
     "Comparison": "solution.comparison",
     "Quantity": "solution.quantity",
     "Quantities": "solution.quantity",
@@ -129,6 +132,7 @@ if TYPE_CHECKING:
     from valvetrain.solution.study import Study as Study
     from valvetrain.solution.textfile import load_csv as load_csv
     from valvetrain.solution.textfile import save_csv as save_csv
+    from valvetrain.solution.train_modes import TrainModes as TrainModes
     from valvetrain.springs.contract import SpringModel as SpringModel
     from valvetrain.springs.equivalent import EquivalentSpring as EquivalentSpring
     from valvetrain.springs.finite_element import FiniteElementRod as FiniteElementRod
@@ -146,6 +150,8 @@ if TYPE_CHECKING:
     from valvetrain.studies.api import static_curve as static_curve
     from valvetrain.studies.api import sweep as sweep
     from valvetrain.studies.batch import map_cases as map_cases
+    from valvetrain.studies.run_up import run_up as run_up
+    from valvetrain.studies.train_modes import train_modes as train_modes
     from valvetrain.system.build import build as build
     from valvetrain.system.problem import Problem as Problem
 else:  # a type checker that saw this would take any name for granted

@@ -32,6 +32,7 @@ BUILT_IN["commands"] = {
     "run": "valvetrain.cli.run:register",
     "compare": "valvetrain.cli.compare:register",
     "sweep": "valvetrain.cli.sweep:register",
+    "run-up": "valvetrain.cli.run_up:register",
     "static": "valvetrain.cli.static:register",
     "modes": "valvetrain.cli.modes:register",
     "refine": "valvetrain.cli.refine:register",

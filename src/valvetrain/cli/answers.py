@@ -62,7 +62,7 @@ def _tables(study: Study) -> Iterator[Table]:
     columns, rows = headline_columns(study), headline_rows(study)
     if len(study.rest) > 1 or not study.solutions:
         yield from _rest_tables(study)
-    if study.command == "sweep":
+    if study.over_speed:
         for first in range(0, len(columns), BESIDE):
             yield _over_speeds(study, columns[first : first + BESIDE], rows, first)
     elif len(columns) <= BESIDE:

@@ -69,7 +69,7 @@ def headline_columns(study: Study) -> tuple[HeadlineColumn, ...]:
     """Runs by label and engine speed; in a sweep labels only; without runs the labels of what was found at rest."""
     if not study.solutions:
         return tuple(HeadlineColumn(label) for label in study.still)
-    if study.command == "sweep":
+    if study.over_speed:
         return tuple(HeadlineColumn(label) for label in study.labels)
     return tuple(HeadlineColumn(label, run.engine_speed) for label in study.labels for run in study.runs(label))
 

@@ -17,6 +17,7 @@ from valvetrain.parameters.steel_contacts import usual_contacts
 from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.quantities.design import closing_quantities
 from valvetrain.quantities.statics import rest_quantities
+from valvetrain.quantities.valve_events import rigid_events
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
@@ -202,8 +203,15 @@ def _run_trains(
             cam_speed, angle = (plain.motion or one.motion).contact_loss()
             values = {"rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle}
             values["rigid_maximum_valve_lift"] = float(np.max(one.motion.derivatives[0]))
+            values |= rigid_events(one.motion.kinematics)
             still[one.member.spring_set] = {name: float(value) for name, value in values.items() if np.isfinite(value)}
     return solutions, tuple(rest.values()), still
+
+
+def member_rest(problem: Problem, member: Member) -> Rest:
+    """Springs at rest where the model of a member of a train needs them."""
+    lift = 1.05 * _largest_lift(problem, 0.0)
+    return {spring: _rest(problem, spring, lift) for spring in member.springs if member.model.needs_rest and spring.wire is not None}
 
 
 def _largest_lift(problem: Problem, cam_lift: float) -> float:
