@@ -59,10 +59,9 @@ def fields(mesh: SolidMesh, tensor: np.ndarray, moved: np.ndarray) -> tuple[Noda
 def test_shear_axial_and_equivalent_stress_of_a_made_up_field(spring, mesh, place):
     still = np.zeros_like(mesh.coordinates)
     found = fibre_stress(mesh, *fields(mesh, twisted(spring, mesh), still), *place)
-    inside = (found.coil > 0.2) & (found.coil < 2.8)  # the spline's ends see one side only
-    assert found.shear[inside] == pytest.approx(1e6 * TWIST, rel=2e-3)
-    assert found.axial[inside] == pytest.approx(1e6 * PULL, rel=2e-2)
-    assert found.equivalent == pytest.approx(1e6 * np.sqrt(PULL**2 + 3 * TWIST**2), rel=2e-3)
+    assert found.shear == pytest.approx(1e6 * TWIST, rel=1e-3)  # the mesh keeps the section's area: its nodes lie 0.04 % outside
+    assert found.axial == pytest.approx(1e6 * PULL, rel=5e-3)
+    assert found.equivalent == pytest.approx(1e6 * np.sqrt(PULL**2 + 3 * TWIST**2), rel=1e-3)
     assert found.mean_shear(0.5, 2.5) == pytest.approx(1e6 * TWIST, rel=1e-3)
 
 
@@ -103,15 +102,22 @@ def test_torque_of_an_axial_force_is_force_times_radius_and_cosine_of_the_lead(s
 
 @pytest.mark.calculix
 def test_fibres_of_the_solver_are_those_of_a_bar_bent_to_a_ring(spring):
-    """Shear over 16 T / (pi d^3) on the inner fibre, mean over the middle turn, beside Goehner's problem solved without any factor."""
-    model = SolidSpring(spring, MeshOptions(24, 2, 2))
+    """Shear over 16 T / (pi d^3), mean over the middle turn, beside Goehner's problem solved without any factor.
+
+    Stress at the surface comes out high on a coarse mesh (5 % here, see docs/solid-reference.md), alike on both fibres.
+    """
+    model = SolidSpring(spring, MeshOptions(16, 2, 1))
     printout = steps.Printout(fields=True, nodal_reactions=True)
     step = steps.static_step(1e-4, printout, first=1.0, largest=1.0, smallest=1.0)
     output = model.run(model.deck(step), read_fields=True)
     assert output.status.completed, output.status.sentence()
     every = {field.name: field for field in read_fields(output.fields)}
     _, reactions = read_printed(output.printed).history("forces", "RETAINER")
-    inner = fibre_stress(model.mesh, every["DISP"], every["STRESS"])
     torque = abs(float(np.mean(wire_torque(spring, model.mesh, np.linspace(1.0, 2.0, 41), reactions[-1]))))
-    factor = abs(inner.mean_shear(1.0, 2.0)) / (16 * torque / (np.pi * WIRE**3))
-    assert factor == pytest.approx(ring_section(INDEX)[1], rel=0.02)
+    inner, outer = (
+        abs(fibre_stress(model.mesh, every["DISP"], every["STRESS"], x).mean_shear(1.0, 2.0)) / (16 * torque / (np.pi * WIRE**3))
+        for x in (-1.0, 1.0)
+    )
+    _, expected, other = ring_section(INDEX)
+    assert 1.0 < inner / expected < 1.06 and 1.0 < outer / other < 1.06
+    assert inner / outer == pytest.approx(expected / other, rel=0.01)
