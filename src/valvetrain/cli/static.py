@@ -115,5 +115,7 @@ def _show(console: Console, study: Study, csv: Path | None) -> None:
         if quantities:
             console.print()
             console.print(plain_table(("", "", ""), quantity_rows(quantities), right=(1,)))
+        if one.curve is not None and one.curve.status.completed and one.curve.status.message:
+            console.print(f"\n{one.curve.status.message}", soft_wrap=True)
     if csv is not None:
         console.print(f"\nwritten to {csv}", soft_wrap=True)

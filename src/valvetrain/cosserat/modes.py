@@ -10,10 +10,14 @@ from scipy.sparse import csc_matrix, diags
 from scipy.sparse.linalg import eigsh
 
 from valvetrain.cosserat.buffer import inertia_of
+from valvetrain.cosserat.rates import axial_rate
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import RodStatics
 
 Array = NDArray[np.float64]
+
+#: Axial share of the kinetic energy of a motion that is the same in all three directions.
+EVEN_SHARE = 1 / 3
 
 
 @dataclass(frozen=True)
@@ -21,24 +25,27 @@ class RodModes:
     """Modes about one static state: ``natural_frequency`` (nm,) in Hz, mass-normalised ``shape`` (nm, nv, 3) in 1/sqrt(kg).
 
     ``axial_transmission`` (nm,): residue of seat reaction x retainer reaction over 2 k omega^2, so that each surge mode
-    of an ideal uniform spring has +1 or -1; ``axial_mass_share`` (nm,): effective axial mass over the free mass.
+    of an ideal uniform spring has +1 or -1; ``axial_mass_share`` (nm,): effective axial mass over the free mass;
+    ``axial_energy_share`` (nm,): share of the wire's kinetic energy that goes along the spring's axis.
     """
 
     natural_frequency: Array
     shape: Array
     axial_transmission: Array
     axial_mass_share: Array
+    axial_energy_share: Array
     axial_stiffness: float
 
     def axial_modes(self, count: int = 3) -> NDArray[np.int64]:
         """Indices of the first ``count`` axial (surge) modes.
 
         Surge spreads over clusters of modes; each cluster is named by its strongest transmitter. Successive surge
-        modes transmit with alternating sign, so neighbours of one sign are one cluster.
+        modes transmit with alternating sign, so neighbours of one sign are one cluster. A buckled spring transmits by its sway as well:
+        a mode that moves less along the axis than evenly in all directions is none of surge.
         """
         size = np.abs(self.axial_transmission)
         found: list[int] = []
-        for index in np.flatnonzero((size > 0.12) & (self.natural_frequency > 0)):
+        for index in np.flatnonzero((size > 0.12) & (self.natural_frequency > 0) & (self.axial_energy_share > EVEN_SHARE)):
             if not found or np.sign(self.axial_transmission[found[-1]]) != np.sign(self.axial_transmission[index]):
                 found.append(int(index))
             elif size[index] > size[found[-1]]:
@@ -70,7 +77,7 @@ def natural_modes(statics: RodStatics, state: RodState, count: int = 24) -> RodM
     transmission, axial_stiffness = np.zeros(count), 0.0
     if statics.loads is None:
         reactions = _end_reactions(statics, tangent, vectors)
-        axial_stiffness = _axial_stiffness(statics, tangent)
+        axial_stiffness = axial_rate(statics, state)
         transmission = reactions[0] * reactions[1] / (2 * axial_stiffness * values)
     full = np.zeros((len(free), count))
     full[free] = vectors
@@ -82,6 +89,7 @@ def natural_modes(statics: RodStatics, state: RodState, count: int = 24) -> RodM
         shape=np.moveaxis(full.reshape(-1, 6, count)[:, :3], 2, 0),
         axial_transmission=transmission,
         axial_mass_share=axial**2 / np.sum(mass[moving]),
+        axial_energy_share=(mass @ full[2::6] ** 2) / sum(inertia[place::6] @ full[place::6] ** 2 for place in range(3)),
         axial_stiffness=axial_stiffness,
     )
 
@@ -91,16 +99,3 @@ def _end_reactions(statics: RodStatics, tangent: csc_matrix, vectors: Array) -> 
     free, mesh = statics.free, statics.mesh
     rows = tangent[2::6][:, free] @ vectors
     return rows[: mesh.first + 1].sum(axis=0), rows[mesh.last :].sum(axis=0)
-
-
-def _axial_stiffness(statics: RodStatics, tangent: csc_matrix) -> float:
-    """Static tangent stiffness (N/m) of the retainer's axial travel."""
-    from scipy.sparse.linalg import spsolve
-
-    free, mesh = statics.free, statics.mesh
-    unit = np.zeros(len(free))
-    unit[6 * mesh.last + 2 :: 6] = 1.0
-    coupled = tangent @ unit
-    follow = spsolve(tangent[free][:, free].tocsc(), -coupled[free])
-    unit[free] = follow
-    return float((tangent @ unit)[6 * mesh.last + 2 :: 6].sum())

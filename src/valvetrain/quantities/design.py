@@ -7,6 +7,7 @@ import numpy as np
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.quantities.buckling import formula_compression
 
 _SAMPLES = 4001
 
@@ -18,7 +19,9 @@ def design_quantities(spring: InstalledSpring) -> dict[str, float]:
         return card_quantities(spring.card) | room
     assert spring.wire is not None
     installed = {"installed_compression": spring.precompression, "installed_height": spring.wire.free_length - spring.precompression}
-    return definition_quantities(spring.wire) | installed | room
+    formula = formula_compression(spring.wire)
+    buckling = {} if formula is None else {"formula_buckling_compression": formula}
+    return definition_quantities(spring.wire) | installed | room | buckling
 
 
 def definition_quantities(spring: SpringDefinition) -> dict[str, float]:
@@ -29,6 +32,7 @@ def definition_quantities(spring: SpringDefinition) -> dict[str, float]:
     return {
         "total_coil_count": spring.total_coils, "active_coil_count": spring.active_coils, "free_length": spring.free_length,
         "solid_height": spring.solid_height, "solid_compression": spring.free_length - spring.solid_height,
+        "largest_pitch": float(np.max(spring.pitch.value(coil))),
         "wire_length": spring.wire_length, "wire_mass": spring.mass, "smallest_index_ratio": float(np.min(index)),
         "largest_index_ratio": float(np.max(index)), "largest_outer_diameter": float(np.max(spring.outer_diameter(coil))),
         "smallest_inner_diameter": float(np.min(spring.mean_diameter.value(coil) - spring.wire_diameter.value(coil))),

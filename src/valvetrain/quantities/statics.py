@@ -21,13 +21,20 @@ def rest_quantities(rest: SpringAtRest, wanted: Iterable[str] = ()) -> dict[str,
 
 
 def static_quantities(curve: StaticCurve, precompression: float) -> dict[str, float]:
-    """Preload (N), compression at which the stiffness changes (m) and smallest gap of coils 1 and 2 (m) when installed."""
+    """Preload (N), compression at which the stiffness changes (m) and smallest gap of coils 1 and 2 (m) when installed.
+
+    Read from the curve's own path, so that they do not depend on the points it shows.
+    """
     found: dict[str, float] = {}
+    curve = curve.path or curve
     if not curve.compression[0] - 1e-12 <= precompression <= curve.compression[-1] + 1e-12:
         return found
     found["preload"] = curve.force_at(precompression)
     found["installed_rate"] = curve.stiffness_at(precompression)
     inside = curve.compression <= precompression * (1 + 1e-9)
+    loose = inside & (curve.force <= 0.0)
+    if np.count_nonzero(loose) > 1:  # a model of one rate that is loose near the free state changes no stiffness there
+        inside &= ~loose
     knee = slope_change(curve.compression[inside], curve.force[inside])
     if knee is not None:
         found["stiffness_change_compression"] = knee

@@ -14,7 +14,7 @@ from valvetrain.solution.atomic import atomic_path
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
-from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.static import Buckling, Leaning, StaticCurve
 
 if TYPE_CHECKING:
     import xarray
@@ -83,7 +83,10 @@ def load_netcdf(path: _PathLike) -> Solution:
 
 def save_static_curve(curve: StaticCurve, path: _PathLike, provenance: Provenance | None = None) -> Path:
     """Write a static curve; whole or not at all."""
-    return _write(static_dataset(curve), metadata.pack("static-curve", status=curve.status, provenance=provenance), path)
+    buckling = None if curve.buckling is None else (curve.buckling.compression, curve.buckling.height, curve.buckling.force)
+    leaning = None if curve.leaning is None else (curve.leaning.compression, curve.leaning.force)
+    text = metadata.pack("static-curve", status=curve.status, provenance=provenance, buckling=buckling, leaning=leaning)
+    return _write(static_dataset(curve), text, path)
 
 
 def load_static_curve(path: _PathLike) -> StaticCurve:
@@ -91,7 +94,11 @@ def load_static_curve(path: _PathLike) -> StaticCurve:
     dataset, content = _read(path, "static-curve")
     names = ("compression", "force", "stiffness", "coil_gap", "coil_contact_force", "upper_coil", "axial_position", "coil_number")
     arrays = {name: np.asarray(dataset[name].values) for name in names}
-    return StaticCurve(**arrays, status=content["status"])
+    buckling, leaning = content.get("buckling"), content.get("leaning")
+    return StaticCurve(
+        **arrays, status=content["status"], buckling=None if buckling is None else Buckling(*buckling),
+        leaning=None if leaning is None else Leaning(*leaning),
+    )  # fmt: skip
 
 
 def save_modal_result(result: ModalResult, path: _PathLike, provenance: Provenance | None = None) -> Path:

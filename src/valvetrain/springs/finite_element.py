@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
+from valvetrain.cosserat.guide import walls
 from valvetrain.cosserat.layout import ROW, STRIDE, row
 from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
 from valvetrain.errors import InputError
+from valvetrain.parameters.guide import Guide
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_types import Length, PositiveTime
 from valvetrain.parameters.spring import SpringDefinition
@@ -38,7 +40,7 @@ class FiniteElementRod:
     """Rod model of ``definition`` installed at ``precompression`` (m from the free state).
 
     ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step. Where it does not pull (``pulls``) its end forces in a
-    train stop at zero; its inactive coils stay on their seats.
+    train stop at zero; its inactive coils stay on their seats. ``guide``: bore or rod that the wire may lean on.
     """
 
     definition: SpringDefinition
@@ -50,6 +52,7 @@ class FiniteElementRod:
     time_step: float | None = None
     name: str = "finite-element"
     pulls: bool = True
+    guide: Guide | None = None
 
     def __post_init__(self) -> None:
         keep_si(self, f"spring '{self.name}'", precompression="compression", time_step="time")
@@ -59,6 +62,8 @@ class FiniteElementRod:
             raise InputError(f"seats '{self.seats}' of spring '{self.definition.name}' is unknown; use planes or clamps")
         if self.dynamics.contact_stiffness > 0:
             self.definition.refuse_solid(self.precompression)
+        if self.guide is not None:
+            self.guide.check_fit(self.definition)
 
     @cached_property
     def mesh(self) -> RodMesh:
@@ -68,6 +73,8 @@ class FiniteElementRod:
         if self.seats == "clamps":
             nothing = np.full(mesh.vertices, np.inf)
             mesh = replace(mesh, lower_seat_limit=-nothing, upper_seat_limit=nothing)
+        if self.guide is not None:
+            mesh = replace(mesh, guide=walls(mesh.wire_diameter, self.guide.bore, self.guide.rod, self.guide.stiffness))
         return mesh
 
     @cached_property
@@ -276,12 +283,12 @@ def _make(spring: InstalledSpring, options: FiniteElementOptions, rest: SpringAt
     )  # fmt: skip
     return FiniteElementRod(
         wire, precompression, options.elements_per_coil, dynamics, options.curvature_correction, seats, options.time_step,
-        pulls=spring.pulls,
+        pulls=spring.pulls, guide=spring.guide,
     )  # fmt: skip
 
 
 SPEC = SpringModelSpec(
     "finite-element", "finite-element rod", "#1f5aa6", FiniteElementOptions, _make, shows=("sections", "clash", "stress"),
-    processor_time=12.0, knows="geometrically exact wire, all coils in contact, seats, stress",
-    leaves_out="contact patches across the wire",
+    processor_time=12.0, knows="geometrically exact wire, all coils in contact, seats, stress, buckling, guides",
+    leaves_out="contact patches across the wire, friction on guides",
 )  # fmt: skip

@@ -11,6 +11,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.static import SpringAtRest, StaticCurve
@@ -42,6 +43,7 @@ def rest_study(
     problem = build(case, spring_sets=spring_sets)
     lift = largest_lift(problem)
     found: list[SpringAtRest] = []
+    still: dict[str, dict[str, float]] = {}
     for installed in problem.springs:
         spring = installed if compression is None else _compressed(installed, compression)
         reach = _reach(spring, lift, largest_compression)
@@ -52,14 +54,16 @@ def rest_study(
             if reason := spec.why_not(spring):
                 raise InputError(reason, "--spring")
             if spec.needs_rest and rest is None:
-                rest = _by_rod(problem.model_of(WIRE, spring), reach, steps, max(modes, 8))
+                rest = _by_rod(problem.model_of(WIRE, spring), reach, None, max(modes, 8))
             one = _by_rod(problem.model_of(WIRE, spring), reach, steps, modes) if word == WIRE else rest_by_model(
                 spring, word, problem.model_of(word, spring, rest), np.linspace(0.0, reach, steps + 1), modes
             )  # fmt: skip
             found.append(one)
+            still[f"{one.spring}, {one.model}"] = rest_quantities(one) | buckling_quantities(installed, one, lift)
             if progress is not None:
                 progress(len(found) / (len(problem.springs) * len(words)), f"{spring.name} by {word}")
-    still = {"" if len(found) == 1 else f"{one.spring}, {one.model}": rest_quantities(one) for one in found}
+    if len(still) == 1:
+        still = {"": values for values in still.values()}
     record = problem.record
     origin = collect_provenance(record.name, ", ".join(dict.fromkeys(one.model for one in found)), citations=record.citations)
     return Study(record, command, (), tuple(found), still, provenance=origin, wall_time=time.perf_counter() - begun)
@@ -75,13 +79,13 @@ def curve_by_model(spring: InstalledSpring, word: str, valve_lift: float, wanted
         raise InputError(reason, "spring_model")
     if spec.no_motion:
         raise InputError(f"{word} is asked for by compare, or by SolidSpring.static_curve; choose another model", "spring_model")
-    rest = _by_rod(spring_model(WIRE).build(spring), reach, steps, 8) if spec.needs_rest else None
+    rest = _by_rod(spring_model(WIRE).build(spring), reach, None, 8) if spec.needs_rest else None
     curve = rest_by_model(spring, word, spec.build(spring, rest), np.linspace(0.0, reach, steps + 1), 0).curve
     assert curve is not None
     return curve
 
 
-def _by_rod(rod: SpringModel, reach: float, steps: int, modes: int) -> SpringAtRest:
+def _by_rod(rod: SpringModel, reach: float, steps: int | None, modes: int) -> SpringAtRest:
     assert isinstance(rod, FiniteElementRod)
     return at_rest(rod, reach, steps, modes)
 
