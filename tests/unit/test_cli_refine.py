@@ -37,7 +37,7 @@ def test_error_bars_of_the_headline_numbers(small):
         assert abs(row["extrapolated"]["value"] - fine[name]) < 0.5 * abs(own[name] - fine[name])
         assert row["contact_stiffness"]["least"]["value"] <= row["value"]["value"] <= row["contact_stiffness"]["largest"]["value"]
     told = list(csv.reader((small / "out" / "uncertainty.csv").read_text(encoding="utf-8").splitlines()))
-    assert {line[0] for line in told[1:]} >= {name for name, _ in rows} and "engine speed (rpm)" in " ".join(told[0])
+    assert {line[0] for line in told[1:]} >= {name for name, _ in rows} and "engine speed [rpm]" in " ".join(told[0])
     assert "Numbers with error bars" in (small / "out" / "report.html").read_text(encoding="utf-8")
 
 
