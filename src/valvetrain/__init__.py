@@ -16,6 +16,7 @@ _HOMES = {
     # the spring and its case
     "SpringDefinition": "parameters.spring",
     "EndCoil": "parameters.spring",
+    "Guide": "parameters.guide",
     "Material": "parameters.material",
     "Constant": "parameters.curves",
     "PiecewiseLinear": "parameters.curves",
@@ -54,6 +55,7 @@ _HOMES = {
     "compare": "studies.api",
     "sweep": "studies.api",
     "static_curve": "studies.api",
+    "buckling_compression": "quantities.buckling",
     "Study": "solution.study",
     "simulate_batch": "cosserat.batch",
     "RodBatch": "cosserat.batch",
@@ -104,11 +106,13 @@ if TYPE_CHECKING:
     from valvetrain.parameters.curves import FunctionCurve as FunctionCurve
     from valvetrain.parameters.curves import PiecewiseLinear as PiecewiseLinear
     from valvetrain.parameters.curves import Table as Table
+    from valvetrain.parameters.guide import Guide as Guide
     from valvetrain.parameters.loading import list_cases as list_cases
     from valvetrain.parameters.loading import load_case as load_case
     from valvetrain.parameters.material import Material as Material
     from valvetrain.parameters.spring import EndCoil as EndCoil
     from valvetrain.parameters.spring import SpringDefinition as SpringDefinition
+    from valvetrain.quantities.buckling import buckling_compression as buckling_compression
     from valvetrain.report.build import study_page as study_page
     from valvetrain.report.json import study_json as study_json
     from valvetrain.report.write import write_study as write_study
