@@ -108,7 +108,8 @@ def beside_published(study: Study, problem: Problem) -> Study:
         return study
     compared = against_source(study)
     rows = tuple(row for row in compared.comparisons if row.engine_speed is None or any(same_speed(row.engine_speed, s) for s in ran))
-    firm = (*uncertainty_sentences(study.record, ran), *spread_sentences(study.record, ran))
+    found = compared.quantities
+    firm = (*uncertainty_sentences(study.record, ran, found), *spread_sentences(study.record, ran, found))
     notes = (*compared.notes, *study.record.remarks, *firm) if rows or compared.findings else compared.notes
     return replace(compared, comparisons=rows, notes=notes)
 
