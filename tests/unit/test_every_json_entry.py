@@ -72,7 +72,8 @@ def test_a_study_is_told_entry_by_entry():
     assert chain["model"] == "multi-mass" and chain["static_curve"]["force"]["values"][-1] == pytest.approx(0.98 * 41e3 * 18e-3)
     assert told.pop("comparisons") == [
         {"quantity": "stage_2_peak_force", "engine_speed": known(5600, "rpm"), "model": "finite-element",
-         "published_by": "engine head test", "role": "prediction", "published": known(790, "N"), "computed": known(805, "N"), "difference": known(15, "N"),
+         "published_by": "engine head test", "role": "prediction", "published": known(790, "N"),
+         "computed": known(805, "N"), "difference": known(15, "N"),
          "tolerance": known(24, "N"), "verdict": "within tolerance", "source": "table 3"},
         {"quantity": "coil_1_2_installed_gap", "engine_speed": None, "model": "finite-element", "published_by": "engine head test",
          "role": "calibration", "published": known(2e-3, "m"), "computed": known(1.5e-3, "m"), "difference": known(-0.5e-3, "m"),
