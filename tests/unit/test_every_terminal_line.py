@@ -163,3 +163,27 @@ def test_the_number_that_stands_for_a_kept_run():
     assert headline({"runs": [{"quantities": {"peak_spring_force": {"value": None, "unit": "N"}}}]}) is None
     labelled = {"quantities_by_label": {"a": {"float_engine_speed": number(701.0, "rad/s")}}}
     assert headline(labelled) == {"quantity": "float_engine_speed", "value": 701.0, "unit": "rad/s"}
+
+
+def test_static_curves_are_printed_thinned_and_written_whole():
+    from valvetrain.cli.static import MOST_ROWS, _show, curve_text
+
+    study = replace(own_study(()), still={"spring by finite-element": {"preload": 287.0}, "spring by multi-mass": {}})
+    console = Console(file=StringIO(), width=140, no_color=True)
+    _show(console, study, Path("curve.csv"))
+    told = [re.split(r"\s{2,}", line.strip()) for line in console.file.getvalue().splitlines()]
+    printed = [line for line in told if len(line) == 3 and line[0][:1].isdigit()]
+    each = next(n for n in range(1, 99) if 40 / n <= MOST_ROWS)
+    steps = np.linspace(0, 18, 40)[::each]
+    rows = [[x, 41 * x, 41.0] for x in steps] + [[x, 0.98 * 41 * x, 40.18] for x in steps]
+    assert [[float(cell) for cell in line] for line in printed] == [pytest.approx(row, rel=1e-4) for row in rows]
+    assert told.count(["compression (mm)", "force (N)", "stiffness (N/mm)"]) == 2 and ["Preload", "287", "N"] in told
+    assert ["written to curve.csv"] in told
+    text = curve_text(study).splitlines()
+    assert text[0] == "spring,model,compression [mm],force [N],stiffness [N/mm]" and len(text) == 81
+    name, model, *numbers = text[-1].split(",")
+    assert (name, model) == ("spring", "multi-mass") and [float(one) for one in numbers] == pytest.approx([18.0, 723.24, 40.18])
+    alone = curve_text(replace(study, rest=study.rest[:1])).splitlines()
+    assert alone[0] == "compression [mm],force [N],stiffness [N/mm]" and [float(one) for one in alone[-1].split(",")] == pytest.approx(
+        [18.0, 738.0, 41.0]
+    )
