@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +11,9 @@ from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.transient import RodTransient
+from valvetrain.solution.arrays import ChannelArrays
 from valvetrain.solution.channels import FINE, spring_channels
 from valvetrain.springs.finite_element import POINTS_PER_COIL, FiniteElementRod
-
-if TYPE_CHECKING:
-    import xarray
 
 Array = NDArray[np.float64]
 
@@ -69,17 +66,17 @@ def static_section_loads(model: FiniteElementRod, states: Sequence[RodState]) ->
     return {name: strains[name] @ at.T for name in SECTION_LOADS}
 
 
-def rod_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> xarray.Dataset:
+def rod_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> ChannelArrays:
     """All channels of docs/architecture.md for a rod run; cam angle is cam_speed (rad/s) times time."""
     return _channels(model, run, cam_speed, True)
 
 
-def end_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> xarray.Dataset:
+def end_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> ChannelArrays:
     """End forces and contacts of a rod run, without sections and energies: what a sweep needs."""
     return _channels(model, run, cam_speed, False)
 
 
-def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whole: bool) -> xarray.Dataset:
+def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whole: bool) -> ChannelArrays:
     mesh, installed = model.mesh, model.installed.state
     coil = wire_points(model.definition.total_coils)
     height, speed = run.position[..., 2], run.velocity[..., 2]

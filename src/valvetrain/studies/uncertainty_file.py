@@ -6,11 +6,13 @@ import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from valvetrain.solution.definition import shown
 from valvetrain.solution.record import CaseRecord
-from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
+
+if TYPE_CHECKING:
+    from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
 
 _STILL = "statics"
 
@@ -80,6 +82,8 @@ def uncertainty_sentences(record: CaseRecord, engine_speeds: Sequence[float]) ->
 
 
 def _row(name: str, label: str, numbers: list[float]) -> Uncertainty:
+    from valvetrain.studies.uncertainty import Uncertainty  # brings the rod, which a train on other springs does not need
+
     speed = None if label == _STILL else float(label.split()[0]) * math.pi / 30
     value, numerical, order, extrapolated, step, *ranges = map(float, numbers)
     stiffness, damping = (ranges[0], ranges[1]), (ranges[2], ranges[3])

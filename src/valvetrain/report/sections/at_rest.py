@@ -35,7 +35,7 @@ def blocks(study: Study) -> tuple[Block, ...]:
 def marked_compressions(study: Study, rest: SpringAtRest) -> dict[str, float]:
     """Compressions (m) of the installed state, at the largest lift and at coil bind, those that are known."""
     found = {"installed": rest.precompression} if rest.precompression else {}
-    lifts = [float(np.max(run.channel("valve_lift"))) for run in study.solutions if run.has("valve_lift") and run.channels.sizes["sample"]]
+    lifts = [float(np.max(run.channel("valve_lift"))) for run in study.solutions if run.has("valve_lift") and len(run.time)]
     lifts += [value for key, value in study.quantities.items() if key.name in ("maximum_lift", "rigid_maximum_valve_lift")]
     if lifts:
         found["open"] = rest.precompression + max(lifts)
