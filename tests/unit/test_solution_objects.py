@@ -34,7 +34,7 @@ def test_undeclared_channel_and_missing_label_are_refused():
     with pytest.raises(InputError, match="units"):
         Solution(channels)
     with pytest.raises(InputError, match="cam_angle"):
-        Solution(channels.drop_vars("cam_angle"))
+        Solution(channels.dataset.drop_vars("cam_angle"))
 
 
 def test_missing_channel_is_named_with_those_that_exist():

@@ -37,12 +37,23 @@ SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
 }
 
 
-#: Channels on substeps of the samples: what the integrator saw.
+#: Channels between the samples: what the integrator saw.
 FINE: dict[str, tuple[tuple[str, ...], str, str]] = {
     "seat_force_fine": (("subsample",), "N", "seat force at even substeps after each sample"),
     "retainer_force_fine": (("subsample",), "N", "retainer force at even substeps after each sample"),
+    "seat_force_highest": ((), "N", "largest seat force on any step up to the next sample"),
+    "seat_force_highest_time": ((), "s", "time of the largest seat force up to the next sample"),
+    "seat_force_lowest": ((), "N", "least seat force on any step up to the next sample"),
+    "seat_force_lowest_time": ((), "s", "time of the least seat force up to the next sample"),
+    "retainer_force_highest": ((), "N", "largest retainer force on any step up to the next sample"),
+    "retainer_force_highest_time": ((), "s", "time of the largest retainer force up to the next sample"),
+    "retainer_force_lowest": ((), "N", "least retainer force on any step up to the next sample"),
+    "retainer_force_lowest_time": ((), "s", "time of the least retainer force up to the next sample"),
     "coil_contact_peak_force": (("coil_pair",), "N", "largest contact force since the last sample"),
 }
+
+#: Suffixes of the channels of an end force on every step: value and time of the largest and of the least up to the next sample.
+EXTREMES = ("highest", "highest_time", "lowest", "lowest_time")
 
 
 def spring_channels(

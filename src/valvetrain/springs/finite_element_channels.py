@@ -12,7 +12,7 @@ from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.transient import RodTransient
 from valvetrain.solution.arrays import ChannelArrays
-from valvetrain.solution.channels import FINE, spring_channels
+from valvetrain.solution.channels import EXTREMES, FINE, spring_channels
 from valvetrain.springs.finite_element import POINTS_PER_COIL, FiniteElementRod
 
 Array = NDArray[np.float64]
@@ -111,6 +111,8 @@ def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whol
     for name, series in (("seat_force_fine", run.dense_seat_force), ("retainer_force_fine", run.dense_retainer_force)):
         padded = np.concatenate([series, np.repeat(series[-1:], dense - 1)])
         values[name] = padded[: len(run.time) * dense].reshape(len(run.time), dense)
+    for column, name in enumerate(f"{end}_force_{kind}" for end in ("seat", "retainer") for kind in EXTREMES):
+        values[name] = run.extremes[:, column]
     return spring_channels(run.time, cam_speed * run.time, values, coil_number=coil if whole else None, upper_coil=upper_coil, extra=FINE)
 
 
