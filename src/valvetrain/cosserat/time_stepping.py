@@ -163,9 +163,9 @@ def integrate_in_time(b, integers, numbers, places, displacement, clock, stretch
     (STRETCHES, 2) is working space. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions, frames, velocities and spins,
     ``contacts`` (samples, 3, groups, nv) with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with
     retainer force, seat force, work done and dissipated energy, ``extremes`` (samples, 8) with the largest seat force of all steps from a
-    sample up to the next, its step, the least and its step, and the same of the retainer force, ``pressed`` (records from the first sample kept, 2, pairs) with force
-    and stored energy of the contact points of each pair, vertex i in pair ``bins[i]``. Returns (steps done, largest vertex speed); a run
-    that diverged stops early.
+    sample up to the next, its step, the least and its step, and the same of the retainer force, ``pressed`` (records from the first
+    sample kept, 2, pairs) with force and stored energy of the contact points of each pair, vertex i in pair ``bins[i]``. Returns (steps
+    done, largest vertex speed); a run that diverged stops early.
     """
     steps, vertices = len(displacement) - 1, np.uint64(integers[VERTICES])
     count, work, lost, before, fastest, per_sample = 0, 0.0, 0.0, 0.0, 0.0, clock[0] * clock[1]

@@ -124,7 +124,7 @@ def stage_3(cycle: Cycle, force: Array, separation: float, event: LiftEvent) -> 
 
 
 def _stage_3_in_bandwidths(cycle: Cycle, event: LiftEvent) -> dict[str, float]:
-    """Height (N) of the Stage III spike at the highest instant (of every step where the run tells) and below 10 and 20 kHz, where the run's samples allow it."""
+    """Height (N) of the Stage III spike at the highest instant known and below 10 and 20 kHz, where the run's samples allow it."""
     found: dict[str, float] = {}
     if cycle.solution.has("seat_force_fine"):
         told = cycle.solution.has("seat_force_highest")
