@@ -17,8 +17,7 @@ from valvetrain.integrate.train_steady import TOLERANCE, SteadyTrain, steady_tra
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
-from valvetrain.springs.contract import contact_watch_of
-from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.contract import LargeSpring, contact_watch_of
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest, rest_of
 from valvetrain.system.train_system import TrainSystem
@@ -46,7 +45,7 @@ class TrainLeapfrog:
         """See :class:`valvetrain.integrate.contract.Integrator`."""
         assert isinstance(system, TrainSystem)
         rest = options.rest or rest_of(system)
-        large = any(isinstance(spring, FiniteElementRod) for spring in system.springs)
+        large = any(isinstance(spring, LargeSpring) for spring in system.springs)
         samples = options.samples or (LARGE_SAMPLES if large else SAMPLES)
         chosen = TrainOptions(
             samples, time_step=options.time_step, record_springs=options.keep != "ends", record_contacts=not isinstance(until, RunUp)

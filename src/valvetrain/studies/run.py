@@ -24,12 +24,10 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
 from valvetrain.sources.contract import against_source
-from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.batch import available_cores
 from valvetrain.studies.engine import Progress, map_points
 from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
-from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
 from valvetrain.studies.spread import spread_sentences
 from valvetrain.studies.uncertainty_file import uncertainty_sentences
 from valvetrain.system.build import build
@@ -158,6 +156,9 @@ def _run_springs(
 
 def _rest(problem: Problem, spring: InstalledSpring, maximum_lift: float) -> SpringAtRest:
     """A spring at rest by the finite-element rod (the one that runs, where one does), or from its card."""
+    from valvetrain.springs.finite_element import FiniteElementRod
+    from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
+
     if spring.wire is None:
         assert spring.card is not None
         word = "modal-uniform" if spring.card.mass is not None else "massless"

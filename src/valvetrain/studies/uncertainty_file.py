@@ -6,12 +6,14 @@ import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from valvetrain.solution.definition import shown
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.record import CaseRecord
-from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
+
+if TYPE_CHECKING:
+    from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
 
 _STILL = "statics"
 #: A stored row belongs to a computed value that differs from it by less than this share, or by less than its own uncertainty.
@@ -102,6 +104,8 @@ def uncertainty_sentences(record: CaseRecord, engine_speeds: Sequence[float], qu
 
 
 def _row(name: str, label: str, numbers: list[float]) -> Uncertainty:
+    from valvetrain.studies.uncertainty import Uncertainty  # brings the rod, which a train on other springs does not need
+
     speed = None if label == _STILL else float(label.split()[0]) * math.pi / 30
     value, numerical, order, extrapolated, step, *ranges = map(float, numbers)
     stiffness, damping = (ranges[0], ranges[1]), (ranges[2], ranges[3])
