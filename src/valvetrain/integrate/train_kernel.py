@@ -34,7 +34,7 @@ from valvetrain.contact.kernels import (
 )
 from valvetrain.contact.own_law import call_law
 from valvetrain.integrate.spring_slot import write_contacts
-from valvetrain.integrate.train_damping import damp, losses
+from valvetrain.integrate.train_damping import damp, guide, losses
 from valvetrain.integrate.train_friction import friction_loss, rub
 from valvetrain.integrate.train_log import close_stretch, in_window, note_contact, note_crossing
 from valvetrain.integrate.train_tuples import PEAK_PENETRATION, Motion, Records, Scratch, Slot
@@ -234,10 +234,11 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
         if gas_coordinate >= 0:
             pressed, _, _ = table_value(train.gas, 0, cam_angle)
             v[gas_coordinate] += step * pressed / body[gas_coordinate, 0]
-        damped = damp(index, laws, body, scratch, step, v)
+        guide(body, scratch, step, v)
+        damped = damp(index, laws, scratch, step, v)
         rub(train, q, cam_angle, cam_speed, step, v, scratch)
         rubbed = friction_loss(index, v, scratch)
-        totals[2] += rubbed + losses(index, body, scratch, step, v, damped)
+        totals[2] += rubbed + losses(index, body, scratch, v, damped)
         totals[4] += rubbed
         power, bound = _account(laws, body, motion, scratch, records, n == 0, cam_angle)
         if gas_coordinate >= 0:
@@ -263,7 +264,7 @@ def scratch_of(n, count):
     return Scratch(
         np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 2)), np.zeros((n, n)), np.zeros((n, count)),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros((n, 2)),
-        np.zeros((n, 3)), np.zeros(n, dtype=np.int64),
+        np.zeros((n, 3)), np.zeros(n, dtype=np.int64), np.zeros((count, 3)),
     )  # fmt: skip
 
 

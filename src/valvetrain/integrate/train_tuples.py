@@ -80,7 +80,8 @@ class Scratch(NamedTuple):
     ``old`` (N,): velocities before the step. ``gaps`` (n, 4): penetration, gap rate of the cam alone, rate-free force that becomes the
     whole force, damping coefficient. ``gradients``, ``slides`` (n, 4) per coordinate slot; ``rubbing`` (n, 2): friction impulse, sliding
     of the cam. ``matrix`` to ``held``: the damping solve. ``before`` (n, 2): penetrations one and two steps ago. ``track`` (n, 3): largest
-    gap, its cam angle and largest force since the last transition; ``latest`` (n,): its row, -1 for none.
+    gap, its cam angle and largest force since the last transition; ``latest`` (n,): its row, -1 for none. ``guides`` (N, 3): see
+    ``train_damping.guide``.
     """
 
     old: Array
@@ -98,3 +99,4 @@ class Scratch(NamedTuple):
     before: Array
     track: Array
     latest: Integers
+    guides: Array
