@@ -30,7 +30,7 @@ def _damped_rows(index, scratch, step, v):
         z = step * gaps[k, 3] * mobility
         theta = (3.0 + z) / (6.0 + z)
         scratch.diagonal[count] = 1.0 / (step * gaps[k, 3] * theta)
-        scratch.right[count] = after + (1.0 - theta) / theta * before
+        scratch.right[count] = after + ((1.0 - theta) * before + (2.0 * theta - 1.0) * scratch.bend[k]) / theta
         scratch.rows[count] = k
         count += 1
     return count

@@ -113,6 +113,8 @@ def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extreme
         law = train.laws[k]
         pen, driven, rate = _gap(k, train, motion.q, motion.v, cam_angle, cam_speed, scratch.gradients)
         gaps[k, 0], gaps[k, 1], gaps[k, 2], gaps[k, 3] = pen, driven, 0.0, 0.0
+        if elapsed > 0.0:
+            scratch.bend[k] = rate - (pen - scratch.before[k, 0]) / elapsed
         if 0 <= law < OWN_LAW:
             impact_rate = 0.0
             if law == LANKARANI_NIKRAVESH or law == FLORES:
@@ -264,7 +266,7 @@ def scratch_of(n, count):
     return Scratch(
         np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 2)), np.zeros((n, n)), np.zeros((n, count)),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros((n, 2)),
-        np.zeros((n, 3)), np.zeros(n, dtype=np.int64), np.zeros((count, 3)),
+        np.zeros((n, 3)), np.zeros(n, dtype=np.int64), np.zeros((count, 3)), np.zeros(n),
     )  # fmt: skip
 
 

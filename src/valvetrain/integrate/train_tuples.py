@@ -100,3 +100,4 @@ class Scratch(NamedTuple):
     track: Array
     latest: Integers
     guides: Array
+    bend: Array
