@@ -10,10 +10,20 @@ from valvetrain.mechanism.gaps import OPTIONS
 
 
 @njit(forceinline=True, **OPTIONS)
-def _damped_rows(index, scratch, step, v):
-    """Collect the damped interactions: their places, gradients over the root of mass, right-hand sides and diagonals."""
+def _mean_share(now, z):
+    """Share theta of the velocity after the step in the one that a damper of z = h c W acts on; ``now``: its share at t_n (1/2 of even
+    steps), where light dampers act; heavy ones act on what is left at the end."""
+    return (6.0 * now + z) / (6.0 + z)
+
+
+@njit(forceinline=True, **OPTIONS)
+def _damped_rows(index, scratch, step, now, v):
+    """Collect the damped interactions: their places, gradients over the root of mass, right-hand sides and diagonals.
+
+    ``bend`` leads the rates, which were found with the gradients of t_n, to the middles of the steps on either side.
+    """
     gaps, gradients, old, dense = scratch.gaps, scratch.gradients, scratch.old, scratch.dense
-    count = 0
+    count, onwards = 0, (1.0 - now) / now
     for k in range(index.shape[0]):
         if gaps[k, 3] <= 0.0:
             continue
@@ -27,10 +37,9 @@ def _damped_rows(index, scratch, step, v):
                 after += gradients[k, slot] * v[i]
                 dense[count, i] = gradients[k, slot] / math.sqrt(scratch.guides[i, 0])
                 mobility += dense[count, i] * dense[count, i]
-        z = step * gaps[k, 3] * mobility
-        theta = (3.0 + z) / (6.0 + z)
+        theta = _mean_share(now, step * gaps[k, 3] * mobility)
         scratch.diagonal[count] = 1.0 / (step * gaps[k, 3] * theta)
-        scratch.right[count] = after + ((1.0 - theta) * before + (2.0 * theta - 1.0) * scratch.bend[k]) / theta
+        scratch.right[count] = after + onwards * scratch.bend[k] + (1.0 - theta) / theta * (before - scratch.bend[k])
         scratch.rows[count] = k
         count += 1
     return count
@@ -99,13 +108,13 @@ def _exchange(count, laws, scratch, step, single):
 
 
 @njit(forceinline=True, **OPTIONS)
-def damp(index, laws, scratch, step, v):
+def damp(index, laws, scratch, step, now, v):
     """Damping impulses of all interactions together; adds the mean damping forces to ``gaps[:, 2]``; returns how many there are.
 
-    A contact carries no force rather than pull: which ones are held so is found together with the impulses (a linear complementarity).
+    ``now``: share of the velocity after the step in that of t_n. A contact carries no force rather than pull: which ones are held so is found together with the impulses (a linear complementarity).
     """
     gaps, gradients, rows, held, impulse = scratch.gaps, scratch.gradients, scratch.rows, scratch.held, scratch.impulse
-    count = _damped_rows(index, scratch, step, v)
+    count = _damped_rows(index, scratch, step, now, v)
     for a in range(count):
         held[a] = 0
     for trial in range(8 * count):
@@ -125,7 +134,7 @@ def damp(index, laws, scratch, step, v):
 
 
 @njit(forceinline=True, **OPTIONS)
-def guide(body, scratch, step, v):
+def guide(body, scratch, step, now, v):
     """Slow ``v`` in the guides, and fill ``guides``: the mass that an impulse of this step moves, the guide's impulse per rate, its theta.
 
     The guide acts on (1 - theta) v_before + theta v_after, so that it is solved together with the impulses that follow: slowed after
@@ -136,9 +145,8 @@ def guide(body, scratch, step, v):
         mass = body[i, 0]
         guides[i, 0] = mass
         if body[i, 2] > 0.0 or body[i, 3] > 0.0:
-            drag = step * (body[i, 2] + body[i, 3] / max(abs(0.5 * (old[i] + v[i])), body[i, 4]))
-            z = drag / mass
-            theta = (3.0 + z) / (6.0 + z)
+            drag = step * (body[i, 2] + body[i, 3] / max(abs((1.0 - now) * old[i] + now * v[i]), body[i, 4]))
+            theta = _mean_share(now, drag / mass)
             guides[i, 0], guides[i, 1], guides[i, 2] = mass + theta * drag, drag, theta
             v[i] = (mass * v[i] - (1.0 - theta) * drag * old[i]) / guides[i, 0]
 

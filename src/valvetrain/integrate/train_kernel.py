@@ -163,11 +163,11 @@ def _account(laws, body, motion, scratch, records, first, cam_angle, step):
 
 
 @njit(forceinline=True, **OPTIONS)
-def _record(row, records, q, v, old, step, cam_angle, power, gaps, clock):
-    count, motion, passed = q.shape[0], records.motion, 0.5 * clock[11] / step
+def _record(row, records, q, v, old, step, now, cam_angle, power, gaps, clock):
+    count, motion = q.shape[0], records.motion
     for i in range(count):
         motion[row, i] = q[i]
-        motion[row, count + i] = (1.0 - passed) * old[i] + passed * v[i]
+        motion[row, count + i] = (1.0 - now) * old[i] + now * v[i]
         motion[row, 2 * count + i] = (v[i] - old[i]) / step
     motion[row, 3 * count], motion[row, 3 * count + 1] = cam_angle, power
     for k in range(gaps.shape[0]):
@@ -232,6 +232,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
         elif whole:
             left = 1
         kick = 0.5 * (clock[11] + part)
+        now = 0.5 * clock[11] / kick
         if whole:
             change = clock[4] + clock[6]
             if exchange <= 0:
@@ -257,8 +258,8 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
         if gas_coordinate >= 0:
             pressed, _, _ = table_value(train.gas, 0, cam_angle)
             v[gas_coordinate] += kick * pressed / body[gas_coordinate, 0]
-        guide(body, scratch, kick, v)
-        damped = damp(index, laws, scratch, kick, v)
+        guide(body, scratch, kick, now, v)
+        damped = damp(index, laws, scratch, kick, now, v)
         rub(train, q, cam_angle, cam_speed, kick, v, scratch)
         rubbed = friction_loss(index, v, scratch)
         totals[2] += rubbed + losses(index, body, scratch, v, damped)
@@ -268,7 +269,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
             totals[1] += kick * pressed * 0.5 * (old[gas_coordinate] + v[gas_coordinate])
         totals[3] += kick * pull * 0.5 * (old[retainer] + v[retainer])
         if recording:
-            _record(sample, records, q, v, old, kick, cam_angle, power, gaps, clock)
+            _record(sample, records, q, v, old, kick, now, cam_angle, power, gaps, clock)
             sample += 1
         for i in range(q.shape[0]):
             q[i] += part * v[i]
@@ -282,13 +283,13 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
 
 
 @njit(forceinline=True, error_model="numpy")
-def scratch_of(n, count):
-    """Empty working memory for n interactions and ``count`` coordinates."""
+def scratch_of(n, count, states):
+    """Empty working memory for n interactions, ``count`` coordinates and ``states`` numbers that the laws remember."""
     return Scratch(
         np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 2)), np.zeros((n, n)), np.zeros((n, count)),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros((n, 2)),
         np.zeros((n, 3)), np.zeros(n, dtype=np.int64), np.zeros((count, 3)), np.zeros(n), np.zeros(n),
-        np.zeros((n, 4)),
+        np.zeros((n, 4)), np.zeros(states),
     )  # fmt: skip
 
 
@@ -299,7 +300,7 @@ def advance_train(spring_a, spring_b, train, slot_a, slot_b, motion, records):
     ``spring_a``, ``spring_b``: kernels of ``springs.contract``; the arrays of all that moves come as ``TrainArrays`` and as the named
     tuples of ``train_tuples``. Compiled once for all trains, see :func:`ready_train_kernel`.
     """
-    scratch = scratch_of(train.kinds.shape[0], motion.q.shape[0])
+    scratch = scratch_of(train.kinds.shape[0], motion.q.shape[0], motion.law_state.shape[0])
     return _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scratch)
 
 

@@ -83,7 +83,8 @@ class Scratch(NamedTuple):
     of the cam. ``matrix`` to ``held``: the damping solve. ``before`` (n, 2): penetrations one and two steps ago. ``track`` (n, 3): largest
     gap, its cam angle and largest force since the last transition; ``latest`` (n,): its row, -1 for none. ``guides`` (N, 3): see
     ``train_damping.guide``. ``rate``, ``bend`` (n,): rate of the penetration before the step, and by how much it exceeds the change of
-    the penetration. ``blows`` (n, 4): see ``train_blows.finest_step``.
+    the penetration. ``blows`` (n, 4): see ``train_blows.finest_step``;
+    ``trial``: copy of the memory of all laws.
     """
 
     old: Array
@@ -105,3 +106,4 @@ class Scratch(NamedTuple):
     bend: Array
     rate: Array
     blows: Array
+    trial: Array
