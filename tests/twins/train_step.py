@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 from scipy.optimize import brentq
 
-from valvetrain.contact.kernels import contact_force
+from valvetrain.contact.kernels import LINEAR, contact_force
 from valvetrain.mechanism.sliding import SLIDING_KINDS, sliding_gradient
 from valvetrain.system.train_forces import gap_state
 
@@ -23,6 +23,7 @@ def integrate_in_time(runner, state, steps):
         pens, gradients, slopes = gap_state(system, q, angle)
         driven = slopes * omega
         bend = np.zeros(len(pens)) if previous is None else driven + gradients @ old - (pens - previous) / h
+        before = pens if previous is None else previous
         previous = pens
         forces, damping = np.zeros(len(pens)), np.zeros(len(pens))
         for k, pen in enumerate(pens):
@@ -33,6 +34,8 @@ def integrate_in_time(runner, state, steps):
                 forces[k] = contact_force(arrays.laws[k], row, 0.0, pen, 0.0)
                 closing = max(abs(rate), 1e-9)
                 damping[k] = (contact_force(arrays.laws[k], row, 0.0, pen, closing) - forces[k]) / closing
+                if arrays.laws[k] == LINEAR and before[k] <= 0 < rate:  # met within the step: the kick began half a step ago
+                    damping[k] *= pen / (pen - before[k]) + 0.5
         total = arrays.body[:, 1] - forces @ gradients
         total[arrays.retainer] -= system.spring_force(float(q[arrays.retainer]))
         v = v + h * total / mass

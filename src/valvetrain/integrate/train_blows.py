@@ -24,9 +24,10 @@ OCTAVES, HALVINGS = 12.0, 8
 
 
 @njit(forceinline=True, **OPTIONS)
-def _force(k, train, motion, scratch, tau, rate):
-    """Force (N) of contact ``k`` a time ``tau`` (s) after a touch at ``rate`` (m/s); a law of its own gets a copy of its memory."""
-    law, pen = train.laws[k], rate * tau
+def _force(k, train, motion, scratch, pen, rate, since):
+    """Force (N) of contact ``k`` at a penetration (m, positive), ``since`` (s) after a touch at ``rate`` (m/s); a law of its own gets a
+    copy of its memory."""
+    law = train.laws[k]
     if law < OWN_LAW:
         return contact_force(law, train.law_parameters[k], rate, pen, rate)
     first, end = train.memory_of[k], train.memory_of[k + 1]
@@ -34,9 +35,16 @@ def _force(k, train, motion, scratch, tau, rate):
         scratch.trial[i] = motion.law_state[i]
     call_law(
         motion.law_addresses[law - OWN_LAW], train.law_parameters.ctypes.data + 8 * WIDTH * k, scratch.trial.ctypes.data + 8 * first,
-        end - first, pen, 0.0, rate, tau, scratch.blows.ctypes.data + 8 * (4 * k + 2),
+        end - first, pen, 0.0, rate, since, scratch.blows.ctypes.data + 8 * (4 * k + 2),
     )  # fmt: skip
     return scratch.blows[k, 2] + scratch.blows[k, 3] * rate
+
+
+@njit(forceinline=True, **OPTIONS)
+def meets_damper(k, train, motion, scratch, pen, rate):
+    """Whether a contact that closed since the last step presses with a damper from the touch on, as no law with a smooth force does."""
+    damper = scratch.gaps[k, 3] * rate
+    return damper > 0.0 and _force(k, train, motion, scratch, 1e-6 * pen, rate, 0.0) > 0.5 * damper
 
 
 @njit(forceinline=True, **OPTIONS)
@@ -50,12 +58,12 @@ def _rise(k, train, motion, scratch, rate, longest, least):
             mobility += scratch.gradients[k, slot] * scratch.gradients[k, slot] / train.body[i, 0]
     if mobility == 0.0 or rate <= least * mobility * longest * 2.0**-OCTAVES:
         return longest
-    if _force(k, train, motion, scratch, longest, rate) * mobility * longest < rate:
+    if _force(k, train, motion, scratch, rate * longest, rate, longest) * mobility * longest < rate:
         return longest
     share, half = 0.0, 0.5 * OCTAVES
     for _ in range(HALVINGS):
         tau = longest * 2.0 ** (share - half)
-        if _force(k, train, motion, scratch, tau, rate) * mobility * tau > rate:
+        if _force(k, train, motion, scratch, rate * tau, rate, tau) * mobility * tau > rate:
             share -= half
         half *= 0.5
     tau = longest * 2.0**share

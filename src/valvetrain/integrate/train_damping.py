@@ -20,13 +20,17 @@ def _mean_share(now, z):
 def _damped_rows(index, scratch, step, now, v):
     """Collect the damped interactions: their places, gradients over the root of mass, right-hand sides and diagonals.
 
-    ``bend`` leads the rates, which were found with the gradients of t_n, to the middles of the steps on either side.
+    ``bend`` leads the rates, which were found with the gradients of t_n, to the middles of the steps on either side. A damper that was
+    met since the last step acts for its share of the kick, which lasts from the middle of one step to the middle of the next.
     """
     gaps, gradients, old, dense = scratch.gaps, scratch.gradients, scratch.old, scratch.dense
     count, onwards = 0, (1.0 - now) / now
     for k in range(index.shape[0]):
         if gaps[k, 3] <= 0.0:
             continue
+        if scratch.share[k] == 0.0:
+            scratch.share[k] = 2.0 * now * gaps[k, 0] / (gaps[k, 0] - scratch.before[k, 0]) + 1.0 - now
+        damping = scratch.share[k] * gaps[k, 3]
         before, after, mobility = gaps[k, 1], gaps[k, 1], 0.0
         for i in range(v.shape[0]):
             dense[count, i] = 0.0
@@ -37,8 +41,8 @@ def _damped_rows(index, scratch, step, now, v):
                 after += gradients[k, slot] * v[i]
                 dense[count, i] = gradients[k, slot] / math.sqrt(scratch.guides[i, 0])
                 mobility += dense[count, i] * dense[count, i]
-        theta = _mean_share(now, step * gaps[k, 3] * mobility)
-        scratch.diagonal[count] = 1.0 / (step * gaps[k, 3] * theta)
+        theta = _mean_share(now, step * damping * mobility)
+        scratch.diagonal[count] = 1.0 / (step * damping * theta)
         scratch.right[count] = after + onwards * scratch.bend[k] + (1.0 - theta) / theta * (before - scratch.bend[k])
         scratch.rows[count] = k
         count += 1

@@ -34,7 +34,7 @@ from valvetrain.contact.kernels import (
 )
 from valvetrain.contact.own_law import call_law
 from valvetrain.integrate.spring_slot import write_contacts
-from valvetrain.integrate.train_blows import finest_step, parts_of
+from valvetrain.integrate.train_blows import finest_step, meets_damper, parts_of
 from valvetrain.integrate.train_damping import damp, guide, losses
 from valvetrain.integrate.train_friction import friction_loss, rub
 from valvetrain.integrate.train_log import close_stretch, in_window, note_contact, note_crossing
@@ -128,6 +128,9 @@ def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extreme
             gaps[k, 2], gaps[k, 3] = law_parameters[k, 0] * pen, law_parameters[k, 1]
         else:
             _remember(k, train, motion, pen, rate, elapsed, scratch)
+        scratch.share[k] = 1.0
+        if law >= 0 and pen > 0.0 and scratch.before[k, 0] <= 0.0 and meets_damper(k, train, motion, scratch, pen, rate):
+            scratch.share[k] = 0.0  # to be found with the step that follows
         extremes[k, PEAK_PENETRATION] = max(extremes[k, PEAK_PENETRATION], pen)
 
 
@@ -153,7 +156,7 @@ def _account(laws, body, motion, scratch, records, first, cam_angle, step):
         power += gaps[k, 2] * gaps[k, 1]
         if rubbing[k, 0] != 0.0:
             power += rubbing[k, 0] / step * rubbing[k, 1]
-        note_contact(k, gaps[k, 0], gaps[k, 2], laws[k] >= 0, first, inside, cam_angle, motion, scratch, records)
+        note_contact(k, gaps[k, 0], gaps[k, 2] / scratch.share[k], laws[k] >= 0, first, inside, cam_angle, motion, scratch, records)
     for i in range(v.shape[0]):
         work += body[i, 1] * 0.5 * (old[i] + v[i])
         bound = max(bound, abs(v[i]))
@@ -289,7 +292,7 @@ def scratch_of(n, count, states):
         np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 2)), np.zeros((n, n)), np.zeros((n, count)),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros((n, 2)),
         np.zeros((n, 3)), np.zeros(n, dtype=np.int64), np.zeros((count, 3)), np.zeros(n), np.zeros(n),
-        np.zeros((n, 4)), np.zeros(states),
+        np.zeros((n, 4)), np.zeros(states), np.ones(n),
     )  # fmt: skip
 
 

@@ -84,7 +84,8 @@ class Scratch(NamedTuple):
     gap, its cam angle and largest force since the last transition; ``latest`` (n,): its row, -1 for none. ``guides`` (N, 3): see
     ``train_damping.guide``. ``rate``, ``bend`` (n,): rate of the penetration before the step, and by how much it exceeds the change of
     the penetration. ``blows`` (n, 4): see ``train_blows.finest_step``;
-    ``trial``: copy of the memory of all laws.
+    ``trial``: copy of the memory of all laws. ``share`` (n,): part of the kick in which a contact's damper acts, 1 but in the step of
+    its touch.
     """
 
     old: Array
@@ -107,3 +108,4 @@ class Scratch(NamedTuple):
     rate: Array
     blows: Array
     trial: Array
+    share: Array
