@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from inspect import getdoc
 
-from valvetrain.quantities.table import AT_REST, RUNS, SWEEP, TRAINS
+from valvetrain.quantities.table import AT_REST, RUNS, SCATTER, SWEEP, TRAINS
 from valvetrain.registry import BUILT_IN
 from valvetrain.solution.definition import QuantityRow, tables
 
@@ -31,6 +31,7 @@ _GROUPS: tuple[tuple[str, str, tuple[QuantityRow, ...]], ...] = (
     ("At rest", "Of springs and lift before anything runs; estimates hold for the free state.", AT_REST),
     ("Runs", "Of a run, for a spring under prescribed motion and for springs in a train.", RUNS),
     ("Trains", 'Of one steady cycle of a train. "Open" means that the rigid lift is above a tenth of its maximum.', TRAINS),
+    ("Scatter of a train", "Of a train whose motion does not repeat: over 8 cycles.", SCATTER),
     ("Sweeps", "Of a sweep over engine speeds.", SWEEP),
 )
 _SYSTEMS = {("spring", "train"): "both", ("spring",): "spring", ("train",): "train"}
