@@ -71,6 +71,7 @@ class TrainLeapfrog:
             "time_step_duration": found.record.time_step, "steps_per_cycle_count": float(found.runner.steps),
             "wall_time_per_cycle_duration": found.wall_time_per_cycle, "integrator": self.word,
         }  # fmt: skip
+        statistics |= found.scatter.statistics if found.scatter is not None else {}
         channels = train_channels(found.runner.system, rest, (found.record,), found.start)
         events, spacing = _events(found.runner, found.record)
         return Solution(channels, events, found.status, statistics | spacing, provenance)
@@ -83,7 +84,7 @@ class TrainLeapfrog:
         tolerance = until.tolerance or (FEW_TOLERANCE if large else TOLERANCE)
         for _ in range(FINER_STEPS + 1):
             ready = runner(system, cam_speed, chosen, rest=rest)
-            found = steady_train(ready, "repeat" if large else until.method, tolerance, most)
+            found = steady_train(ready, "repeat" if large else until.method, tolerance, most, compared=not large)
             if found.record.status.completed or chosen.time_step is not None:
                 break
             chosen = replace(chosen, step_fraction=chosen.step_fraction / 3)

@@ -273,6 +273,21 @@ def event_rows() -> tuple[QuantityRow, ...]:
 #: Opening and closing of lobe and valve.
 EVENTS: tuple[QuantityRow, ...] = event_rows()
 
+#: Numbers of a train whose scatter from cycle to cycle is told where its motion does not repeat -> plain words.
+SCATTERED = {
+    "valve_lift": "the valve lift at one cam angle", "peak_valve_lift": "the peak valve lift", "peak_spring_force": "the peak spring force",
+    "minimum_spring_force": "the least spring force", "peak_retainer_force": "the peak retainer force",
+    "minimum_retainer_force": "the least retainer force", "peak_{place}_contact_force": "the peak {place} contact force",
+    "loft_gap": "the loft", "seating_velocity": "the seating velocity", "bounce_count": "the bounces", "bounce_height": "the bounce height",
+    "cycle_work_energy": "the work of the cam",
+}  # fmt: skip
+SCATTER: tuple[QuantityRow, ...] = tuple(
+    row(f"cycle_scatter_{name}", f"scatter of {words}",
+        f"Largest less least value of {words} over 8 cycles of a motion that does not repeat; absent where it does.", sense=LESS,
+        systems=TRAIN, shown_unit="J" if name.endswith("energy") else None)
+    for name, words in SCATTERED.items()
+)  # fmt: skip
+
 #: Of a sweep over engine speeds.
 SWEEP: tuple[QuantityRow, ...] = (
     row("float_engine_speed", "engine speed of float",
@@ -282,4 +297,4 @@ SWEEP: tuple[QuantityRow, ...] = (
         "Lowest speed at which the cam contact opens for a moment while the valve is open.", sense=MORE, systems=TRAIN),
 )  # fmt: skip
 
-ROWS: tuple[QuantityRow, ...] = (*AT_REST, *RUNS, *TRAINS, *EVENTS, *SWEEP)
+ROWS: tuple[QuantityRow, ...] = (*AT_REST, *RUNS, *TRAINS, *EVENTS, *SCATTER, *SWEEP)

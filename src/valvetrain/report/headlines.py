@@ -26,6 +26,12 @@ TOPICS: dict[str, tuple[str, ...]] = {
     "Seating and contact": (
         "seating_velocity", "bounce_height", "bounce_count", "loft_gap", "loss_of_contact_duration", "lift_loss_displacement",
     ),
+    "Scatter from cycle to cycle": tuple(
+        f"cycle_scatter_{name}" for name in (
+            "valve_lift", "peak_spring_force", "minimum_spring_force", "peak_cam_contact_force", "peak_seat_contact_force", "seating_velocity",
+            "bounce_height", "bounce_count", "loft_gap",
+        )
+    ),
     "Loss of control": ("contact_loss_engine_speed", "float_engine_speed", "rigid_contact_loss_engine_speed"),
     "Wire stress": ("peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress"),
 }  # fmt: skip

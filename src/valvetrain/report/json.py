@@ -45,7 +45,7 @@ def engine_speed_object(engine_speed: float | None) -> dict[str, Any] | None:
 def status_object(status: Status) -> dict[str, Any]:
     """How something ended."""
     if status.completed:
-        return {"code": status.code}
+        return {"code": status.code} | ({"message": status.message} if status.message else {})
     words = {"message": status.message, "where": status.where, "remedy": status.remedy}
     return {"code": status.code, "time": measured(status.time, "s"), **words}
 
