@@ -23,7 +23,7 @@ class SpeedBracket:
     upper_engine_speed: float
 
     def __str__(self) -> str:
-        low, high = (f"{value / RPM:.0f}" for value in (self.lower_engine_speed, self.upper_engine_speed))
+        low, high = (f"{round(value / RPM, 6):.0f}" for value in (self.lower_engine_speed, self.upper_engine_speed))
         return low if low == high else f"{low}–{high}"
 
     def apart(self, other: SpeedBracket) -> float:
@@ -36,8 +36,8 @@ class SpeedBracket:
 class Crossing:
     """One change between control kept and lost, found three ways.
 
-    ``from_rest``: every speed started at rest. ``rising``, ``falling``: every speed started from the motion at its neighbour below, or above;
-    None where that motion did not change over within the speeds searched, or could not be carried over.
+    ``from_rest``: every speed started at rest. ``rising``, ``falling``: every speed started from the motion at its neighbour below, or
+    above; None where that motion did not change over within the speeds searched, or could not be carried over.
     """
 
     from_rest: SpeedBracket
@@ -54,9 +54,9 @@ class Crossing:
 class CriticalSpeed:
     """What a search over engine speed found of one kind of loss of control; speeds in rad/s of the crank.
 
-    ``kind``: ``contact-loss`` (a contact of the drive opens while the valve is open), ``float`` (the valve runs above its rigid lift by more
-    than ``limit``, in m) or ``bounce`` (it leaves its seat again by more than ``limit``). ``place``: the contact that opens first, ``valve``
-    or ``seat``. ``begins``: the lowest onset, None where there is none or control is lost already at ``first_engine_speed``.
+    ``kind``: ``contact-loss`` (a contact of the drive opens while the valve is open), ``float`` (the valve runs above its rigid lift by
+    more than ``limit``, in m) or ``bounce`` (it leaves its seat again by more than ``limit``). ``place``: the contact that opens first,
+    ``valve`` or ``seat``. ``begins``: the lowest onset, None where there is none or control is lost already at ``first_engine_speed``.
     ``ends``: where that stretch of speeds ends, None where it lasts to ``last_engine_speed``. ``again``: further stretches above it, by the
     lowest and highest speed at which they were seen. ``runs_count``: runs of the search besides the sweep's own.
     """

@@ -40,7 +40,8 @@ class Study:
 
     ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep. ``rest``: springs at rest.
     ``still``: quantities that belong to no run, by label (empty: of the case). ``comparisons``, ``findings`` and ``notes`` speak of
-    published numbers and are empty for a case of one's own. ``critical_speeds``: what a sweep of a train searched. ``lift_event``: None without lift or where it spans the cam's zero.
+    published numbers and are empty for a case of one's own. ``critical_speeds``: what a sweep of a train searched. ``lift_event``: None
+    without lift or where it spans the cam's zero.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
     >>> study.quantities["preload"]

@@ -122,7 +122,7 @@ class Search:
         return Crossing(bracket, self._carried(kind, low, high), self._carried(kind, high, low))
 
     def _carried(self, kind: str, begin: float, towards: float) -> SpeedBracket | None:
-        """From the motion at ``begin`` on, each speed from the one before, until it changes over; then halved from the last that has not."""
+        """From the motion at ``begin`` on, each speed from the one before, until it changes over; then halved from the last before."""
         last = self._speeds[-1 if towards > begin else 0]
         first, here, there = self.look(begin), begin, towards
         side, orbit, step = first.lost(kind), first.orbit, towards - begin

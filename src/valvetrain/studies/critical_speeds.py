@@ -15,6 +15,7 @@ from valvetrain.studies.critical_search import Limit, Look, Search
 from valvetrain.studies.engine import map_points
 from valvetrain.studies.ready import Plan, Ready, integrate_from, judge, provenance_of
 from valvetrain.system.problem import Problem
+from valvetrain.units import Given, si
 
 RPM = math.pi / 30
 #: Contacts that drive the valve, in the order from the cam to the valve.
@@ -31,10 +32,10 @@ class CriticalOptions:
     bounce_height: float = 100e-6
 
     def __post_init__(self) -> None:
-        for name, words in (("resolution", "a speed such as '10 rpm'"), ("float_lift", "a lift such as '50 um'"),
-                            ("bounce_height", "a lift such as '100 um'")):  # fmt: skip
+        for name, words in (("resolution", "10 rpm"), ("float_lift", "0.05 mm"), ("bounce_height", "0.1 mm")):
             if not (math.isfinite(value := getattr(self, name)) and value > 0):
-                raise InputError(f"{name.replace('_', ' ')} of the critical speeds is {value:g}; give {words}", f"--{name.replace('_', '-')}")
+                said = name.replace("_", " ")
+                raise InputError(f"the {said} of critical speeds must be positive; give such as '{words}'", f"--{said.replace(' ', '-')}")
 
     @property
     def limits(self) -> tuple[Limit, ...]:
@@ -48,6 +49,15 @@ class CriticalOptions:
     def limit_of(self, kind: str) -> float:
         """Limit (SI) of a kind: the contact force of a loss of contact is zero."""
         return {"float": self.float_lift, "bounce": self.bounce_height}.get(kind, 0.0)
+
+
+def read_options(resolution: Given, float_lift: Given, bounce_height: Given) -> CriticalOptions:
+    """Options from what people write: "10 rpm" or rad/s, "50 um" or m, or pint quantities. Raises :class:`InputError` for another unit or
+    what is not positive."""
+    return CriticalOptions(
+        si(resolution, "engine_speed", "--resolution"), si(float_lift, "length", "--float-lift"),
+        si(bounce_height, "length", "--bounce-height"),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +124,7 @@ def critical_speed(
     ends = None if end is None else search.crossing(kind, end)
     again = tuple(one for one in search.stretches(kind) if one.lower_engine_speed > from_speed)
     place = search.known(from_speed).places[kind]
-    return replace(
-        none, found=True, place=place, begins=begins, ends=ends, again=again, runs_count=search.runs_count - before,
-    )  # fmt: skip
+    return replace(none, found=True, place=place, begins=begins, ends=ends, again=again, runs_count=search.runs_count - before)
 
 
 def _look_at(problem: Problem, ready: Ready, plan: Plan, options: CriticalOptions, engine_speed: float, orbit: Any) -> Look:

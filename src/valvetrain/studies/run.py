@@ -61,8 +61,8 @@ def run_problem(
     problem: Problem, engine_speeds: Sequence[float], *, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
     command: str = "run", whole: bool = True, critical: CriticalOptions | None = None,
 ) -> Study:  # fmt: skip
-    """The study of a problem at ``engine_speeds`` (rad/s of the crank); see :func:`run_study`. ``critical``: search a train's critical speeds
-    between the lowest and the highest of them."""
+    """The study of a problem at ``engine_speeds`` (rad/s of the crank); see :func:`run_study`. ``critical``: search a train's critical
+    speeds between the lowest and the highest of them."""
     begun = time.perf_counter()
     speeds = tuple(float(speed) for speed in engine_speeds)
     if any(not (np.isfinite(speed) and speed > 0) for speed in speeds):
