@@ -15,7 +15,7 @@ from typing import Any
 from valvetrain.solution.critical import Crossing, SpeedBracket
 
 #: The steepest slope seen within this share of the speed counts, times this factor.
-NEAR, FACTOR = 0.1, 1.5
+NEAR, FACTOR = 0.1, 2.0
 #: Largest step of a march with carried motion, in resolutions.
 STRIDE = 10.0
 
