@@ -76,6 +76,8 @@ BUILT_IN["lifts"] = {
     "sine-power": "valvetrain.cam.sine_power:SPEC",
     "ramped": "valvetrain.cam.ramped:SPEC",
     "shaped": "valvetrain.cam.shaped:SPEC",
+    "cam-card": "valvetrain.cam.cam_card:SPEC",
+    "modified-trapezoid": "valvetrain.cam.modified_trapezoid:SPEC",
     "three-arc": "valvetrain.cam.three_arc:SPEC",
     "tangent": "valvetrain.cam.tangent:SPEC",
 }

@@ -191,7 +191,7 @@ REFUSED = [
     (SPRING.replace("[spring]", "[sprung]"), "did you mean spring"),
     (SPRING + 'height = { coils = [0, 6], values = "0, 45 mm" }', "pitch and height are both given"),
     (SPRING + 'outer_diameter = "28 mm"', "mean_diameter and outer_diameter are both given"),
-    (SPRING.replace('pitch = "7.5 mm"\n', ""), "neither pitch nor height is given"),
+    (SPRING.replace('pitch = "7.5 mm"\n', ""), "neither pitch nor height nor free_length is given"),
     (SPRING.replace("total_coils = 6\n", ""), "'total_coils' is missing; add it"),
     (SPRING.replace("= 6", "= 0"), "too small"),
     (SPRING.replace("= 6", "= 1e9"), "too large"),

@@ -214,7 +214,9 @@ def published_words(rows: Sequence[Comparison]) -> str:
     """One sentence: how many published values, the median and the largest difference, and how many stated tolerances are met."""
     from valvetrain.report.words import percent, speed_words
 
-    known = [(abs(row.relative_difference), row) for row in rows if row.relative_difference is not None and row.unit != "deg"]
+    known = [
+        (abs(row.relative_difference), row) for row in rows if row.relative_difference is not None and row.unit != "deg" and not row.doubt
+    ]
     judged = [row for row in rows if row.verdict.startswith(("within", "misses"))]
     met = sum(row.verdict.startswith("within") for row in judged)
     text = f"{len(rows)} published value{'s' if len(rows) > 1 else ''}"
@@ -223,6 +225,9 @@ def published_words(rows: Sequence[Comparison]) -> str:
         place = "" if row.engine_speed is None else f" at {speed_words(row.engine_speed)}"
         median = percent(statistics.median(share for share, _ in known)).lstrip("+")
         text += f": median difference {median}, largest {percent(worst).lstrip('+')} ({label_of(row.quantity)}{place})"
+    for row in rows:
+        if row.doubt and row.relative_difference is not None:
+            text += f"; {label_of(row.quantity)} {percent(row.relative_difference)}, but the number is in doubt: {row.doubt}"
     return text + (f"; {met} of {len(judged)} stated tolerances met" if judged else "")
 
 

@@ -52,10 +52,10 @@ object from the names above to such numbers.
 | `static_curve` | `status`; `compression`, `force`, `stiffness`, each with `values` and `unit` |
 | `modes` | `status`, `compression`, and per mode `mode`, `natural_frequency`, `axial_transmission_ratio`, `axial` (number among the axial modes, or null) |
 | `runs` | per run `label`, `model`, `spring_set`, `engine_speed`, `status`, `quantities`, `clash_count`, `events`, `options`, `statistics` |
-| `status` | `code` (`completed`, `not-converged`, `diverged`, `coil-bind`, `solid`, `refused`, `interrupted`); unless completed also `message`, `time`, `where`, `remedy` |
+| `status` | `code` (`completed`, `not-converged`, `diverged`, `coil-bind`, `solid`, `buckled`, `refused`, `interrupted`); unless completed also `message`, `time`, `where`, `remedy` |
 | `events` | per event `kind`, `cam_angle`, `time`, `duration`, `size`, `where`, `details`; of a clash `lower_coil`, `upper_coil`, `impulse`, `energy`, `peak_cam_angle` |
 | `options`, `statistics` | of a run: options of its model, and step, counts, residuals; numbers as value and unit, unit `1` for counts and shares |
-| `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `published`, `computed`, `difference`, `tolerance`, `verdict`, `source` |
+| `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `used_for`, `doubt`, `published`, `computed`, `difference`, `tolerance`, `verdict`, `source` |
 | `findings`, `notes` | findings of the source beside what was computed; sentences on what must be known of the numbers |
 | `cite` | references behind the results |
 | `created_at`, `command_line`, `versions`, `choices` | of a kept run: when, by what, with which packages; engine speeds, models and sets that were run |

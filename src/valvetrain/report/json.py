@@ -15,6 +15,7 @@ from valvetrain.solution.critical import CriticalSpeed, Crossing, SpeedBracket
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.event import Event
 from valvetrain.solution.quantity import unit_of
+from valvetrain.solution.rest_point import named
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
@@ -57,7 +58,7 @@ def comparison_object(row: Comparison) -> dict[str, Any]:
     return {
         "quantity": row.quantity, "engine_speed": engine_speed_object(row.engine_speed), "model": row.model, "published_by": row.origin,
         "role": row.role, **{name: None if value is None else measured(value, unit) for name, value in values.items()},
-        "verdict": row.verdict, "source": row.source,
+        "verdict": row.verdict, "source": row.source, "used_for": row.used_for, "doubt": row.doubt,
     }  # fmt: skip
 
 
@@ -143,9 +144,14 @@ def _rest_object(one: SpringAtRest) -> dict[str, Any]:
         found["static_curve"] = {"status": status_object(one.curve.status)} | {
             name: {"values": np.asarray(values, dtype=float).tolist(), "unit": unit} for name, (values, unit) in curve.items()
         }
+    if one.installed is not None:
+        found["installed"] = quantities_object(named(one.installed))
+    if one.points:
+        found["points"] = [quantities_object(named(point)) for point in one.points]
     if one.modes is not None:
         axial = {mode: place for place, mode in enumerate(one.modes.axial_modes, start=1)}
-        found["modes"] = {"status": status_object(one.modes.status), "compression": measured(one.modes.compression, "m")} | {
+        found["modes"] = {"status": status_object(one.modes.status), "compression": measured(one.modes.compression, "m"),
+                          "attached_mass": None if one.modes.attached_mass is None else measured(one.modes.attached_mass, "kg")} | {
             "modes": [
                 {"mode": place + 1, "natural_frequency": measured(float(value), "Hz"), "axial": axial.get(place),
                  "axial_transmission_ratio": measured(float(one.modes.axial_transmission[place]), "1")}

@@ -96,6 +96,8 @@ def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whol
         "work_done": run.work_done,
         "energy_dissipated": run.energy_dissipated + run.contact_loss,
     }
+    if mesh.guide is not None:
+        values["guide_force"] = mesh.guide.pressed(run.position, mesh.node_length)
     if whole:
         at, strains = interpolation(mesh, coil), _strains(mesh, run.position, run.frame)
         interval = run.time[1] - run.time[0] if len(run.time) > 1 else 1.0
@@ -169,6 +171,8 @@ def _energies(model: FiniteElementRod, strains: dict[str, Array], gaps: Array, r
     contact = 0.5 * stiffness * np.sum(mesh.contact.length * overlap**2, axis=(1, 2))
     height = run.position[..., 2]
     depth = np.maximum(mesh.lower_seat_limit - height, 0.0) + np.maximum(height - (mesh.upper_seat_limit - run.displacement[:, None]), 0.0)
+    if mesh.guide is not None:
+        contact = contact + mesh.guide.energy(run.position, mesh.node_length)
     return strains["energy"], contact + 0.5 * stiffness * (depth**2 @ mesh.node_length)
 
 

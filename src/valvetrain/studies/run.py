@@ -13,6 +13,9 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.steel_contacts import usual_contacts
+from valvetrain.quantities.buckling import buckling_quantities
+from valvetrain.quantities.design import closing_quantities
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.provenance import collect_provenance
@@ -94,6 +97,7 @@ def run_problem(
         created_at=created_at, citations=problem.record.citations,
     )  # fmt: skip
     notes = (CARD_WIRE_NOTE,) if any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members) else ()
+    notes += tuple(dict.fromkeys(said for m in problem.members if m.gear and (said := usual_contacts(m.gear.parameters.contacts))))
     study = Study(
         problem.record, command, solutions, rest, still, notes=notes, lift_event=problem.lift_event, provenance=provenance,
         wall_time=time.perf_counter() - begun, critical_speeds=found,
@@ -156,7 +160,10 @@ def _run_springs(
                 tell(f"{member.label} at {speed * 30 / np.pi:.6g} rpm")
     wanted = [value.quantity for value in problem.record.published]
     names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
-    still = {name: rest_quantities(rest[spring], wanted) for name, spring in zip(names, problem.springs, strict=True)}
+    still = {
+        name: closing_quantities(spring) | rest_quantities(rest[spring], wanted) | buckling_quantities(spring, rest[spring], lift)
+        for name, spring in zip(names, problem.springs, strict=True)
+    }
     return tuple(solutions), tuple(rest.values()), still
 
 
