@@ -7,6 +7,7 @@ steepest slope seen nearby, with a factor, as in S. A. Piyavskii, USSR Comput. M
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left, insort
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -17,7 +18,7 @@ from valvetrain.solution.critical import Crossing, SpeedBracket
 #: The steepest slope seen within this share of the speed counts, times this factor.
 NEAR, FACTOR = 0.1, 2.0
 #: Largest step of a march with carried motion, in resolutions.
-STRIDE = 10.0
+STRIDE = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,29 +123,24 @@ class Search:
         return Crossing(bracket, self._carried(kind, low, high), self._carried(kind, high, low))
 
     def _carried(self, kind: str, begin: float, towards: float) -> SpeedBracket | None:
-        """From the motion at ``begin`` on, each speed from the one before, until it changes over; then halved from the last before."""
+        """From the motion at ``begin`` on, each speed from the one before, in steps that grow and, since a long one may leave a motion
+        that lives on, come back to one resolution before a change is believed."""
         last = self._speeds[-1 if towards > begin else 0]
-        first, here, there = self.look(begin), begin, towards
-        side, orbit, step = first.lost(kind), first.orbit, towards - begin
+        sign, most, step = math.copysign(1.0, towards - begin), STRIDE * self._resolution, abs(towards - begin)
+        first, here = self.look(begin), begin
+        side, orbit = first.lost(kind), first.orbit
         while orbit is not None:
+            there = min(here + step, last) if sign > 0 else max(here - step, last)
             found = self._from(there, orbit)
-            if found.lost(kind) != side:
-                break
-            if there == last:
-                return None
-            here, orbit = there, found.orbit
-            step = max(-STRIDE * self._resolution, min(STRIDE * self._resolution, 2 * step))
-            there = min(here + step, last) if step > 0 else max(here + step, last)
-        else:
-            return None
-        while abs(there - here) > self._resolution:
-            middle = (here + there) / 2
-            found = self._from(middle, orbit)
-            if found.lost(kind) != side:
-                there = middle
+            if found.lost(kind) == side:
+                if there == last:
+                    return None
+                here, orbit, step = there, found.orbit, min(2 * step, most)
+            elif abs(there - here) > self._resolution:
+                most = step = self._resolution / (1 + 1e-9)
             else:
-                here, orbit = middle, found.orbit
-        return SpeedBracket(min(here, there), max(here, there))
+                return SpeedBracket(min(here, there), max(here, there))
+        return None
 
     def _next(self, kind: str) -> float | None:
         """The lowest speed still to be looked at before the lowest onset is certain."""
