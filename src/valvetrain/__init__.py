@@ -54,6 +54,7 @@ _HOMES = {
     "simulate": "studies.api",
     "compare": "studies.api",
     "sweep": "studies.api",
+    "critical_speeds": "studies.api",
     "static_curve": "studies.api",
     "buckling_compression": "quantities.buckling",
     "Study": "solution.study",
@@ -64,6 +65,7 @@ _HOMES = {
     "train_modes": "studies.train_modes",
     # results
     "Solution": "solution.result",
+    "CriticalSpeeds": "solution.critical",
     "Event": "solution.event",
     "Status": "solution.status",
     "StaticCurve": "solution.static",
@@ -120,6 +122,7 @@ if TYPE_CHECKING:
     from valvetrain.report.json import study_json as study_json
     from valvetrain.report.write import write_study as write_study
     from valvetrain.solution.comparison import Comparison as Comparison
+    from valvetrain.solution.critical import CriticalSpeeds as CriticalSpeeds
     from valvetrain.solution.event import Event as Event
     from valvetrain.solution.modal import ModalResult as ModalResult
     from valvetrain.solution.netcdf import load_netcdf as load_netcdf
@@ -146,6 +149,7 @@ if TYPE_CHECKING:
     from valvetrain.springs.wave_rod import WaveRod as WaveRod
     from valvetrain.springs.wave_rod_clash import WaveRodWithClash as WaveRodWithClash
     from valvetrain.studies.api import compare as compare
+    from valvetrain.studies.api import critical_speeds as critical_speeds
     from valvetrain.studies.api import simulate as simulate
     from valvetrain.studies.api import static_curve as static_curve
     from valvetrain.studies.api import sweep as sweep

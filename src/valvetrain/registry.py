@@ -102,6 +102,7 @@ BUILT_IN["sources"] = {key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021
 #: In the order of the page: what answers first, what a paper says only after it.
 BUILT_IN["sections"] = {
     "answers": "valvetrain.report.sections.answers:SPEC",
+    "critical-speeds": "valvetrain.report.sections.critical:SPEC",
     "sweep": "valvetrain.report.sections.sweep:SPEC",
     "published": "valvetrain.report.sections.published:SPEC",
     "gu2021": "valvetrain.report.sections.gu2021:SPEC",

@@ -290,11 +290,15 @@ SCATTER: tuple[QuantityRow, ...] = tuple(
 
 #: Of a sweep over engine speeds.
 SWEEP: tuple[QuantityRow, ...] = (
-    row("float_engine_speed", "engine speed of float",
-        "Lowest speed from which a gap in the drive, or lift above the rigid one, exceeds 50 µm at that speed and the next.", sense=MORE,
-        systems=TRAIN),
-    row("contact_loss_engine_speed", "engine speed of the first loss of contact",
-        "Lowest speed at which the cam contact opens for a moment while the valve is open.", sense=MORE, systems=TRAIN),
+    row("contact_loss_engine_speed", "loss of contact from",
+        "Lowest engine speed found at which a contact of the drive opens while the valve is open by more than a tenth of its lift; "
+        "upper end of a bracket of 10 rpm, every speed from rest.", sense=MORE, systems=TRAIN),
+    row("float_engine_speed", "float from",
+        "Lowest engine speed found at which the valve runs above its rigid lift by more than a limit (50 µm) with a contact of the drive "
+        "open; upper end of a bracket of 10 rpm, every speed from rest.", sense=MORE, systems=TRAIN),
+    row("bounce_engine_speed", "bounce from",
+        "Lowest engine speed found at which the valve leaves its seat again by more than a limit (0.1 mm); upper end of a bracket of "
+        "10 rpm, every speed from rest.", sense=MORE, systems=TRAIN),
 )  # fmt: skip
 
 ROWS: tuple[QuantityRow, ...] = (*AT_REST, *RUNS, *TRAINS, *EVENTS, *SCATTER, *SWEEP)
