@@ -169,6 +169,13 @@ class RodModel:
     def stable_time_step(self) -> float:
         return self._stable
 
+    def prepare(self) -> None:
+        """Solve the installed state and the stable step."""
+        _ = self.installed, self._stable
+
+    def place_retainer(self, state: Array, retainer_displacement: float, travel_since: float) -> None:
+        state[stepping.TRAVEL] = self.precompression + retainer_displacement - travel_since
+
     def rod_state(self, state: Array, retainer_displacement: float) -> RodState:
         """Positions and frames in a flat ``state``, the retainer moved to ``retainer_displacement`` (m)."""
         count, compression = self.mesh.vertices, self.precompression + retainer_displacement

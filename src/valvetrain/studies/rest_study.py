@@ -71,7 +71,7 @@ def rest_study(
             still[f"{label}, {again + 1}" if again else label] = told
             if progress is not None:
                 progress(len(found) / (len(problem.springs) * len(words)), f"{spring.name} by {word}")
-    if len(still) == 1:
+    if len(found) == 1:
         still = {"": next(iter(still.values()))}
     record = problem.record
     origin = collect_provenance(record.name, ", ".join(dict.fromkeys(one.model for one in found)), citations=record.citations)
