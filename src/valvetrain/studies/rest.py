@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.rates import axial_rate
-from valvetrain.cosserat.state import RodState, free_state
+from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import Equilibrium, compress
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.stress import EQUIVALENT, SHEAR
@@ -79,16 +79,16 @@ def static_curve(
     """
     if rod.dynamics.contact_stiffness > 0:
         rod.definition.refuse_solid(largest_compression)
-    path, states = _curve_over(rod, path_points(rod.precompression, largest_compression), visit)
-    buckling, leaning = find_buckling(rod, states, path.stiffness), find_leaning(rod, states)
+    path, reached = _curve_over(rod, path_points(rod.precompression, largest_compression), visit)
+    buckling, leaning = find_buckling(rod, reached), find_leaning(rod, reached)
     told = path_status(rod, buckling, leaning)
     if told is not None and (path.status.completed or not told.completed):
         path = replace(path, status=told)
     path = replace(path, buckling=buckling, leaning=leaning)
     stress = None
-    if len(states) > 1:
+    if len(reached) > 1:
         coil = wire_points(rod.definition.total_coils)
-        found = wire_stress(static_section_loads(rod, states), rod.definition, coil)
+        found = wire_stress(static_section_loads(rod, [point.state for point in reached]), rod.definition, coil)
         stress = StaticStress(path.compression, coil, found[SHEAR], found[EQUIVALENT])
     if steps is None:
         return path, stress
@@ -99,7 +99,7 @@ def static_curve(
 
 def _curve_over(
     rod: FiniteElementRod, compressions: Array, visit: Callable[[Equilibrium], None] | None
-) -> tuple[StaticCurve, list[RodState]]:
+) -> tuple[StaticCurve, list[Equilibrium]]:
     """Curve over rising compressions (m) from the free state on, as far as equilibria are found, and those."""
     path = [rod.statics.solve(free_state(rod.mesh), 0.0), *compress(rod.statics, compressions[1:].tolist(), visit=visit)]
     reached = [point for point in path if point.converged]
@@ -121,7 +121,7 @@ def _curve_over(
         stiffness=np.array([axial_rate(rod.statics, state) for state in states]),
         coil_gap=gap, coil_contact_force=pressed, upper_coil=upper,
         axial_position=heights - rod.definition.lower_seat_height, coil_number=coil, status=status,
-    ), states  # fmt: skip
+    ), reached  # fmt: skip
 
 
 def modal_result(rod: FiniteElementRod, count: int = MODES) -> ModalResult:
