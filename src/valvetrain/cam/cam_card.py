@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 
 from valvetrain.cam.cam_card_table import ADVERTISED_LIFT, DURATION_LIFT, RAMP_VELOCITY, UPPER_LIFT, CamCardModel
 from valvetrain.cam.contract import Array, LiftSpec
-from valvetrain.cam.flank_pulse import SHARES, USUAL_SHARE, HalfLobe, joined, solve
+from valvetrain.cam.flank_pulse import SHARES, USUAL_SHARE, HalfLobe, joined
 from valvetrain.cam.pieces import PeriodicPieces
+from valvetrain.cam.roots import solve
 from valvetrain.errors import InputError
 
 #: Fullness of the nose: see :class:`HalfLobe`.

@@ -9,8 +9,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from valvetrain.cam.contract import LiftSpec
-from valvetrain.cam.flank_pulse import SHARES, USUAL_SHARE, HalfLobe, joined, solve
+from valvetrain.cam.flank_pulse import SHARES, USUAL_SHARE, HalfLobe, joined
 from valvetrain.cam.pieces import PeriodicPieces
+from valvetrain.cam.roots import solve
 from valvetrain.cam.stations import Stations
 from valvetrain.errors import InputError
 from valvetrain.parameters.schema_lift import LiftModel
