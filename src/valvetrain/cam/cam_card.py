@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import ClassVar
 
 from numpy.typing import ArrayLike
@@ -52,7 +53,7 @@ class CamCard:
 
     def __post_init__(self) -> None:
         points = self.checking_points
-        for (name, low, long), (other, high, short) in zip(points, points[1:], strict=False):
+        for (name, low, long), (other, high, short) in pairwise(points):
             if not (low < high and long > short):
                 raise InputError(
                     f"{name} ({_deg(long)} at {_mm(low)}) must be longer and at a lower lift than {other} ({_deg(short)} at {_mm(high)}); "

@@ -57,7 +57,7 @@ def event_numbers(subject: str, word: str, crossings: tuple[float, float] | None
 
 
 def rigid_events(kinematics: RigidKinematics) -> dict[str, float]:
-    """Events of the lobe (where the lift law is one) and of the rigid valve at every height of :data:`HEIGHTS`, of the valve at lash too."""
+    """Events of the lobe (where the lift law is one) and of the rigid valve at the heights of :data:`HEIGHTS`, of the valve at lash too."""
     found: dict[str, float] = {}
     law = kinematics.law.lift
     if kinematics.law_of == "drive":
