@@ -148,11 +148,11 @@ class CamCard:
         return self._pieces
 
 
-def angle_before_nose(half: HalfLobe, lift: float) -> float:
-    """Angle (rad) before the nose at which a flank or its ramp passes ``lift`` (m)."""
-    if lift <= half.start[0]:
-        return half.length + (half.start[0] - lift) / half.start[1]
-    return solve(lambda angle: half.before_nose(angle) - lift, (0.0, half.length)) or 0.0
+def angle_before_nose(half: HalfLobe, passed_lift: float) -> float:
+    """Angle (rad) before the nose at which a flank or its ramp passes ``passed_lift`` (m)."""
+    if passed_lift <= half.start[0]:
+        return half.length + (half.start[0] - passed_lift) / half.start[1]
+    return solve(lambda angle: half.before_nose(angle) - passed_lift, (0.0, half.length)) or 0.0
 
 
 def _deg(angle: float) -> str:
