@@ -64,9 +64,7 @@ def test_static_run_modes_and_python_say_one_preload_and_one_rate(beehive):
 def test_the_path_does_not_depend_on_its_increments(beehive):
     """One equilibrium at 9.5 mm, in one go and by hundredths of a millimetre: the coils touch without friction."""
     rod = spring_model("finite-element").build(beehive.springs[0])
-    whole, fine = (
-        compress(RodStatics(rod.mesh, 2e10, NewtonOptions(largest_increment=most)), [9.5e-3])[-1] for most in (9.5e-3, 0.2e-3)
-    )
+    whole, fine = (compress(RodStatics(rod.mesh, 2e10, NewtonOptions(largest_increment=most)), [9.5e-3])[-1] for most in (9.5e-3, 0.2e-3))
     assert whole.retainer_force == pytest.approx(fine.retainer_force, rel=1e-7)
     np.testing.assert_allclose(whole.state.position, fine.state.position, atol=1e-9)
 

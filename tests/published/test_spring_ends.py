@@ -19,9 +19,7 @@ MUSIC_WIRE = Material("music wire", 28.5e3 * KPSI, 11.85e3 * KPSI, 7850.0)
 
 def test_shigley_example_10_1():
     """k = 4.13 lbf/in, solid length 0.500 in, pitch 0.186 in: as printed, from what a user writes."""
-    spring = vt.cylindrical(
-        "0.037 inch", "0.400 inch", total_coils=12.5, free_length="2.06 inch", ends="closed", material=MUSIC_WIRE
-    )
+    spring = vt.cylindrical("0.037 inch", "0.400 inch", total_coils=12.5, free_length="2.06 inch", ends="closed", material=MUSIC_WIRE)
     assert float(spring.pitch.value(6.0)) / INCH == pytest.approx(0.186, abs=5e-4)
     assert spring.solid_height / INCH == pytest.approx(0.500, abs=5e-4)
     assert spring.free_length / INCH == pytest.approx(2.06, rel=1e-12)
@@ -114,7 +112,7 @@ def test_what_cannot_be_wound_is_refused_in_one_sentence(given, words):
 def test_grinding_that_takes_the_whole_tip_is_refused():
     """Three quarters of a turn at 7 mm of pitch rise 5.25 mm, more than the 4 mm of the wire."""
     usual = {"wire_diameter": 4e-3, "mean_diameter": 24e-3, "pitch": 7e-3, "total_coils": 8.0, "material": MUSIC_WIRE}
-    with pytest.raises(InputError, match="grinding 0.75 turns of its closed-ground end takes the whole tip of the 4 mm wire"):
+    with pytest.raises(InputError, match=r"grinding 0\.75 turns of its closed-ground end takes the whole tip of the 4 mm wire"):
         SpringDefinition(**usual)
     SpringDefinition(**usual, lower_end=EndCoil("open-ground", 0.5, 0.28), upper_end=EndCoil("open"))
 

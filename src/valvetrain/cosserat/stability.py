@@ -10,14 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
-from valvetrain.cosserat.state import RodState, free_state
+from valvetrain.cosserat.rates import axial_rate
+from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import RodStatics, compress
-
-Array = NDArray[np.float64]
 
 #: A spring has buckled where its tangent rate is below this share of its rate as wound. Beyond an opened pitchfork a spring keeps a
 #: tenth of its rate; two thirds of that fall are done at the critical point of the perfect column (decision 0049).
@@ -39,29 +36,11 @@ class Stability:
 
 
 def stability(statics: RodStatics, state: RodState) -> Stability:
-    """Tangent rate, and number of negative eigenvalues of the tangent, of an equilibrium with both ends held."""
-    tangent, mesh, free = statics.tangent(state), statics.mesh, statics.free
-    held = np.zeros(len(free))
-    held[6 * mesh.last + 2 :: 6] = 1.0
-    coupled = tangent @ held
-    inner: csc_matrix = tangent[free][:, free].tocsc()
+    """Tangent rate, and number of negative eigenvalues of the tangent, of an equilibrium with both ends fixed."""
+    inner = statics.tangent(state)[statics.free][:, statics.free].tocsc()
     # Without exchange of rows the signs of the pivots are those of the eigenvalues (Sylvester's law of inertia).
     factors = splu(inner, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    held[free] = factors.solve(-coupled[free])
-    seat = state.position[:, 2] > mesh.upper_seat_limit - state.compression
-    rate = float((tangent @ held)[6 * mesh.last + 2 :: 6].sum()) + statics.contact_stiffness * float(mesh.node_length @ (seat * (1.0 - held[2::6])))
-    return Stability(rate, int(np.count_nonzero(factors.U.diagonal() < 0.0)))
-
-
-def free_rate(statics: RodStatics) -> float:
-    """Rate (N/m) of the spring as wound."""
-    return stability(statics, free_state(statics.mesh)).rate
-
-
-def buckling_between(statics: RodStatics, standing: RodState, buckled_compression: float) -> RodState:
-    """Last equilibrium before the spring buckles, between a ``standing`` one and a compression (m) at which the spring has buckled."""
-    rate = free_rate(statics)
-    return last_before(statics, standing, buckled_compression, lambda state: stability(statics, state).holds(rate))
+    return Stability(axial_rate(statics, state), int(np.count_nonzero(factors.U.diagonal() < 0.0)))
 
 
 def last_before(statics: RodStatics, start: RodState, compression: float, holds: Callable[[RodState], bool]) -> RodState:

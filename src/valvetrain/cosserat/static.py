@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,9 @@ class RodStatics:
 
     Both ends are fixed, unless ``loads`` are given: then the last end is free and carries them.
     """
+
+    #: Whether the retainer may turn about the axis (:class:`~valvetrain.cosserat.turning.TurningStatics`).
+    turns: ClassVar[bool] = False
 
     def __init__(
         self, mesh: RodMesh, contact_stiffness: float = 2e10, options: NewtonOptions | None = None, loads: TipLoads | None = None

@@ -261,7 +261,9 @@ def _wound(
     if closed_coils is not None and not (np.isfinite(closed_coils) and closed_coils >= 0):
         raise InputError(f"closed_coils is {closed_coils:g}; give the turns that lie closed at either end, 0 for open ends")
     if ends is not None and (closed_coils is not None or lower is not None or upper is not None):
-        raise InputError("ends speaks for both ends, so closed_coils, lower_end and upper_end may contradict it; leave one or the other out")
+        raise InputError(
+            "ends speaks for both ends, so closed_coils, lower_end and upper_end may contradict it; leave one or the other out"
+        )
     wire = si(wire_diameter, "wire_diameter", "wire_diameter")
     if free_length is not None:
         if closed_coils:

@@ -16,6 +16,9 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.spring_options import options_problem
 from valvetrain.units import keep_si
 
+#: Ways a retainer stands about the axis.
+ROTATIONS = ("fixed", "free")
+
 
 @dataclass(frozen=True, slots=True)
 class CoilContact:
@@ -41,7 +44,8 @@ class InstalledSpring:
     ``seats``: ``planes`` where end coils may touch flat seats beyond their inactive turns, ``clamps`` where nothing but the inactive
     ends is touched. ``options``: spring-model word -> keyword arguments of that model's options. ``tied``: a source's own spring whose
     ends never leave seat and retainer, so that it also pulls. ``guide``: bore or rod that keeps a wire straight; springs that only move
-    along their axis need none and do not feel it. Raises :class:`InputError` for a spring that would be stretched or solid
+    along their axis need none and do not feel it. ``retainer_rotation``: whether the retainer may turn about the axis at rest, which a
+    wire alone feels. Raises :class:`InputError` for a spring that would be stretched or solid
     as installed.
     """
 
@@ -54,6 +58,7 @@ class InstalledSpring:
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=FrozenMapping)
     tied: bool = False
     guide: Guide | None = None
+    retainer_rotation: Literal["fixed", "free"] = "fixed"
 
     def __post_init__(self) -> None:
         keep_si(self, "an installed spring", precompression="compression")
@@ -73,9 +78,13 @@ class InstalledSpring:
             object.__setattr__(self, "precompression", self.card.preload / self.card.rate)
         if self.wire is not None:
             self.wire.refuse_solid(self.precompression)
+        if self.retainer_rotation not in ROTATIONS:
+            raise InputError(f"retainer_rotation '{self.retainer_rotation}' of spring '{self.name}' is unknown; use fixed or free")
         if self.guide is not None:
             if self.wire is None:
-                raise InputError(f"spring '{self.name}' is known by its card, so it cannot lean on a guide; remove the guide or give its wire")
+                raise InputError(
+                    f"spring '{self.name}' is known by its card, so it cannot lean on a guide; remove the guide or give its wire"
+                )
             self.guide.check_fit(self.wire)
 
     @property

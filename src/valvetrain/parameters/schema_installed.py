@@ -106,6 +106,7 @@ class WireBlock(SpringModel):
     seats: Literal["planes", "clamps"] = Field(default="planes", description="flat seats, or nothing but the fixed inactive ends")
     damping: DampingModel = DampingModel()
     contact: CoilContactModel = CoilContactModel()
+    retainer_rotation: Literal["fixed", "free"] = Field(default="fixed", description="whether the retainer may turn about the axis at rest")
     guide: GuideModel | None = Field(default=None, description="bore or rod that keeps the spring straight")
     options: Options = Field(default_factory=dict)
 
@@ -125,7 +126,9 @@ class WireBlock(SpringModel):
         guide = None if self.guide is None else placed("guide", self.guide.build)
         if guide is not None:
             placed("guide", guarded, lambda: guide.check_fit(wire))
-        return _assembled(self, wire=wire, precompression=compression, seats=self.seats, guide=guide)
+        return _assembled(
+            self, wire=wire, precompression=compression, seats=self.seats, guide=guide, retainer_rotation=self.retainer_rotation
+        )
 
 
 class CardBlock(SpringCardModel):

@@ -218,10 +218,15 @@ class SpringDefinition:
                 f"{self.solid_compression * 1e3:.4g} mm; choose a height between solid and free"
             )
 
+    def solid_rise(self, coil: ArrayLike) -> Array:
+        """Rise per turn (m) of the wire axis where every coil lies on the one below, or beside it."""
+        coil = np.asarray(coil, dtype=float)
+        wire, (first, last) = self.wire_diameter.value(coil), (0.0, self.total_coils)
+        low, high = (self.mean_diameter.value(np.clip(coil + away, first, last)) / 2 for away in (-0.5, 0.5))
+        rise = np.sqrt(np.maximum(wire**2 - (high - low) ** 2, 0.0))
+        found: Array = np.minimum(rise, np.maximum(self.pitch.value(coil), 0.0))
+        return found
+
     def _solid_axis(self, coil: Array) -> Array:
-        wire = self.wire_diameter.value(coil)
-        radius = self.mean_diameter.value(coil) / 2
-        shift = np.interp(coil + 0.5, coil, radius) - np.interp(coil - 0.5, coil, radius)
-        rise = np.sqrt(np.maximum(wire**2 - shift**2, 0.0))
-        rise = np.minimum(rise, np.maximum(self.pitch.value(coil), 0.0))
+        rise = self.solid_rise(coil)
         return np.concatenate(([0.0], np.cumsum(np.diff(coil) * (rise[1:] + rise[:-1]) / 2)))

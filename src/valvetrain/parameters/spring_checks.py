@@ -91,7 +91,7 @@ def check_spring(spring: WireShape) -> None:
 
 
 def refuse_lost_tip(name: str, kind: str, ground_coils: float, pitch: float, wire: float) -> None:
-    """Raise :class:`InputError` where grinding ``ground_coils`` turns at a constant ``pitch`` (m) leaves nothing of the tip's ``wire`` (m)."""
+    """Raise :class:`InputError` where grinding ``ground_coils`` turns at a constant ``pitch`` (m) takes all of the tip's ``wire`` (m)."""
     if ground_coils * pitch > wire * (1 + 1e-9):
         raise InputError(
             f"spring '{name}' has a constant pitch of {pitch * 1e3:.4g} mm, so grinding {ground_coils:g} turns of its {kind} end takes the "

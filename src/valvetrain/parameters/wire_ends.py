@@ -59,7 +59,9 @@ def wind(
     Raises :class:`InputError` for a wire of no constant diameter and for a free length at which the coils would be solid.
     """
     if not isinstance(wire_diameter, Constant):
-        raise InputError("a free length makes the pitch of a wire of constant diameter; give the pitch over the coils instead", "free_length")
+        raise InputError(
+            "a free length makes the pitch of a wire of constant diameter; give the pitch over the coils instead", "free_length"
+        )
     wire = wire_diameter.level
     if not (np.isfinite(total_coils) and total_coils > 0 and np.isfinite(wire) and wire > 0):
         raise InputError("a free length makes a pitch for positive wire_diameter and total_coils; check both", "free_length")

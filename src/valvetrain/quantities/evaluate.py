@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from valvetrain import registry
@@ -18,6 +16,7 @@ from valvetrain.quantities.stress import stress_quantities, with_wire_stress
 from valvetrain.quantities.train_events import LOGGED, RigidCycle, rigid_cycle, train_events
 from valvetrain.quantities.train_numbers import counted_quantities, margin_quantities, train_quantities
 from valvetrain.quantities.valve_events import run_events
+from valvetrain.solution.arrays import Variable
 from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
 
@@ -85,7 +84,7 @@ def _with_rigid(solution: Solution, rigid: RigidCycle | None) -> Solution:
     if rigid is None:
         return solution
     added = {
-        name: (("sample",), getattr(rigid, column), {"units": unit, "long_name": words})
+        name: Variable(("sample",), getattr(rigid, column), {"units": unit, "long_name": words})
         for name, (column, unit, words) in RIGID_CHANNELS.items()
     }
-    return replace(solution, channels=solution.channels.assign(added))
+    return solution.with_channels(added)

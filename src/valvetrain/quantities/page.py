@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from inspect import getdoc
 
-from valvetrain.quantities.table import AT_REST, EVENTS, RUNS, SWEEP, TRAINS
+from valvetrain.quantities.table import AT_REST, EVENTS, RUNS, SCATTER, SWEEP, TRAINS
 from valvetrain.registry import BUILT_IN
 from valvetrain.solution.definition import QuantityRow, tables
 
@@ -32,6 +32,7 @@ _GROUPS: tuple[tuple[str, str, tuple[QuantityRow, ...]], ...] = (
     ("Runs", "Of a run, for a spring under prescribed motion and for springs in a train.", RUNS),
     ("Trains", 'Of one steady cycle of a train. "Open" means that the rigid lift is above a tenth of its maximum.', TRAINS),
     ("Valve events", "Of a train: opening and closing, in cam angle, and the crank angle between them.", EVENTS),
+    ("Scatter of a train", "Of a train whose motion does not repeat: over 8 cycles.", SCATTER),
     ("Sweeps", "Of a sweep over engine speeds.", SWEEP),
 )
 _SYSTEMS = {("spring", "train"): "both", ("spring",): "spring", ("train",): "train"}

@@ -23,6 +23,31 @@ def with_angle(one: QuantityRow) -> tuple[QuantityRow, QuantityRow]:
 AT_REST: tuple[QuantityRow, ...] = (
     row("preload", "preload", "Static force at the installed precompression.", systems=BOTH),
     row("installed_rate", "installed rate", "Slope of the static curve at the installed precompression.", systems=BOTH),
+    row("installed_nominal_shear_stress", "installed nominal shear stress",
+        "Shear by EN 13906-1 under the preload, k 8 F D / (pi d^3) with k = (w + 0.5) / (w - 0.75), at the worst place of the wire.",
+        systems=BOTH),
+    row("installed_shear_stress", "installed shear stress",
+        "Largest shear at the inner fibre along the wire under the preload, from its section loads.", systems=BOTH),
+    row("installed_equivalent_stress", "installed equivalent stress",
+        "Largest von Mises stress at the inner fibre along the wire under the preload.", systems=BOTH),
+    row("installed_retainer_torque", "installed torque on the retainer",
+        "Torque of the wire on the retainer about the axis, positive the way the wire rises; none where the retainer may turn.",
+        systems=BOTH),
+    row("installed_retainer_moment", "installed moment on the retainer",
+        "Moment of the wire on the retainer across the axis, about the middle of its plane.", dimension="moment", shown_unit="N m",
+        systems=BOTH),
+    row("installed_retainer_side_force", "installed side force on the retainer", "Force of the wire on the retainer across the axis.",
+        systems=BOTH),
+    row("installed_retainer_rotation_angle", "installed rotation of the retainer",
+        "Angle by which a retainer that may turn has turned from the free state, positive the way the wire rises.", systems=BOTH),
+    row("solid_force", "force at solid",
+        "Force that closes the last coil, by torsion of the wire; rate times compression to solid of a cylindrical spring of even pitch.",
+        systems=BOTH),
+    row("solid_nominal_shear_stress", "nominal shear stress at solid",
+        "Largest shear by EN 13906-1 along the wire with all coils closed, each turn under the force that closes it.", systems=BOTH),
+    row("moving_retainer_mode_{n}_frequency", "mode {n} frequency, retainer moving",
+        "Axial natural frequency {n} about the installed state, the retainer free along the axis with the mass attached to it.",
+        systems=BOTH),
     row("installed_compression", "installed compression", "Compression from the free length to the installed height.", systems=BOTH),
     row("installed_height", "installed height", "Free length less the installed compression.", systems=BOTH),
     row("stiffness_change_compression", "compression at the change of stiffness",
@@ -248,13 +273,32 @@ def event_rows() -> tuple[QuantityRow, ...]:
 #: Opening and closing of lobe and valve.
 EVENTS: tuple[QuantityRow, ...] = event_rows()
 
-#: Of a sweep over engine speeds.
-SWEEP: tuple[QuantityRow, ...] = (
-    row("float_engine_speed", "engine speed of float",
-        "Lowest speed from which a gap in the drive, or lift above the rigid one, exceeds 50 µm at that speed and the next.", sense=MORE,
-        systems=TRAIN),
-    row("contact_loss_engine_speed", "engine speed of the first loss of contact",
-        "Lowest speed at which the cam contact opens for a moment while the valve is open.", sense=MORE, systems=TRAIN),
+#: Numbers of a train whose scatter from cycle to cycle is told where its motion does not repeat -> plain words.
+SCATTERED = {
+    "valve_lift": "the valve lift at one cam angle", "peak_valve_lift": "the peak valve lift", "peak_spring_force": "the peak spring force",
+    "minimum_spring_force": "the least spring force", "peak_retainer_force": "the peak retainer force",
+    "minimum_retainer_force": "the least retainer force", "peak_{place}_contact_force": "the peak {place} contact force",
+    "loft_gap": "the loft", "seating_velocity": "the seating velocity", "bounce_count": "the bounces", "bounce_height": "the bounce height",
+    "cycle_work_energy": "the work of the cam",
+}  # fmt: skip
+SCATTER: tuple[QuantityRow, ...] = tuple(
+    row(f"cycle_scatter_{name}", f"scatter of {words}",
+        f"Largest less least value of {words} over 8 cycles of a motion that does not repeat; absent where it does.", sense=LESS,
+        systems=TRAIN, shown_unit="J" if name.endswith("energy") else None)
+    for name, words in SCATTERED.items()
 )  # fmt: skip
 
-ROWS: tuple[QuantityRow, ...] = (*AT_REST, *RUNS, *TRAINS, *EVENTS, *SWEEP)
+#: Of a sweep over engine speeds.
+SWEEP: tuple[QuantityRow, ...] = (
+    row("contact_loss_engine_speed", "loss of contact from",
+        "Lowest engine speed found at which a contact of the drive opens while the valve is open by more than a tenth of its lift; "
+        "upper end of a bracket of 10 rpm, every speed from rest.", sense=MORE, systems=TRAIN),
+    row("float_engine_speed", "float from",
+        "Lowest engine speed found at which the valve runs above its rigid lift by more than a limit (50 µm) with a contact of the drive "
+        "open; upper end of a bracket of 10 rpm, every speed from rest.", sense=MORE, systems=TRAIN),
+    row("bounce_engine_speed", "bounce from",
+        "Lowest engine speed found at which the valve leaves its seat again by more than a limit (0.1 mm); upper end of a bracket of "
+        "10 rpm, every speed from rest.", sense=MORE, systems=TRAIN),
+)  # fmt: skip
+
+ROWS: tuple[QuantityRow, ...] = (*AT_REST, *RUNS, *TRAINS, *EVENTS, *SCATTER, *SWEEP)

@@ -17,6 +17,8 @@ COUNTED = (
     "steady_cycles_count", "steady_residual_ratio", "steady_tolerance_ratio", "motion_period_count", "time_step_duration",
     "steps_per_cycle_count",
 )  # fmt: skip
+#: Front of the names of what differs from cycle to cycle.
+SCATTER = "cycle_scatter_"
 #: Contacts that drive the valve, whose least force while it is open is told.
 DRIVING = ("cam", "valve_tip")
 
@@ -25,7 +27,7 @@ def counted_quantities(solution: Solution) -> dict[str, float]:
     """Numbers that only the integrator could see: every step's peaks, work and losses, the way to the steady state."""
     return {
         name: float(value) for name, value in solution.statistics.items()
-        if isinstance(value, (int, float)) and (name in COUNTED or (name.startswith("peak_") and name.endswith("_force")))
+        if isinstance(value, (int, float)) and (name in COUNTED or name.startswith(SCATTER) or (name.startswith("peak_") and name.endswith("_force")))
     }  # fmt: skip
 
 

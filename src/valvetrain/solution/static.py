@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.solution.display import Figure, frame, plotted, span, table, words
 from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.rest_point import RestPoint
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import Given, si
 
@@ -47,7 +48,7 @@ class StaticCurve:
     ``coil_contact_force`` (step, coil_pair) N with ``upper_coil`` (coil_pair); ``axial_position`` (step, wire_point) m
     with ``coil_number`` (wire_point). Arrays that a model does not compute have zero pairs or points. ``path``: the same curve on
     points that do not depend on the number of steps, the installed state among them; what is asked between the points is read there.
-    ``buckling``: None where the spring stands all the way, or the model cannot tell. ``leaning``: None where it touches no guide.
+    ``buckling``: None where the spring stands all the way, or the model cannot tell; ``leaning``: None where it touches no guide.
 
     >>> import numpy as np
     >>> steps, none = np.linspace(0, 8e-3, 9), np.zeros((9, 0))
@@ -161,6 +162,7 @@ class SpringAtRest:
 
     ``curve``: static curve from the free state; ``modes``: natural frequencies about the installed state; ``stress``: stress over
     compression; each None where the model does not give it. ``facts``: mesh and cost in words; ``wall_time`` (s).
+    ``installed``: the installed state; ``points``: those asked for. ``stress_per_force``: nominal shear by EN 13906-1 (Pa per N).
     """
 
     spring: str
@@ -171,3 +173,6 @@ class SpringAtRest:
     stress: StaticStress | None = None
     facts: Mapping[str, float | int | str] = field(default_factory=dict)
     wall_time: float = 0.0
+    installed: RestPoint | None = None
+    points: tuple[RestPoint, ...] = ()
+    stress_per_force: float | None = None

@@ -5,62 +5,38 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from valvetrain.cosserat.stability import RATE_SHARE, buckling_between, free_rate, last_before, stability
+from valvetrain.cosserat.stability import RATE_SHARE, last_before, stability
 from valvetrain.cosserat.state import RodState
-from valvetrain.cosserat.static import Equilibrium, compress
 from valvetrain.solution.static import Buckling, Leaning
 from valvetrain.solution.status import Status
 from valvetrain.springs.finite_element import FiniteElementRod
 
-#: Even parts into which an interval of low mean rate between two standing states is cut to look for the buckled one.
-PARTS = 8
+Array = NDArray[np.float64]
 
 
-def find_buckling(rod: FiniteElementRod, path: Sequence[Equilibrium]) -> Buckling | None:
-    """First place on a ``path`` of rising compression, from the free state, at which the rod buckles; None where it stands.
+def find_buckling(rod: FiniteElementRod, path: Sequence[RodState], rates: Array) -> Buckling | None:
+    """First place on a ``path`` of equilibria from the free state, of these ``rates`` (N/m), at which it buckles; None where it stands.
 
     The path says whether; the place is bisected, so that it moves with no step of the path.
     """
     if len(path) < 2:
         return None
-    rate = free_rate(rod.statics)
-
-    def stands(index: int) -> bool:
-        return path[index].state.compression == 0.0 or stability(rod.statics, path[index].state).holds(rate)
-
-    compressions = np.array([one.state.compression for one in path])
-    low = np.flatnonzero(np.diff([one.retainer_force for one in path]) < RATE_SHARE * rate * np.diff(compressions))
-    above = int(low[0]) + 1 if len(low) else len(path) - 1
-    if stands(above):
-        return _between(rod, path[above - 1], path[above], rate) if len(low) and stands(above - 1) else None
-    below = 0
+    statics, rate = rod.statics, float(rates[0])
+    low = np.flatnonzero(rates <= RATE_SHARE * rate)
+    above, below = int(low[0]) if len(low) else len(path) - 1, 0
+    if stability(statics, path[above]).holds(rate):
+        return None
     while above - below > 1:
         middle = (above + below) // 2
-        above, below = (above, middle) if stands(middle) else (middle, below)
-    return _told(rod, path[below], float(compressions[above]))
-
-
-def _between(rod: FiniteElementRod, lower: Equilibrium, upper: Equilibrium, rate: float) -> Buckling | None:
-    """A buckled stretch between two states that stand, as where the coils of a bowed spring meet again."""
-    for target in np.linspace(lower.state.compression, upper.state.compression, PARTS + 1)[1:-1]:
-        found = compress(rod.statics, [float(target)], lower.state)[-1]
-        if not found.converged:
-            return None
-        if not stability(rod.statics, found.state).holds(rate):
-            return _told(rod, lower, float(target))
-        lower = found
-    return None
-
-
-def _told(rod: FiniteElementRod, standing: Equilibrium, buckled_compression: float) -> Buckling:
-    state = buckling_between(rod.statics, standing.state, buckled_compression)
-    force = rod.statics.solve(state, state.compression).retainer_force
-    compression = float(state.compression)
+        above, below = (above, middle) if stability(statics, path[middle]).holds(rate) else (middle, below)
+    state = last_before(statics, path[below], path[above].compression, lambda one: stability(statics, one).holds(rate))
+    compression, force = float(state.compression), statics.solve(state, state.compression).retainer_force
     return Buckling(compression, rod.definition.free_length - compression, force)
 
 
-def find_leaning(rod: FiniteElementRod, path: Sequence[Equilibrium]) -> Leaning | None:
+def find_leaning(rod: FiniteElementRod, path: Sequence[RodState]) -> Leaning | None:
     """Where the wire first touches its guide on a ``path`` of rising compression, and how hard it leans on it in the end."""
     walls = rod.mesh.guide
     if walls is None:
@@ -69,11 +45,11 @@ def find_leaning(rod: FiniteElementRod, path: Sequence[Equilibrium]) -> Leaning 
     def clear(state: RodState) -> bool:
         return walls.least_gap(state.position) > 0.0
 
-    met = next((place for place, one in enumerate(path) if not clear(one.state)), None)
+    met = next((place for place, one in enumerate(path) if not clear(one)), None)
     if met is None:
         return None
-    touch = last_before(rod.statics, path[max(met - 1, 0)].state, path[met].state.compression, clear)
-    return Leaning(float(touch.compression), float(walls.pressed(path[-1].state.position, rod.mesh.node_length)))
+    touch = last_before(rod.statics, path[max(met - 1, 0)], path[met].compression, clear)
+    return Leaning(float(touch.compression), float(walls.pressed(path[-1].position, rod.mesh.node_length)))
 
 
 def path_status(rod: FiniteElementRod, buckling: Buckling | None, leaning: Leaning | None) -> Status | None:

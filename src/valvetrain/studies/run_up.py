@@ -16,14 +16,15 @@ from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.run_up import OpenWindow, turn_quantities
+from valvetrain.solution.arrays import empty_channels
 from valvetrain.solution.provenance import collect_provenance
-from valvetrain.solution.result import Solution, empty_channels
+from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
+from valvetrain.studies.critical_speeds import CriticalOptions
 from valvetrain.studies.engine import Progress, map_points
 from valvetrain.studies.ready import FAILURES, Ready, make_ready, provenance_of
 from valvetrain.studies.run import member_rest
-from valvetrain.studies.sweep import control_quantities
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
@@ -103,7 +104,7 @@ def run_up_study(
         problem.record, "run-up", turns, notes=notes, lift_event=problem.lift_event, provenance=provenance,
         wall_time=time.perf_counter() - begun,
     )  # fmt: skip
-    return replace(study, still={label: found for label in study.labels if (found := control_quantities(study, label))})
+    return replace(study, still={label: found for label in study.labels if (found := _lost(study, label))})
 
 
 def member_turns(shared: tuple[Problem, tuple[Ready, ...], Ramp, str], place: int) -> tuple[Solution, ...]:
@@ -156,3 +157,15 @@ def bind_clearance(record: CycleRecord, system: TrainSystem, springs: Sequence[I
     """Length (m) left to coil bind at the largest lift of a turn, of the spring with the least; none where no spring tells its solid height."""
     rooms = [spring.room for spring in springs if spring.room is not None]
     return {"coil_bind_clearance": min(rooms) - float(record.q[:, system.arrays.retainer].max())} if rooms else {}
+
+
+def _lost(study: Study, label: str) -> dict[str, float]:
+    """Engine speeds (rad/s) of the first turn that lets the cam go while the valve is open, and of the first of two that float."""
+    speeds, least = study.series(label, "minimum_cam_contact_force")
+    _, excess = study.series(label, "float_excess_lift")
+    floats = (excess > CriticalOptions().float_lift) | np.isnan(excess)
+    places = {
+        "contact_loss_engine_speed": np.flatnonzero(least <= 0),
+        "float_engine_speed": np.flatnonzero(floats & np.append(floats[1:], True)),
+    }
+    return {name: float(speeds[found[0]]) for name, found in places.items() if len(found)}

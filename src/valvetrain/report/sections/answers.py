@@ -77,7 +77,7 @@ def _name(words: str, unit: str) -> str:
 
 
 def _values(row: HeadlineRow) -> tuple[str, ...]:
-    return tuple(
+    return row.cells or tuple(
         number(value) if speed is None else f"{number(value)} at {rpm(speed):.6g} rpm"
         for value, speed in zip(row.values, row.engine_speeds, strict=True)
     )
