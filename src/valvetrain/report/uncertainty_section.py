@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, text
 from valvetrain.report.table import Table, table
 from valvetrain.report.words import number, rpm, speed_words
 from valvetrain.solution.definition import label_of
-from valvetrain.solution.quantity import Quantity, same_speed
-from valvetrain.solution.study import Study
+from valvetrain.solution.quantity import Quantity
 from valvetrain.studies.uncertainty import CONTACT_FACTORS, DAMPING_FACTORS, STIFFNESS_FACTORS, Range, Uncertainty, UncertaintyStudy
-from valvetrain.studies.uncertainty_file import load_uncertainty
 
 #: SI unit -> unit shown and factor; the rest is shown as it is.
 _SHOWN = {"rad": ("deg", 57.29577951308232), "N s": ("mN s", 1e3), "Pa": ("MPa", 1e-6)}
 _HEADERS = ("quantity", "value", "± numerical", "", "unit", "order", "extrapolated")
-#: A stored row belongs to a computed value that differs from it by less than this share, or by less than its own uncertainty.
-SAME = 1e-3
 
 
 def lead(meshes: Sequence[int]) -> str:
@@ -77,24 +73,6 @@ def uncertainty_page(study: UncertaintyStudy) -> Page:
     footer = "Angles are cam degrees. Engine speed is crank speed."
     section = Section("uncertainty", "Numbers with error bars", blocks)
     return Page(f"{case.title or case.name}: uncertainty", "Refinement study", case.description, facts, (section,), footer)
-
-
-def belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
-    """Whether a stored row is about a number of this study: the same within its own uncertainty."""
-    labels = (row.label,) if row.label else ("", "finite-element")
-    for key, value in quantities.items():
-        if key.name == row.quantity and key.label in labels and same_speed(key.engine_speed, row.engine_speed):
-            return abs(value - row.value) <= max(SAME * abs(row.value), row.numerical)
-    return False
-
-
-def fresh_uncertainty(study: Study) -> tuple[Uncertainty, ...]:
-    """Stored rows of the study's case that are about numbers it computed; none of a sweep, nor where only statics agree with a run."""
-    if study.command == "sweep":
-        return ()
-    found = study.quantities
-    fresh = tuple(row for row in load_uncertainty(study.record) if belongs(row, found))
-    return () if study.solutions and all(row.engine_speed is None for row in fresh) else fresh
 
 
 def _cells(row: Uncertainty) -> tuple[Cell, ...]:

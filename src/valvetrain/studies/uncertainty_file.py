@@ -6,11 +6,15 @@ import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from valvetrain.solution.definition import shown
+from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.record import CaseRecord
-from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
+
+if TYPE_CHECKING:
+    from valvetrain.solution.study import Study
+    from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
 
 _STILL = "statics"
 #: Between engine speed and variant in the heading of a train's rows.
@@ -20,6 +24,8 @@ _TOLD = (
     ("peak_spring_force", "peak spring force"), ("peak_cam_contact_force", "peak cam force"),
     ("peak_seat_contact_force", "peak seat force"), ("seating_velocity", "seating velocity"),
 )  # fmt: skip
+#: A stored row belongs to a computed value that differs from it by less than this share, or by less than its own uncertainty.
+SAME = 1e-3
 
 
 def load_uncertainty(record: CaseRecord) -> tuple[Uncertainty, ...]:
@@ -63,9 +69,40 @@ def uncertainty_text(study: UncertaintyStudy) -> str:
     return "\n".join(lines) + "\n"
 
 
-def uncertainty_sentences(record: CaseRecord, engine_speeds: Sequence[float]) -> tuple[str, ...]:
-    """One sentence per engine speed that was run (rad/s), and per variant of a train: how firm its numbers are."""
-    rows, sentences = load_uncertainty(record), []
+def belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
+    """Whether a stored row is about a number of this study: the same within its own uncertainty."""
+    labels = (row.label,) if row.label else ("", "finite-element")
+    for key, value in quantities.items():
+        if key.name == row.quantity and key.label in labels and same_speed(key.engine_speed, row.engine_speed):
+            return abs(value - row.value) <= max(SAME * abs(row.value), row.numerical)
+    return False
+
+
+def fresh_uncertainty(study: Study) -> tuple[Uncertainty, ...]:
+    """Stored rows of the study's case that are about numbers it computed; none over speeds, nor where only statics agree with a run."""
+    if study.over_speed:
+        return ()
+    rows = load_uncertainty(study.record)
+    found = study.quantities if rows else {}
+    fresh = tuple(row for row in rows if belongs(row, found))
+    return () if study.solutions and all(row.engine_speed is None for row in fresh) else fresh
+
+
+def rows_that_hold(record: CaseRecord, quantities: Mapping[Quantity, float]) -> tuple[Uncertainty, ...]:
+    """Rows of :func:`load_uncertainty` of every engine speed and variant at which all stored numbers come out again among
+    ``quantities``."""
+    rows = load_uncertainty(record)
+    computed = {key.name for key in quantities}
+    lost = {(row.engine_speed, row.label) for row in rows if row.quantity in computed and not belongs(row, quantities)}
+    return tuple(row for row in rows if (row.engine_speed, row.label) not in lost)
+
+
+def uncertainty_sentences(record: CaseRecord, engine_speeds: Sequence[float], quantities: Mapping[Quantity, float]) -> tuple[str, ...]:
+    """One sentence per engine speed that was run (rad/s), and per variant of a train: how firm its numbers are.
+
+    Nothing of a speed at which other values came out (``quantities``) than those that were refined.
+    """
+    rows, sentences = rows_that_hold(record, quantities), []
     meshes = ", ".join(map(str, meshes_of(record)))
     run = {round(speed * 30 / math.pi) for speed in engine_speeds}
     for speed, label in dict.fromkeys((row.engine_speed, row.label) for row in rows):
@@ -101,6 +138,8 @@ def _clash_sentence(speed: float, here: Mapping[str, Uncertainty], meshes: str) 
 
 
 def _row(name: str, label: str, numbers: list[float]) -> Uncertainty:
+    from valvetrain.studies.uncertainty import Uncertainty  # brings the rod, which a train on other springs does not need
+
     place, _, variant = label.partition(_OF)
     speed = None if place == _STILL else float(place.split()[0]) * math.pi / 30
     value, numerical, order, extrapolated, step, *ranges = map(float, numbers)

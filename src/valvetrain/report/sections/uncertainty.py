@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from valvetrain.report.page import Block, SectionSpec, text
-from valvetrain.report.uncertainty_section import fresh_uncertainty, lead, uncertainty_grid
+from valvetrain.report.uncertainty_section import lead, uncertainty_grid
 from valvetrain.solution.study import Study
-from valvetrain.studies.uncertainty_file import load_uncertainty, meshes_of
+from valvetrain.studies.uncertainty_file import fresh_uncertainty, load_uncertainty, meshes_of
 
 
 def blocks(study: Study) -> tuple[Block, ...]:
