@@ -86,6 +86,7 @@ class HalfLobe:
         lift += velocity * first + up * first**2 * RISEN_AT_1
         return lift + fastest * since - down * second**2 * _value(self._negative[0], since / second)
 
+
     def after_ramp(self, ramp_length: float, blend: float) -> tuple[Array, Array]:
         """Ascending coefficients (pieces, 8) and lengths (pieces,) of a ramp that ends at ``start``, and of the flank.
 

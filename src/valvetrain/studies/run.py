@@ -95,9 +95,7 @@ def run_problem(
         problem.record.name, ", ".join(dict.fromkeys(member.model.word for member in problem.members)), case_digest=problem.record.digest,
         created_at=created_at, citations=problem.record.citations,
     )  # fmt: skip
-    notes: tuple[str, ...] = (
-        (CARD_WIRE_NOTE,) if any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members) else ()
-    )
+    notes: tuple[str, ...] = (CARD_WIRE_NOTE,) if any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members) else ()
     notes += tuple(dict.fromkeys(said for m in problem.members if m.gear and (said := usual_contacts(m.gear.parameters.contacts))))
     study = Study(
         problem.record, command, solutions, rest, still, notes=notes, lift_event=problem.lift_event, provenance=provenance,
