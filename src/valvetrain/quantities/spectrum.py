@@ -54,7 +54,7 @@ def surge_order(natural_frequency: float, engine_speed: float) -> float:
 
 
 def surge_engine_speeds(natural_frequency: float, lowest: float, highest: float) -> dict[str, float]:
-    """Engine speeds (rad/s) from ``lowest`` to ``highest`` at which a whole cam order, up to :data:`ORDERS`, meets a natural frequency (Hz).
+    """Engine speeds (rad/s) from ``lowest`` to ``highest`` at which a cam order, to :data:`ORDERS`, meets a natural frequency (Hz).
 
     By order: 4 pi f / n, where harmonic n of the lift turns n times as fast as the cam.
     """
