@@ -29,6 +29,23 @@ def test_help_starts_quickly_and_loads_nothing_heavy(tmp_path):
     assert "typer" in loaded and not set(HEAVY) & set(loaded)
 
 
+def test_a_sweep_of_a_train_loads_no_units_library_no_tables_and_no_rod(tmp_path):
+    """What a sweep never needs cost it half a second of every start: labelled datasets, pint, the finite-element spring."""
+    code = (
+        "import sys; from valvetrain.cli.main import main\n"
+        "sys.argv = ['valvetrain', 'sweep', 'tdi-pushrod', '--engine-speed', '3000 rpm', '--spring', 'massless', '--spring-set', 'stock',"
+        " '--no-report', '--quiet', '--workers', '1', '--output', 'out']\n"
+        "try: main()\n"
+        "except SystemExit as end: assert not end.code, end.code\n"
+        "print(' '.join(sys.modules))"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, env=process_environment())
+    assert result.returncode == 0, result.stderr
+    loaded = set(result.stdout.splitlines()[-1].split())
+    assert "numba" in loaded and (tmp_path / "out" / "run.json").is_file()
+    assert not {"pint", "xarray", "pandas", "tomlkit", "valvetrain.springs.finite_element", "valvetrain.cosserat.buffer"} & loaded
+
+
 def test_json_is_alone_on_standard_output_and_words_go_to_standard_error(tmp_path):
     (tmp_path / "small.toml").write_text(SMALL.replace('engine_speeds = "9000 rpm"\n', ""))
     result = process("run", "small.toml", "--no-report", "--json", folder=tmp_path)

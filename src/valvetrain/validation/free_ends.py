@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from valvetrain.cosserat.rates import axial_rate
-from valvetrain.cosserat.stability import last_before, stability
-from valvetrain.cosserat.state import RodState, free_state
-from valvetrain.cosserat.static import RodStatics, compress
+from valvetrain.cosserat.static import compress
 from valvetrain.cosserat.turning import TurningStatics, rotation_of
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.studies.rest import static_curve
 from valvetrain.validation.beams import love_wrench
 from valvetrain.validation.row import Row, book_case
 from valvetrain.validation.springs import STEEL, mesh, spring
@@ -49,15 +48,11 @@ def buckling_limit() -> list[Row]:
     rows = []
     for slenderness, turns in ((6.5, 20.0), (8.0, 24.0)):
         length = slenderness * diameter
-        statics = RodStatics(mesh(spring(wire, diameter, length / turns, turns), 12))
-        start = free_state(statics.mesh)
         root = 1 - (1 - ratio) / (0.5 + ratio) * (np.pi / (0.5 * slenderness)) ** 2
         expected = float(0.5 / (1 - ratio) * (1 - np.sqrt(root)))
-
-        def stands(state: RodState, statics: RodStatics = statics, rate: float = axial_rate(statics, start)) -> bool:
-            return stability(statics, state).holds(rate)
-
-        found = last_before(statics, start, 1.15 * expected * length, stands).compression / length
+        rod = FiniteElementRod(spring(wire, diameter, length / turns, turns), 0.0, 12)
+        curve, _ = static_curve(rod, 1.3 * expected * length)
+        found = curve.buckling.compression / length if curve.buckling is not None else np.nan
         about = f"d 1, D 10, L0 {1e3 * length:g} mm, {turns:g} turns, both ends clamped"
         why = "the formula's column has no coils and loads its axis"
         what = f"buckling, compression over free length at L0 / D = {slenderness:g}"
