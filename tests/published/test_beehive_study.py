@@ -75,9 +75,10 @@ def test_collisions_at_5600_rpm_repeat_with_the_first_mode(study: Study) -> None
     assert interval == pytest.approx(26.9, rel=0.05), "published: 26.5 to 28 degrees apart"
 
 
-@pytest.mark.parametrize("rpm", [4200, 5600, 8000])
-def test_energy_is_balanced_through_the_clashes(study: Study, rpm: float) -> None:
-    assert quantity(study, "energy_imbalance_ratio", rpm) < 0.01
+@pytest.mark.parametrize(("rpm", "usual"), [(4200, 3e-6), (5600, 6e-6), (8000, 4.5e-5)])
+def test_energy_is_balanced_through_the_clashes(study: Study, rpm: float, usual: float) -> None:
+    """Three times what these runs usually leave."""
+    assert quantity(study, "energy_imbalance_ratio", rpm) < 3 * usual
 
 
 def test_predictions_are_told_as_predictions(study: Study) -> None:
