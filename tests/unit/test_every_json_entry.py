@@ -74,10 +74,11 @@ def test_a_study_is_told_entry_by_entry():
         {"quantity": "stage_2_peak_force", "engine_speed": known(5600, "rpm"), "model": "finite-element",
          "published_by": "engine head test", "role": "prediction", "published": known(790, "N"),
          "computed": known(805, "N"), "difference": known(15, "N"),
-         "tolerance": known(24, "N"), "verdict": "within tolerance", "source": "table 3"},
+         "tolerance": known(24, "N"), "verdict": "within tolerance", "source": "table 3", "used_for": "", "doubt": ""},
         {"quantity": "coil_1_2_installed_gap", "engine_speed": None, "model": "finite-element", "published_by": "engine head test",
          "role": "calibration", "published": known(2e-3, "m"), "computed": known(1.5e-3, "m"), "difference": known(-0.5e-3, "m"),
-         "tolerance": None, "verdict": "misses by -25.0 %, tolerance 3.0 %", "source": ""},
+         "tolerance": None, "verdict": "misses by -25.0 %, tolerance 3.0 %", "source": "",
+         "used_for": "the pitch", "doubt": ""},
     ]  # fmt: skip
     failures = told.pop("failures")
     assert len(failures) == 1 and "the force is not finite" in failures[0]
@@ -170,11 +171,11 @@ def test_comparisons_in_their_file(written):
     _, folder, _ = written["own"]
     found = rows(folder / "comparison.csv")
     assert list(found[1].values()) == ["coil_1_2_installed_gap", "", "engine head test", "2.0", "finite-element", "1.5", "-0.5", "mm",
-                                       "-0.25", "", "calibration", "misses by -25.0 %, tolerance 3.0 %", ""]  # fmt: skip
+                                       "-0.25", "", "calibration", "misses by -25.0 %, tolerance 3.0 %", "", "the pitch"]  # fmt: skip
     assert list(found[0].values())[:7] == ["stage_2_peak_force", "5600.0", "engine head test", "790.0", "finite-element", "805.0", "15.0"]
-    assert list(found[0].values())[9:] == ["24.0", "prediction", "within tolerance", "table 3"]
+    assert list(found[0].values())[9:] == ["24.0", "prediction", "within tolerance", "table 3", ""]
     assert list(found[0]) == ["quantity", "engine speed [rpm]", "given by", "given", "computed by", "computed", "difference", "unit",
-                              "relative difference", "tolerance", "role", "verdict", "source"]  # fmt: skip
+                              "relative difference", "tolerance", "role", "verdict", "source", "used for"]  # fmt: skip
 
 
 def test_springs_at_rest_in_their_files(written):

@@ -231,7 +231,8 @@ def row(quantity: str, unit: str, given: float, computed: float | None, verdict:
 
 COMPARED = (
     row("stage_2_peak_force", "N", 790.0, 805.0, "within tolerance", tolerance=24.0, source="table 3"),
-    row("coil_1_2_installed_gap", "mm", 2e-3, 1.5e-3, "misses by -25.0 %, tolerance 3.0 %", engine_speed=None, role="calibration"),
+    row("coil_1_2_installed_gap", "mm", 2e-3, 1.5e-3, "misses by -25.0 %, tolerance 3.0 %", engine_speed=None, role="calibration",
+        used_for="the pitch"),
     row("stage_2_peak_cam_angle", "deg", np.radians(170), np.radians(171.5), "differs by +1.5 deg", model="modal-varied",
         origin="solid finite elements"),
     row("preload", "N", 280.0, None, "not computed", engine_speed=None, model=""),
@@ -252,6 +253,7 @@ def test_given_and_computed_stand_in_their_own_columns():
         ["Stage II peak force", "5600 rpm", "EX", "790", NAMES[0], "805", "+15", "+1.9 %", "N", "prediction", "within tolerance"],
         ["Stage II peak, cam angle", "5600 rpm", "FE", "170", NAMES[1], "171.5", "+1.5", "", "deg", "prediction", "no tolerance stated"],
     ]  # fmt: skip
+    assert {cells_of[0].words: cells_of[-2].hint for cells_of, _ in grid.rows}["Installed gap of coils 1 and 2"] == "the pitch"
     tones = {cells_of[0].words: cells_of[-1].tone for cells_of, _ in grid.rows}
     assert (tones["Stage II peak force"], tones["Installed gap of coils 1 and 2"], tones["Preload"]) == ("good", "bad", "quiet")
 

@@ -10,16 +10,25 @@ import pytest
 
 from valvetrain.quantities.compare import compare, verdict
 from valvetrain.report.comparison_grid import tone
-from valvetrain.report.uncertainty_section import belongs
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.studies.uncertainty import Uncertainty
+from valvetrain.studies.uncertainty_file import belongs
 
 DEG = np.pi / 180
 
 
 def given(value: float, quantity: str = "peak_spring_force", unit: str = "N", **more) -> SimpleNamespace:
-    known = {"model": "m", "role": "prediction", "engine_speed": 100.0, "source": "s", "tolerance": None, "relation": "equal"}
+    known = {
+        "model": "m",
+        "role": "prediction",
+        "engine_speed": 100.0,
+        "source": "s",
+        "tolerance": None,
+        "relation": "equal",
+        "used_for": "",
+        "doubt": "",
+    }
     return SimpleNamespace(quantity=quantity, value=value, unit=unit, **(known | more))
 
 
