@@ -19,8 +19,9 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.quantity import same_speed
+from valvetrain.studies.refined import refined
 from valvetrain.studies.run import run_study
-from valvetrain.studies.uncertainty import Uncertainty, uncertainty_study
+from valvetrain.studies.uncertainty import Uncertainty
 from valvetrain.studies.uncertainty_file import rows_of, uncertainty_text
 
 LIBRARY = Path(str(resources.files("valvetrain") / "parameters" / "library"))
@@ -64,7 +65,7 @@ def main() -> None:
     if options.restamp:
         restamp(case, options.workers)
         return
-    study = uncertainty_study(case, workers=options.workers, progress=lambda share, words: print(f"{100 * share:3.0f} %  {words}"))
+    study = refined(case, workers=options.workers, progress=lambda share, words: print(f"{100 * share:3.0f} %  {words}"))
     if study.failures:
         raise SystemExit("; ".join(study.failures))
     path = LIBRARY / f"{options.case}.uncertainty"

@@ -40,7 +40,7 @@ class _Job:
 
     variant: str
     place: int
-    speed: float
+    engine_speed: float
     step: float = 1.0
     samples: int | None = None
 
@@ -50,7 +50,7 @@ def train_uncertainty(
 ) -> UncertaintyStudy:
     """Every variant of a train's case at ``engine_speeds`` (rad/s of the crank; None: the case's own), each number with its uncertainty.
 
-    Variants that rest on a finite-element spring are left out, since a run of theirs takes minutes. Raises :class:`InputError` for a case
+    Runs go over ``workers`` processes. Variants that rest on a finite-element spring are left out, since a run of theirs takes minutes. Raises :class:`InputError` for a case
     that cannot be built.
     """
     problem = build(case)
@@ -71,7 +71,7 @@ def train_uncertainty(
     values: dict[tuple[float, int], dict[str, Numbers]] = {}
     failures = []
     for job, (numbers, failed) in zip(jobs, found, strict=True):
-        values.setdefault((job.speed, job.place), {})[job.variant] = numbers
+        values.setdefault((job.engine_speed, job.place), {})[job.variant] = numbers
         if failed and job.variant == OWN:
             failures.append(failed)
     rows = [row for (speed, place), here in values.items() for row in _rows(here, speed, problem.members[place].label)]
@@ -154,11 +154,11 @@ def _solution(problem: Problem, ready: Ready, job: _Job) -> Solution:
     assert isinstance(ready.system, TrainSystem)
     step = None
     if job.step != 1.0 or job.samples is not None:
-        usual = runner(ready.system, job.speed / 2, TrainOptions(), rest=ready.rest).time_step
+        usual = runner(ready.system, job.engine_speed / 2, TrainOptions(), rest=ready.rest).time_step
         step = usual * job.step * (1 + 1e-9)
     options = RunOptions(job.samples, time_step=step, rest=ready.rest)
     found = run(
-        ready.system, job.speed / 2, Periodic(problem.cycles_to_settle), options, provenance_of(problem, ready.member, job.speed, "")
+        ready.system, job.engine_speed / 2, Periodic(problem.cycles_to_settle), options, provenance_of(problem, ready.member, job.engine_speed, "")
     )
     return judge(ready, found, Plan(), {})
 
