@@ -158,7 +158,8 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
 
 
 def _rest_object(one: SpringAtRest) -> dict[str, Any]:
-    found: dict[str, Any] = {"spring": one.spring, "model": one.model, "precompression": measured(one.precompression, "m")}
+    found: dict[str, Any] = {"spring": one.spring, "model": one.model, "precompression": measured(one.precompression, "m"),
+                             "facts": {name: _with_unit(name, value) for name, value in one.facts.items()}}
     if one.curve is not None:
         curve = {"compression": (one.curve.compression, "m"), "force": (one.curve.force, "N"), "stiffness": (one.curve.stiffness, "N/m")}
         found["static_curve"] = {"status": status_object(one.curve.status)} | {
