@@ -22,7 +22,8 @@ def pushrod(lash: str, torque: str = "0.3 N m", model: str = "multi-mass"):
     from importlib import resources
 
     text = resources.files("valvetrain").joinpath("templates/pushrod.toml").read_text(encoding="utf-8")
-    for old, new in (("0.3 N m", torque), ('lash = "0 in"', f'lash = "{lash}"'), ('spring_model = "multi-mass"', f'spring_model = "{model}"')):
+    changes = {"0.3 N m": torque, 'lash = "0 in"': f'lash = "{lash}"', 'spring_model = "multi-mass"': f'spring_model = "{model}"'}
+    for old, new in changes.items():
         assert old in text
         text = text.replace(old, new)
     return parse_case(text)
@@ -79,4 +80,5 @@ def test_scatter_is_the_range_over_plain_cycles():
         end, record = ready.cycle(state)
         state = replace(end, cam_angle=0.0)
         numbers.append(cycle_numbers(built, record))
-    assert found.scatter.numbers == {name: pytest.approx(np.ptp([one[name] for one in numbers]), rel=1e-9, abs=1e-15) for name in numbers[0]}
+    by_hand = {name: float(np.ptp([one[name] for one in numbers])) for name in numbers[0]}
+    assert found.scatter.numbers == pytest.approx(by_hand, rel=1e-9, abs=1e-15)

@@ -78,7 +78,9 @@ def test_printed_contact_forces_are_those_of_springs_without_seat_load(pushrod):
     """rate x 8 mm x ratio 1.6 is 275 and 395 N; weight and inertia of an unknown profile explain up to 5 %."""
     assert computed(pushrod, "stock_nose_cam_contact_force") == pytest.approx(283, rel=0.05)
     assert computed(pushrod, "performance_nose_cam_contact_force") == pytest.approx(400, rel=0.05)
-    assert computed(pushrod, "performance_damped_nose_cam_contact_force") == pytest.approx(412, rel=0.05)
+    # at the nose the valve stands still, so that its damper adds nothing to the 395 N: the print's 412 N are some 5 % more
+    assert computed(pushrod, "performance_damped_nose_cam_contact_force") == pytest.approx(395, rel=0.02)
+    assert computed(pushrod, "performance_damped_nose_cam_contact_force") == pytest.approx(412, rel=0.06)
     assert computed(pushrod, "contact_force_rise_ratio") == pytest.approx(0.4, abs=0.05)
 
 

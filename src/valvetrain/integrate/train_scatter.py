@@ -23,7 +23,7 @@ PREFIX = "cycle_scatter_"
 
 @dataclass(frozen=True)
 class Scatter:
-    """Over :data:`COMPARED` cycles: ``valve`` (m), largest spread of the valve lift at one cam angle; ``peak_valve_lift`` (m), the largest one;
+    """Over :data:`COMPARED` cycles: ``valve`` (m), largest spread of the valve lift at one cam angle; ``peak_valve_lift`` (m), the largest;
     ``numbers``: largest less least value of each number (SI) by the name of its quantity."""
 
     valve: float

@@ -50,8 +50,8 @@ def train_uncertainty(
 ) -> UncertaintyStudy:
     """Every variant of a train's case at ``engine_speeds`` (rad/s of the crank; None: the case's own), each number with its uncertainty.
 
-    Runs go over ``workers`` processes. Variants that rest on a finite-element spring are left out, since a run of theirs takes minutes. Raises :class:`InputError` for a case
-    that cannot be built.
+    Runs go over ``workers`` processes. Variants on a finite-element spring are left out, since a run of theirs takes minutes.
+    Raises :class:`InputError` for a case that cannot be built.
     """
     problem = build(case)
     speeds = problem.engine_speeds if engine_speeds is None else tuple(float(speed) for speed in engine_speeds)
@@ -157,9 +157,8 @@ def _solution(problem: Problem, ready: Ready, job: _Job) -> Solution:
         usual = runner(ready.system, job.engine_speed / 2, TrainOptions(), rest=ready.rest).time_step
         step = usual * job.step * (1 + 1e-9)
     options = RunOptions(job.samples, time_step=step, rest=ready.rest)
-    found = run(
-        ready.system, job.engine_speed / 2, Periodic(problem.cycles_to_settle), options, provenance_of(problem, ready.member, job.engine_speed, "")
-    )
+    provenance = provenance_of(problem, ready.member, job.engine_speed, "")
+    found = run(ready.system, job.engine_speed / 2, Periodic(problem.cycles_to_settle), options, provenance)
     return judge(ready, found, Plan(), {})
 
 
