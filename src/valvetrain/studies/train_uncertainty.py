@@ -22,6 +22,8 @@ from valvetrain.system.problem import Member, Problem
 
 #: Elements, masses or modes of a spring over the case's; step over the usual one; samples per cam turn beside the usual 1440.
 SPRINGS, STEPS, SAMPLES = (1.5, 2.25), (0.5, 0.25), 720
+#: What is below (SI) is rounding: the surge of a spring without mass.
+ROUNDING = 1e-9
 #: Options of spring models that say how finely a spring is divided.
 DIVISIONS = ("elements", "masses_per_coil", "modes", "elements_per_coil")
 #: Headline numbers of a train; those that a run does not have are left out.
@@ -165,7 +167,7 @@ def _solution(problem: Problem, ready: Ready, job: _Job) -> Solution:
 def _rows(values: Mapping[str, Numbers], speed: float, label: str) -> list[Uncertainty]:
     rows = []
     for name, value in values[OWN].items():
-        if name not in HEADLINES:
+        if name not in HEADLINES or 0 < abs(value) < ROUNDING:
             continue
 
         def of(variant: str, name: str = name) -> float | None:
