@@ -15,6 +15,7 @@ from valvetrain.cosserat.step_kernels import (
     contact_forces,
     contact_forces_second,
     copy_lower_wire,
+    guide_contact,
     move_vertices,
     return_contact,
     seat_contact,
@@ -39,7 +40,7 @@ WATCH_MARGIN = 1e-4
 
 # Places in the ``numbers`` and ``integers`` that travel with a buffer.
 DT, KEEP, KICK, DECAY, GAIN_OLD, GAIN_NEW, VISCOUS, CONTACT_TIME, MASS_DAMPING, RELAXATION = range(10)
-FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START = range(7)
+FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START, GUIDED = range(8)
 
 
 @njit(**OPTIONS)
@@ -126,6 +127,8 @@ def forces_now(b, integers, numbers, places, stretches, count, displacement):
     all_contact(b, offset, integers[GROUPS], places, stretches, count, np.uint64(0), vertices, damping_time, numbers[DT])
     lower_down, _ = seat_contact(b, np.uint64(0), np.uint64(integers[LOWER_END]), displacement)
     _, upper_up = seat_contact(b, np.uint64(integers[UPPER_START]), vertices, displacement)
+    if integers[GUIDED] > 0:
+        guide_contact(b, first + ONE, last)
     section_forces(b, first + ONE, last + ONE)
     seat = lower_down - b[FZ + first + ONE]
     retainer = upper_up - b[FZ + last]

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.integrate.contract import RunOptions
 from valvetrain.integrate.train_run import CycleRecord, TrainState
 from valvetrain.mechanism.crank import piston_clearance
 from valvetrain.solution.arrays import ChannelArrays, Variable
@@ -131,3 +132,11 @@ def train_statistics(system: TrainSystem, record: CycleRecord) -> dict[str, floa
         "cycle_work_energy": float(record.work[0]), "cycle_dissipated_energy": float(record.work[2]),
         "spring_dissipated_energy": float(record.work[3]), "contact_friction_dissipated_energy": record.friction_loss,
     }  # fmt: skip
+
+
+def least_forces(system: TrainSystem, record: CycleRecord, options: RunOptions) -> dict[str, float]:
+    """Least force (N) of every contact over all steps in the window of ``options``; nothing where none was asked for."""
+    if options.window is None or not len(record.least_forces):
+        return {}
+    least = zip(system.interaction_names, record.least_forces.tolist(), strict=True)
+    return {f"least_{force_name(name)}": value for name, value in least if name in CONTACTS}

@@ -88,6 +88,11 @@ class RigidKinematics:
         value = tight - self.lash if derivative == 0 else self._tight(cam_angle, derivative)
         return np.where(tight > self.lash, value, 0.0)
 
+    def law_lift(self, valve_lift: float) -> float:
+        """What the law lifts (m) when the rigid valve stands at ``valve_lift`` (m), the lash taken up."""
+        tight = valve_lift + self.lash
+        return tight if self.law_of == "valve" else float(self.ratio.inverse(np.array(tight)) * self.drive_scale)
+
     def motion_ratio(self, cam_angle: ArrayLike) -> Array:
         """Valve travel per drive travel d(valve)/d(drive length) (1), from geometry."""
         return np.asarray(self.ratio.splines[1](self.drive(cam_angle)) / self.drive_scale)

@@ -14,7 +14,8 @@ from valvetrain.quantities.main_clash import find_clash_window, main_clash_quant
 from valvetrain.quantities.spectrum import surge_quantities
 from valvetrain.quantities.stress import stress_quantities, with_wire_stress
 from valvetrain.quantities.train_events import LOGGED, RigidCycle, rigid_cycle, train_events
-from valvetrain.quantities.train_numbers import counted_quantities, train_quantities
+from valvetrain.quantities.train_numbers import counted_quantities, margin_quantities, train_quantities
+from valvetrain.quantities.valve_events import run_events
 from valvetrain.solution.arrays import Variable
 from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
@@ -42,7 +43,8 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
     found = _whole_cycle(cycle, frame, events) if cycle.whole else {}
     found |= energy_quantities(solution) | counted_quantities(solution)
     if rigid is not None:
-        found |= train_quantities(solution, rigid, events)
+        assert frame.rigid is not None
+        found |= train_quantities(solution, rigid, events) | run_events(solution, events) | margin_quantities(frame.rigid)
     done = _with_rigid(solution, rigid).with_found(events, found)
     if not frame.source:
         return done

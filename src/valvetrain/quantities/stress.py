@@ -14,10 +14,9 @@ from valvetrain.quantities.frame import Frame
 from valvetrain.solution.arrays import Variable
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticStress
-from valvetrain.springs.stress import LOADS, STRESS_CHANNELS, bergstraesser, wire_stress
+from valvetrain.springs.stress import LOADS, STRESS_CHANNELS, nominal_stress_per_force, wire_stress
 
 SHEAR, EQUIVALENT = "inner_fibre_shear_stress", "inner_fibre_equivalent_stress"
-_SAMPLES = 4001
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,13 +66,6 @@ def _nominal(cycle: Cycle, name: str, spring: InstalledSpring) -> dict[str, floa
         return {}
     factor = nominal_stress_per_force(spring.wire)
     return {"nominal_peak_shear_stress": factor * extremes[1], "nominal_minimum_shear_stress": factor * extremes[0]}
-
-
-def nominal_stress_per_force(wire: SpringDefinition) -> float:
-    """Largest of k 8 D / (pi d**3) (Pa per N) over the free turns, k = (w + 0.5) / (w - 0.75), w = D / d (EN 13906-1)."""
-    coil = np.linspace(*wire.free_coils, _SAMPLES)
-    diameter, mean = wire.wire_diameter.value(coil), wire.mean_diameter.value(coil)
-    return float(np.max(bergstraesser(mean / diameter) * 8 * mean / (np.pi * diameter**3)))
 
 
 def _extremes(coil: Array, shear: Array, equivalent: Array) -> WireStress:

@@ -91,7 +91,7 @@ def write_study(study: Study, folder: str | os.PathLike[str], page: bool = True,
     tables = {"quantities": quantity_table(study), "events": event_table(study)}
     if study.comparisons:
         tables["comparison"] = comparison_table(study.comparisons)
-    if study.command == "sweep":
+    if study.over_speed:
         for label in study.labels:
             tables[names.free(f"sweep-{label}")] = sweep_table(study, label)
             speeds, orders, sizes = order_table(study, label)

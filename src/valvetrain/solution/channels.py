@@ -28,6 +28,7 @@ SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
     "shear_force": ("wire_point", "N", "shear force of the wire"),
     "coil_gap": ("coil_pair", "m", "gap between a coil and the one below, negative when pressed together"),
     "coil_contact_force": ("coil_pair", "N", "contact force between a coil and the one below"),
+    "guide_force": (None, "N", "sum of the normal forces between the wire and its guide"),
     "contact_status": ("coil_pair", "1", "0 open, 1 near, 2 touching, 3 sliding"),
     "kinetic_energy": (None, "J", "kinetic energy of the wire"),
     "elastic_energy": (None, "J", "elastic energy of the wire"),

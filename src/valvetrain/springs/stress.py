@@ -52,6 +52,8 @@ def wahl(index: Array) -> Array:
 #: Word -> factor at the inner fibre over the index; the outer fibre is the same law at minus the index, with the centre on its far side.
 CURVATURE_FACTORS: Mapping[str, Callable[[Array], Array]] = {"bergstraesser": bergstraesser, "goehner": goehner, "wahl": wahl}
 DEFAULT_FACTOR = "bergstraesser"
+#: Places along the free turns at which the nominal stress is looked for.
+NOMINAL_SAMPLES = 4001
 
 
 def shear_stress_factor(curvature: str, index: ArrayLike, fibre: str = "inner") -> Array:
@@ -120,6 +122,13 @@ def wire_stress(
         found[f"{fibre}_fibre_shear_stress"], found[f"{fibre}_fibre_axial_stress"] = shear, axial
         found[f"{fibre}_fibre_equivalent_stress"] = np.sqrt(axial**2 + 3 * shear**2)
     return {name: found[name] for name in STRESS_CHANNELS}
+
+
+def nominal_stress_per_force(wire: SpringDefinition) -> float:
+    """Largest of k 8 D / (pi d**3) (Pa per N) over the free turns, k = (w + 0.5) / (w - 0.75), w = D / d (EN 13906-1)."""
+    coil = np.linspace(*wire.free_coils, NOMINAL_SAMPLES)
+    diameter, mean = wire.wire_diameter.value(coil), wire.mean_diameter.value(coil)
+    return float(np.max(bergstraesser(mean / diameter) * 8 * mean / (np.pi * diameter**3)))
 
 
 def with_stress(solution: Solution, definition: SpringDefinition, curvature: str | None = DEFAULT_FACTOR) -> Solution:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.integrate.clash import runs
 from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions
-from valvetrain.integrate.run import run
+from valvetrain.integrate.run import run_to_orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.frame import Frame
@@ -25,6 +28,11 @@ from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_rest import TrainRest, rest_of
 from valvetrain.system.train_system import TrainSystem
 
+if TYPE_CHECKING:
+    from valvetrain.integrate.train_orbit import Orbit
+
+#: Share of the rigid lift beyond which the valve counts as open.
+OPEN = 0.1
 #: What a run can meet that is its own failure and not the study's.
 FAILURES = (InputError, ArithmeticError, ValueError)
 
@@ -52,6 +60,18 @@ class Ready:
     rest: TrainRest | None = None
     motion: RigidMotion | None = None
     refusal: str = ""
+
+    @cached_property
+    def window(self) -> tuple[float, float] | None:
+        """Begin and end (cam rad) of the longest stretch in which a rigid valve is open by more than :data:`OPEN` of its lift; the end may
+        pass the turn. None of prescribed motion."""
+        if self.motion is None:
+            return None
+        angle, lift = self.motion.cam_angle, self.motion.derivatives[0]
+        stretches = runs(lift > OPEN * float(np.max(lift)), ring=True)
+        first, last = max(stretches, key=lambda one: one[1] - one[0])
+        step = float(angle[1] - angle[0])
+        return float(angle[0]) + first * step, float(angle[0]) + last * step
 
 
 def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Ready:
@@ -90,7 +110,9 @@ def provenance_of(problem: Problem, member: Member, engine_speed: float, created
     first = member.springs[0] if member.springs else None
     options: dict[str, Option] = {}
     if first is not None:
-        options |= member.model.read_options(first.options_of(member.model.word)).model_dump()
+        table = member.model.read_options(first.options_of(member.model.word))
+        useless = table.wire_only if first.wire is None else table.card_only
+        options |= {name: value for name, value in table.model_dump().items() if name not in useless}
         options |= {
             "coil_contact_stiffness": first.contact.stiffness, "coil_contact_damping_time": first.contact.damping_time,
             "mass_damping": first.damping.mass_damping, "stiffness_damping": first.damping.stiffness_damping,
@@ -107,16 +129,24 @@ def provenance_of(problem: Problem, member: Member, engine_speed: float, created
 
 def integrate_point(ready: Ready, engine_speed: float, plan: Plan, provenance: Provenance) -> Solution:
     """One run in time (rad/s of the crank); a failure of any kind is its status."""
+    return integrate_from(ready, engine_speed, plan, provenance)[0]
+
+
+def integrate_from(
+    ready: Ready, engine_speed: float, plan: Plan, provenance: Provenance, start: Orbit | None = None
+) -> tuple[Solution, Orbit | None]:
+    """As :func:`integrate_point`, of a train from the motion ``start`` of another speed, and the motion it ended on (None for none)."""
     if ready.system is None:
         remedy = "choose another model, or tell more of the spring"
-        return Solution(empty_channels(), (), Status("refused", ready.refusal, remedy=remedy), {}, provenance)
+        return Solution(empty_channels(), (), Status("refused", ready.refusal, remedy=remedy), {}, provenance), None
     prescribed = isinstance(ready.system, PrescribedSpring)
     until = Cycles(plan.cycles) if prescribed else Periodic(plan.cycles_to_settle)
+    options = RunOptions(plan.samples, keep=plan.keep, rest=ready.rest, window=ready.window, start=start)
     try:
-        return run(ready.system, engine_speed / 2, until, RunOptions(plan.samples, keep=plan.keep, rest=ready.rest), provenance)
+        return run_to_orbit(ready.system, engine_speed / 2, until, options, provenance)
     except FAILURES as error:
         words = " ".join(str(error).split())
-        return Solution(empty_channels(), (), Status("diverged", words, remedy="look at this run alone"), {}, provenance)
+        return Solution(empty_channels(), (), Status("diverged", words, remedy="look at this run alone"), {}, provenance), None
 
 
 def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:

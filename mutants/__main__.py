@@ -1,0 +1,132 @@
+"""Seeds a sample of faults into ``src/`` (copies of it), asks the tests about each and prints the share that is noticed.
+
+Use: python -m mutants --sample 150 --seed 1 --workers 2
+     python -m mutants --folders report,quantities --sample 40     faults of these folders only
+     python -m mutants --list --sample 20                          the faults alone, nothing is run
+     python -m mutants --only 3,17 --sample 150 --seed 1           these numbers of the sample again
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import json
+import subprocess
+import sys
+import threading
+from collections import Counter
+from pathlib import Path
+from queue import Empty, Queue
+from typing import Any
+
+from mutants.choose import SOURCE, sample, tests_for
+from mutants.copies import PLACE, renew, twin_of
+from mutants.faults import Fault, seeded
+from mutants.record import environment, trails
+
+LIMIT = 60.0
+JUDGED = Path(__file__).with_name("judged.txt")
+
+
+def difference(fault: Fault) -> str:
+    """The changed lines of a fault."""
+    text = (SOURCE / fault.file).read_text(encoding="utf-8")
+    lines = difflib.unified_diff(text.splitlines(), seeded(text, fault).splitlines(), n=0, lineterm="")
+    return "\n".join(line for line in list(lines)[2:] if line[:2] != "@@")
+
+
+def mark(fault: Fault) -> str:
+    """What the list of judged faults knows a fault by: its file and its changed lines, not their numbers."""
+    return f"{fault.file} {' '.join(difference(fault).split())}"
+
+
+def judged() -> dict[str, str]:
+    """Faults that change nothing which anybody can meet -> the reason."""
+    lines = JUDGED.read_text(encoding="utf-8").splitlines() if JUDGED.exists() else []
+    pairs = [line.split(" || ") for line in lines if " || " in line]
+    return {known: reason for known, reason in pairs}
+
+
+def work(base: Path, name: str, tasks: Queue[tuple[int, Fault]], known: dict[str, Any], answers: dict[int, dict[str, Any]]) -> None:
+    """One worker's thread: hands tasks to its process until none is left."""
+    copy = twin_of(base, name)
+    command = [sys.executable, "-m", "mutants.worker", str(base), str(copy)]
+    process = subprocess.Popen(command, cwd=copy, env=environment(copy), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert process.stdin and process.stdout
+    while True:
+        try:
+            number, fault = tasks.get_nowait()
+        except Empty:
+            break
+        nodes = tests_for(fault, known)
+        seconds = {node: one["seconds"] for trail in known.values() for node, one in trail["tests"].items()}
+        if nodes:
+            limit = LIMIT + 4 * sum(seconds[node] for node in nodes)
+            process.stdin.write(json.dumps({"fault": fault.__dict__, "tests": nodes, "limit": limit}) + "\n")
+            process.stdin.flush()
+            answer = json.loads(process.stdout.readline())
+        else:
+            answer = {"verdict": "unseen", "by": "no test enters it", "seconds": 0.0}
+        answers[number] = answer | {"tests": len(nodes)}
+        told = "" if answer["verdict"] == "noticed" else "\n" + difference(fault)
+        place = f"{fault.file}:{fault.line} [{fault.kind}]"
+        print(f"{number:4d} {answer['verdict']:8s} {answer['seconds']:6.1f} s  {place} {answer['by'][:110]}{told}", flush=True)
+    process.stdin.close()
+    process.wait()
+
+
+def main() -> None:
+    """The run as the command line asks for it."""
+    parser = argparse.ArgumentParser(prog="python -m mutants", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sample", type=int, default=150, help="number of faults")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the sample")
+    parser.add_argument("--folders", default="", help="folders of the package, by commas; all of them where left out")
+    parser.add_argument("--workers", type=int, default=1, help="faults judged at one time, each in a copy of its own")
+    parser.add_argument("--only", default="", help="numbers of the sample, by commas")
+    parser.add_argument("--recorded", action="store_true", help="ask only the test files whose trails are recorded, make none anew")
+    parser.add_argument("--list", action="store_true", help="print the faults and run nothing")
+    given = parser.parse_args()
+    chosen = list(enumerate(sample(given.sample, given.seed, filter(None, given.folders.split(",")))))
+    if given.only:
+        chosen = [chosen[int(number)] for number in given.only.split(",")]
+    if given.list:
+        for number, fault in chosen:
+            print(f"{number:4d} {fault.file}:{fault.line} [{fault.kind}]\n{difference(fault)}")
+        return
+    base = renew("base")
+    known, tasks, answers = trails(base, anew=not given.recorded), Queue[tuple[int, Fault]](), dict[int, dict[str, Any]]()
+    same = judged()
+    for number, fault in chosen:
+        if mark(fault) in same:
+            print(f"{number:4d} the same  {fault.file}:{fault.line} {same[mark(fault)]}")
+        else:
+            tasks.put((number, fault))
+    threads = [threading.Thread(target=work, args=(base, f"copy-{n}", tasks, known, answers)) for n in range(given.workers)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    summary({number: fault for number, fault in chosen}, answers)
+    place = PLACE / f"faults-{given.seed}-{given.sample}-{given.folders or 'all'}.json"
+    told = [{**fault.__dict__, "number": number, **answers.get(number, {"verdict": "the same"})} for number, fault in chosen]
+    place.write_text(json.dumps(told, indent=1), encoding="utf-8")
+    print(f"kept in {place}")
+
+
+def summary(chosen: dict[int, Fault], answers: dict[int, dict[str, Any]]) -> None:
+    """The share by folder and in all."""
+    seen, every, late = Counter[str](), Counter[str](), 0
+    for number, answer in answers.items():
+        folder = chosen[number].file.split("/")[0]
+        every[folder] += 1
+        seen[folder] += answer["verdict"] != "unseen"
+        late += answer["by"].startswith(("tests/golden", "tests/examples"))
+    for folder in sorted(every):
+        print(f"{folder:12s} {seen[folder]:4d} of {every[folder]:4d}")
+    total = max(sum(every.values()), 1)
+    share = 100 * sum(seen.values()) / total
+    print(f"noticed {sum(seen.values())} of {total} ({share:.1f} %), {late} of them only by a golden number or a printed page")
+
+
+if __name__ == "__main__":
+    main()

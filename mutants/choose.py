@@ -1,0 +1,142 @@
+"""The sample: which faults are seeded, and which tests are asked about each."""
+
+from __future__ import annotations
+
+import ast
+import random
+import re
+from collections import defaultdict
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from mutants.copies import ROOT, compiles
+from mutants.faults import Fault, faults, seeded
+
+SOURCE = ROOT / "src" / "valvetrain"
+#: Seconds of tests, as recorded, that are asked at most about one fault: those that enter its function, those whose file says its name,
+#: the others of the files of the first, all.
+SECONDS = (120.0, 60.0, 15.0, 60.0)
+
+
+def sample(count: int, seed: int, folders: Iterable[str] = ()) -> list[Fault]:
+    """``count`` faults, each on another line: lines of all folders drawn alike, then one fault of the line."""
+    rng = random.Random(seed)
+    wanted = tuple(folders)
+    by_line: dict[tuple[str, int], list[Fault]] = defaultdict(list)
+    for path in sorted(SOURCE.rglob("*.py")):
+        file = str(path.relative_to(SOURCE))
+        if not wanted or file.split("/")[0] in wanted:
+            for fault in faults(SOURCE, file):
+                by_line[file, fault.line].append(fault)
+    chosen: list[Fault] = []
+    for place in rng.sample(sorted(by_line), len(by_line)):
+        fault = rng.choice(by_line[place])
+        if len(chosen) < count and _is_python(fault):
+            chosen.append(fault)
+    return chosen
+
+
+def _is_python(fault: Fault) -> bool:
+    try:
+        ast.parse(seeded((SOURCE / fault.file).read_text(encoding="utf-8"), fault))
+    except SyntaxError:
+        return False
+    return True
+
+
+class Definitions(ast.NodeVisitor):
+    """Functions of a file: (first line with decorators, last line, name, names said inside)."""
+
+    def __init__(self, path: Path) -> None:
+        self.found: list[tuple[int, int, str, frozenset[str]]] = []
+        self.tree = ast.parse(path.read_text(encoding="utf-8"))
+        self.visit(self.tree)
+
+    def visit(self, node: ast.AST) -> None:
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+            first = min([node.lineno, *(mark.lineno for mark in getattr(node, "decorator_list", []))])
+            self.found.append((first, node.end_lineno or first, getattr(node, "name", ""), said(node)))
+        self.generic_visit(node)
+
+    def around(self, line: int) -> list[tuple[int, int, str, frozenset[str]]]:
+        """Functions about a line, the innermost first."""
+        return sorted((one for one in self.found if one[0] <= line <= one[1]), key=lambda one: one[1] - one[0])
+
+    def names_at(self, line: int) -> set[str]:
+        """What a statement outside functions gives its name to."""
+        names = set()
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.stmt) and node.lineno <= line <= (node.end_lineno or 0):
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+                names |= {target.id for target in targets if isinstance(target, ast.Name)}
+                names |= {node.name} if isinstance(node, ast.ClassDef) else set()
+        return names
+
+
+def said(node: ast.AST) -> frozenset[str]:
+    """Names and attributes that a tree mentions."""
+    names = {one.id for one in ast.walk(node) if isinstance(one, ast.Name)}
+    return frozenset(names | {one.attr for one in ast.walk(node) if isinstance(one, ast.Attribute)})
+
+
+@cache
+def definitions() -> dict[str, Definitions]:
+    """File below the package -> its functions."""
+    return {str(path.relative_to(SOURCE)): Definitions(path) for path in sorted(SOURCE.rglob("*.py"))}
+
+
+def places(fault: Fault, entered: set[str]) -> set[str]:
+    """Functions (as trails name them) whose entering tells that a test may notice the fault."""
+    here = definitions()[fault.file]
+    around = here.around(fault.line)
+    for first, _, _, _ in around:
+        if f"{fault.file}:{first}" in entered:
+            return {f"{fault.file}:{first}"}
+    names = {name for _, _, name, _ in around if name} if around else here.names_at(fault.line)
+    found = set() if around else {place for place in entered if place.startswith(f"{fault.file}:")}
+    return found | _callers(names, entered)
+
+
+def _callers(names: set[str], entered: set[str]) -> set[str]:
+    """Entered functions that mention a name, or that mention a never entered function which does (compiled kernels are not seen)."""
+    found: set[str] = set()
+    done: set[str] = set()
+    while rest := names - done:
+        done |= rest
+        for file, known in definitions().items():
+            for first, _, name, words in known.found:
+                if words & rest:
+                    place = f"{file}:{first}"
+                    if place in entered:
+                        found.add(place)
+                    elif name and compiles(f"valvetrain/{file}"):
+                        names = names | {name}
+    return found
+
+
+def tests_for(fault: Fault, trails: dict[str, dict[str, Any]]) -> list[str]:
+    """Tests to ask, the quickest first: those that enter the function, then the others of their files; for a table of a module all."""
+    known = [(node, one, file) for file, trail in trails.items() for node, one in trail["tests"].items()]
+    entered = {place for _, one, _ in known for place in one["places"]} | {place for trail in trails.values() for place in trail["import"]}
+    wanted = places(fault, entered)
+    inside = definitions()[fault.file].around(fault.line)
+    names = {name for _, _, name, _ in inside if name} or definitions()[fault.file].names_at(fault.line)
+    first = {node for node, one, _ in known if wanted & set(one["places"])}
+    near = {file for node, _, file in known if node in first} | {file for file, one in trails.items() if wanted & set(one["import"])}
+    spoken = {file for file in trails if set(re.findall(r"\w+", (ROOT / file).read_text(encoding="utf-8"))) & names}
+    ranks = {node: (0 if node in first else 1 if file in spoken else 2 if file in near else 3) for node, _, file in known}
+    seconds = {node: one["seconds"] for node, one, _ in known}
+    spent, chosen = [0.0] * 4, []
+    for node in sorted(ranks, key=lambda node: (ranks[node], _late(node), seconds[node], node)):
+        rank = ranks[node]
+        if (rank < 3 or not inside) and spent[rank] + seconds[node] <= SECONDS[rank]:
+            spent[rank] += seconds[node]
+            chosen.append(node)
+    return chosen
+
+
+def _late(node: str) -> bool:
+    """Golden numbers and printed pages are asked last: what only they notice is told apart."""
+    return node.startswith(("tests/golden/", "tests/examples/"))

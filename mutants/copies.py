@@ -1,0 +1,101 @@
+"""Copies of the repository in which faults are seeded; the working tree is read only."""
+
+from __future__ import annotations
+
+import ast
+import os
+import shutil
+import subprocess
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PLACE = ROOT / "build" / "mutants"
+
+
+def files() -> list[str]:
+    """Files of the working tree that git knows or would add."""
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, check=True, capture_output=True, text=True)
+    return [name for name in listed.stdout.splitlines() if (ROOT / name).is_file()]
+
+
+def renew(name: str) -> Path:
+    """The copy of that name, equal to the working tree; compiled kernels in it are kept where their sources are the same."""
+    copy = PLACE / name
+    wanted = set(files())
+    copy.mkdir(parents=True, exist_ok=True)
+    for path in [path for path in copy.rglob("*") if path.is_file() and "__pycache__" not in path.parts]:
+        if str(path.relative_to(copy)) not in wanted and "runs" not in path.parts:
+            path.unlink()
+    for file in wanted:
+        source, target = ROOT / file, copy / file
+        if not target.exists() or source.stat().st_mtime_ns != target.stat().st_mtime_ns or source.read_bytes() != target.read_bytes():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            if target.exists() and target.suffix == ".py" and source.read_bytes() != target.read_bytes():
+                drop_kernels(copy, file.removeprefix("src/"))
+            shutil.copy2(source, target)
+    return copy
+
+
+def twin_of(base: Path, name: str) -> Path:
+    """A copy of ``base`` with its compiled kernels (times kept, so that they stay valid)."""
+    twin = PLACE / name
+    shutil.rmtree(twin, ignore_errors=True)
+    shutil.copytree(base, twin, symlinks=True, copy_function=shutil.copy2)
+    return twin
+
+
+def restore_kernels(base: Path, twin: Path, dropped: Iterable[Path]) -> None:
+    """Puts back the compiled kernels of ``base`` for the files in ``dropped``; those made by a seeded fault go."""
+    for folder in {path.parent for path in dropped}:
+        for old in folder.glob("*.nb[ic]"):
+            old.unlink()
+        for kept in (base / folder.relative_to(twin)).glob("*.nb[ic]"):
+            shutil.copy2(kept, folder / kept.name)
+
+
+def drop_kernels(copy: Path, module: str) -> list[Path]:
+    """Deletes the compiled kernels that may hold code of ``module`` (path below src): its own and those built upon it."""
+    gone: list[Path] = []
+    for file in built_upon(module):
+        path = copy / "src" / file
+        for cached in (path.parent / "__pycache__").glob(f"{path.stem}.*.nb[ic]"):
+            cached.unlink()
+            gone.append(cached)
+    return gone
+
+
+@cache
+def imports() -> dict[str, set[str]]:
+    """Module file -> files of the package that it imports by name."""
+    source = ROOT / "src"
+    found: dict[str, set[str]] = {}
+    for path in source.rglob("*.py"):
+        names = set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+            elif isinstance(node, ast.Import):
+                names |= {alias.name for alias in node.names}
+        paths = {name.replace(".", os.sep) + ".py" for name in names if name.startswith("valvetrain")}
+        found[str(path.relative_to(source))] = {name for name in paths if (source / name).exists()}
+    return found
+
+
+@cache
+def compiles(file: str) -> bool:
+    """Whether a file of the package holds compiled kernels."""
+    path = ROOT / "src" / file
+    return path.exists() and any(word in path.read_text(encoding="utf-8") for word in ("njit", "compiled("))
+
+
+def built_upon(file: str) -> set[str]:
+    """Kernel files that import ``file`` straight or through other kernel files, and the file itself."""
+    found, rest = {file}, [file]
+    while rest:
+        one = rest.pop()
+        more = {user for user, used in imports().items() if one in used and compiles(user)} - found
+        found |= more
+        rest += more
+    return found

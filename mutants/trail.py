@@ -1,0 +1,109 @@
+"""A pytest plugin: which test enters which functions of the package, in this process and in those it starts.
+
+Active where VALVETRAIN_TRAIL names a file: one JSON object {"import": [places], "tests": {node: {"seconds", "places"}}}; a place is
+``path below src:first line of the function``. What a fixture of a module enters counts for each test that uses the fixture, since the
+others of the module find its result ready.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+CHILDREN = "VALVETRAIN_TRAIL_CHILDREN"
+
+
+class Steps:
+    """Functions of the package entered since ``start``."""
+
+    def __init__(self, source: str) -> None:
+        self.source, self.codes = source + os.sep, set()
+
+    def note(self, frame: Any, _event: str, _argument: object) -> None:
+        """The trace function: one call a function, none a line."""
+        self.codes.add(frame.f_code)
+
+    def start(self) -> None:
+        self.codes = set()
+        threading.settrace(self.note)
+        sys.settrace(self.note)
+
+    def stop(self) -> set[str]:
+        sys.settrace(None)
+        threading.settrace(None)  # type: ignore[arg-type]
+        cut = len(self.source)
+        return {f"{code.co_filename[cut:]}:{code.co_firstlineno}" for code in self.codes if code.co_filename.startswith(self.source)}
+
+
+class Trail:
+    """Collects the steps of each test; fixtures keep their own."""
+
+    def __init__(self, file: Path, source: Path) -> None:
+        self.file, self.children = file, file.with_suffix(".children")
+        self.steps = Steps(str(source))
+        self.tests: dict[str, dict[str, Any]] = {}
+        self.fixtures: dict[int, set[str]] = {}
+        os.environ[CHILDREN] = str(self.children)
+        self.steps.start()
+        self.imported: set[str] = set()
+
+    def pytest_collection_finish(self) -> None:
+        self.imported = self.steps.stop()
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_fixture_setup(self, fixturedef: Any) -> Iterator[None]:
+        before, self.steps.codes = self.steps.codes, set()
+        sys.settrace(self.steps.note)
+        try:
+            return (yield)
+        finally:
+            mine = self.steps.codes
+            self.fixtures[id(fixturedef)] = self.steps.stop()
+            self.steps.start()
+            self.steps.codes = before | mine
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item: Any) -> Iterator[None]:
+        begun = time.perf_counter()
+        self.children.write_text("")
+        self.steps.start()
+        try:
+            return (yield)
+        finally:
+            places = self.steps.stop() | set(self.children.read_text().split())
+            for known in item._fixtureinfo.name2fixturedefs.values():
+                for one in known:
+                    places |= self.fixtures.get(id(one), set())
+            self.tests[item.nodeid] = {"seconds": round(time.perf_counter() - begun, 3), "places": sorted(places)}
+
+    def pytest_sessionfinish(self) -> None:
+        self.children.unlink(missing_ok=True)
+        self.file.write_text(json.dumps({"import": sorted(self.imported), "tests": self.tests}))
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Begins before the test file is imported."""
+    if file := os.environ.get("VALVETRAIN_TRAIL"):
+        config.pluginmanager.register(Trail(Path(file), Path(config.rootpath) / "src" / "valvetrain"))
+
+
+def follow_child() -> None:
+    """For a process that a test starts (called by the ``sitecustomize`` beside): its steps join those of the test."""
+    import atexit
+
+    steps = Steps(str(Path(os.environ["VALVETRAIN_TRAIL_SOURCE"])))
+    steps.start()
+
+    def tell() -> None:
+        with open(os.environ[CHILDREN], "a") as file:
+            file.write("\n".join(steps.stop()) + "\n")
+
+    atexit.register(tell)
