@@ -15,8 +15,9 @@ from mutants.copies import ROOT, compiles
 from mutants.faults import Fault, faults, seeded
 
 SOURCE = ROOT / "src" / "valvetrain"
-#: Seconds of tests, as recorded, that are asked at most about one fault.
-MOST_SECONDS = 240.0
+#: Seconds of tests, as recorded, that are asked at most about one fault: those that enter its function, those whose file says its name,
+#: the others of the files of the first, all.
+SECONDS = (120.0, 60.0, 15.0, 60.0)
 
 
 def sample(count: int, seed: int, folders: Iterable[str] = ()) -> list[Fault]:
@@ -127,10 +128,11 @@ def tests_for(fault: Fault, trails: dict[str, dict[str, Any]]) -> list[str]:
     spoken = {file for file in trails if set(re.findall(r"\w+", (ROOT / file).read_text(encoding="utf-8"))) & names}
     ranks = {node: (0 if node in first else 1 if file in spoken else 2 if file in near else 3) for node, _, file in known}
     seconds = {node: one["seconds"] for node, one, _ in known}
-    spent, chosen = 0.0, []
+    spent, chosen = [0.0] * 4, []
     for node in sorted(ranks, key=lambda node: (ranks[node], _late(node), seconds[node], node)):
-        if (ranks[node] < 3 or not inside) and spent + seconds[node] <= MOST_SECONDS / (1 if ranks[node] < 2 else 2):
-            spent += seconds[node]
+        rank = ranks[node]
+        if (rank < 3 or not inside) and spent[rank] + seconds[node] <= SECONDS[rank]:
+            spent[rank] += seconds[node]
             chosen.append(node)
     return chosen
 

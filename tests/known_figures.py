@@ -122,7 +122,6 @@ def static(study: Study) -> Panels:
 
 
 def modes(study: Study) -> Panels:
-    rod, chain = (one.modes for one in study.rest)
     coil = np.arange(0.0, 7.25, 0.5)
     shapes = {}
     for number, waves in enumerate((1, 2, 3), start=1):  # the drawn half waves, turned so that the largest is +1

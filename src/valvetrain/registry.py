@@ -32,6 +32,7 @@ BUILT_IN["commands"] = {
     "run": "valvetrain.cli.run:register",
     "compare": "valvetrain.cli.compare:register",
     "sweep": "valvetrain.cli.sweep:register",
+    "run-up": "valvetrain.cli.run_up:register",
     "static": "valvetrain.cli.static:register",
     "modes": "valvetrain.cli.modes:register",
     "refine": "valvetrain.cli.refine:register",
@@ -52,10 +53,10 @@ BUILT_IN["springs"] = {
     "solid": "valvetrain.springs.solid.spec:SPEC",
 }
 BUILT_IN["integrators"] = {
+    "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",  # before those that a train never needs, so that they are not loaded
     "harmonic": "valvetrain.integrate.harmonic:SPEC",
     "rod-leapfrog": "valvetrain.integrate.rod_leapfrog:SPEC",
     "leapfrog": "valvetrain.integrate.leapfrog:SPEC",
-    "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",
 }
 BUILT_IN["quantities"] = {
     "general": "valvetrain.quantities.table:ROWS",

@@ -91,9 +91,7 @@ def test_residual_and_tangent_of_the_walls_are_the_slopes_of_their_energy():
 def test_energy_is_kept_while_it_leans_in_motion():
     """1500 strokes a minute into the wall: kinetic, elastic and contact energy and what damping took add up to the work done."""
     rod = rod_in(BORE, 0.012, mass_damping=20.0, stiffness_damping=1e-6)
-    run = simulate(
-        rod.mesh, rod.installed.state, lambda time: 0.012 + 0.005 * (1 - np.cos(2 * np.pi * 25 * time)), 1e-4, 400, rod.dynamics
-    )
+    run = simulate(rod.mesh, rod.installed.state, lambda time: 0.012 + 0.005 * (1 - np.cos(2 * np.pi * 25 * time)), 1e-4, 400, rod.dynamics)
     found = rod_channels(rod, run, 1.0)
     stored = sum(found[name].values for name in ("kinetic_energy", "elastic_energy", "contact_energy"))
     books = stored + found["energy_dissipated"].values - found["work_done"].values

@@ -40,7 +40,9 @@ def test_a_long_spring_is_a_column_of_euler():
     assert buckling_compression(length, diameter, STEEL) == pytest.approx(euler, rel=0.01)
 
 
-@pytest.mark.parametrize(("values", "name"), [((-0.08, 0.01), "free_length"), ((0.08, 0.0), "mean_diameter"), ((80.0, 0.01), "free_length")])
+@pytest.mark.parametrize(
+    ("values", "name"), [((-0.08, 0.01), "free_length"), ((0.08, 0.0), "mean_diameter"), ((80.0, 0.01), "free_length")]
+)
 def test_lengths_that_cannot_be_are_refused_by_name(values, name):
     with pytest.raises(InputError, match=name):
         buckling_compression(*values)

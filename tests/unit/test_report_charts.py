@@ -62,7 +62,9 @@ def test_png_is_read_back_by_another_reader(tmp_path):
         np.testing.assert_array_equal(np.asarray(image.convert("RGB")), pixels)
 
 
-@pytest.mark.parametrize(("low", "high", "count"), [(0, 1, 5), (-3.2, 871, 6), (1e-6, 4e-6, 4), (225, 320, 8)])
+@pytest.mark.parametrize(
+    ("low", "high", "count"), [(0, 1, 5), (-3.2, 871, 6), (1e-6, 4e-6, 4), (225, 320, 8), (-0.0158, 0.0158, 3), (565.3, 1325.4, 3)]
+)
 def test_ticks_are_round_and_inside(low, high, count):
     values, decimals = ticks(low, high, count)
     assert 2 <= len(values) <= count + 1 and values[0] >= low - 1e-12 and values[-1] <= high * (1 + 1e-12)

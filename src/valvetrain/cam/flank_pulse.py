@@ -5,7 +5,6 @@ Both pulses are polynomials that begin without slope, so that the jerk is contin
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -75,9 +74,9 @@ class HalfLobe:
         rows[:, 1] += velocity, fastest
         return rows, lengths
 
-    def before_nose(self, angle: float) -> float:
-        """Lift (m) at ``angle`` (rad) before the nose; on the straight ramp beyond the flank."""
-        since, (lift, velocity), (up, down, fastest) = self.length - angle, self.start, self.sizes
+    def before_nose(self, cam_angle: float) -> float:
+        """Lift (m) at ``cam_angle`` (rad) before the nose; on the straight ramp beyond the flank."""
+        since, (lift, velocity), (up, down, fastest) = self.length - cam_angle, self.start, self.sizes
         first, second = self.share * self.length, (1 - self.share) * self.length
         if since < 0:
             return lift + velocity * since
@@ -86,7 +85,6 @@ class HalfLobe:
         since -= first
         lift += velocity * first + up * first**2 * RISEN_AT_1
         return lift + fastest * since - down * second**2 * _value(self._negative[0], since / second)
-
 
     def after_ramp(self, ramp_length: float, blend: float) -> tuple[Array, Array]:
         """Ascending coefficients (pieces, 8) and lengths (pieces,) of a ramp that ends at ``start``, and of the flank.
@@ -124,23 +122,3 @@ def _value(powers: Powers, x: float) -> float:
     for factor in reversed(powers):
         total = total * x + factor
     return total
-
-
-def solve(error: Callable[[float], float], bounds: tuple[float, float]) -> float | None:
-    """Where ``error`` crosses zero between ``bounds``, by regula falsi (Illinois) to rounding; None where it has one sign at both."""
-    (before, now), (at_before, at_now) = bounds, (error(bounds[0]), error(bounds[1]))
-    if at_before * at_now > 0:
-        return None
-    for _ in range(200):
-        if at_now == 0 or abs(now - before) < 1e-15 * (abs(now) + abs(before)):
-            break
-        found = (before * at_now - now * at_before) / (at_now - at_before)
-        at_found = error(found)
-        if at_found * at_now < 0:
-            before, at_before = now, at_now
-        else:
-            at_before /= 2
-        if found == now:
-            break
-        now, at_now = found, at_found
-    return now

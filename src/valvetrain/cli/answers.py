@@ -63,7 +63,7 @@ def _tables(study: Study) -> Iterator[Table]:
     columns, rows = headline_columns(study), headline_rows(study)
     if len(study.rest) > 1 or not study.solutions:
         yield from _rest_tables(study)
-    if study.command == "sweep":
+    if study.over_speed:
         for first in range(0, len(columns), BESIDE):
             yield _over_speeds(study, columns[first : first + BESIDE], rows, first)
     elif len(columns) <= BESIDE:
@@ -169,7 +169,10 @@ def _rest_tables(study: Study) -> Iterator[Table]:
         compared = (
             [] if one is reference or one.spring != study.rest[0].spring else [_percent(*pair) for pair in zip(cells, first, strict=True)]
         )
+        error = one.facts.get("force error of the mesh")
         words = [_words(value) + (f" ({share})" if share else "") for value, share in zip(cells, compared or [""] * 5, strict=True)]
+        if isinstance(error, float):
+            words[0] += f" ±{100 * error:.2g} %"
         rows.append((one.model if several == 1 else f"{one.spring}, {one.model}", *words))
     if rows:
         table = plain_table(("at rest", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)"), rows, right=range(1, 6))

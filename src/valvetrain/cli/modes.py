@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from valvetrain.cli.outcome import Outcome
     from valvetrain.parameters.case import Case
     from valvetrain.solution.study import Study
+    from valvetrain.solution.train_modes import TrainModes
 
 
 def register(app: typer.Typer) -> None:
@@ -50,7 +51,7 @@ def modes(
     spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
     as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """Natural frequencies about the installed state, both ends fixed or one with a mass, coils that touch kept together."""
+    """Natural frequencies of springs, both ends fixed or one with a mass; of a train also with its springs, as one."""
     from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.outcome import deliver
 
@@ -75,6 +76,7 @@ def compute_modes(
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.report.json import study_json
     from valvetrain.studies.rest_study import rest_study
+    from valvetrain.studies.train_modes import train_modes
 
     announce_compilation("statics")
     with progress_bar("modes") as report:
@@ -82,7 +84,42 @@ def compute_modes(
             case, spring_models, spring_sets=spring_sets, command="modes", compression=compression, modes=count,
             attached_mass=attached_mass, progress=report,
         )  # fmt: skip
-    return Outcome(study_json(study), lambda console: _show(console, study), study.failures)
+        trains = train_modes(case, spring_models, spring_sets=spring_sets) if case.train is not None and compression is None else ()
+    data = study_json(study) | ({"train_modes": [_object(one, count) for one in trains]} if trains else {})
+
+    def show(console: Console) -> None:
+        _show(console, study)
+        for one in trains:
+            _show_train(console, one, count)
+
+    return Outcome(data, show, study.failures)
+
+
+def _object(modes: TrainModes, count: int) -> dict[str, Any]:
+    """JSON of the modes of a train: SI, bodies and parts by name."""
+    each = [
+        {
+            "mode": place + 1, "natural_frequency": {"value": float(frequency), "unit": "Hz"},
+            "shape": dict(zip(modes.bodies, modes.shape[place].tolist(), strict=True)),
+            "energy_share": dict(zip(modes.parts, modes.energy_share[place].tolist(), strict=True)),
+        }
+        for place, frequency in enumerate(modes.natural_frequency[:count])
+    ]  # fmt: skip
+    told = {"cam_angle": {"value": modes.cam_angle, "unit": "rad"}, "valve_lift": {"value": modes.valve_lift, "unit": "m"}}
+    return {"label": modes.label, "state": modes.state, "closed": modes.closed, "open": modes.open} | told | {"modes": each}
+
+
+def _show_train(console: Console, modes: TrainModes, count: int) -> None:
+    from valvetrain.cli.tables import plain_table
+    from valvetrain.parameters.words import number
+    from valvetrain.studies.train_modes import STATES
+
+    names = [(str(place + 1), number(float(one), 5), modes.moving(place)) for place, one in enumerate(modes.natural_frequency[:count])]
+    title = f"Whole train, {modes.label}, {STATES.get(modes.state, modes.state)}"
+    console.print()
+    console.print(plain_table(("mode", "frequency (Hz)", "moving (kinetic energy)"), names, title, right=(0, 1)))
+    if modes.open:
+        console.print(f"open there, without stiffness: {', '.join(modes.open)}")
 
 
 def _show(console: Console, study: Study) -> None:

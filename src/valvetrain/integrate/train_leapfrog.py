@@ -18,8 +18,7 @@ from valvetrain.integrate.train_steady import TOLERANCE, SteadyTrain, steady_tra
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
-from valvetrain.springs.contract import contact_watch_of
-from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.contract import LargeSpring, contact_watch_of
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest, rest_of
 from valvetrain.system.train_system import TrainSystem
@@ -53,7 +52,7 @@ class TrainLeapfrog:
         """The run, and its motion as a start for another; of a run-up there is none."""
         assert isinstance(system, TrainSystem)
         rest = options.rest or rest_of(system)
-        large = any(isinstance(spring, FiniteElementRod) for spring in system.springs)
+        large = any(isinstance(spring, LargeSpring) for spring in system.springs)
         samples = options.samples or (LARGE_SAMPLES if large else SAMPLES)
         chosen = TrainOptions(
             samples, time_step=options.time_step, record_springs=options.keep != "ends", record_contacts=not isinstance(until, RunUp),
@@ -82,6 +81,7 @@ class TrainLeapfrog:
             "time_step_duration": found.record.time_step, "steps_per_cycle_count": float(found.runner.steps),
             "wall_time_per_cycle_duration": found.wall_time_per_cycle, "integrator": self.word,
         }  # fmt: skip
+        statistics |= found.scatter.statistics if found.scatter is not None else {}
         channels = train_channels(found.runner.system, rest, (found.record,), found.start)
         events, spacing = _events(found.runner, found.record)
         statistics |= spacing | least_forces(found.runner.system, found.record, options)
@@ -98,7 +98,7 @@ class TrainLeapfrog:
         for _ in range(FINER_STEPS + 1):
             ready = runner(system, cam_speed, chosen, rest=rest)
             begun = None if start is None else start.at(ready)
-            found = steady_train(ready, "repeat" if large else until.method, tolerance, most, begun)
+            found = steady_train(ready, "repeat" if large else until.method, tolerance, most, begun, compared=not large)
             if found.record.status.completed or chosen.time_step is not None:
                 break
             chosen = replace(chosen, step_fraction=chosen.step_fraction / 3)

@@ -31,8 +31,8 @@ def buckling_compression(
     free_length : L_0 (m, "81 mm" or a pint quantity)
     mean_diameter : D of the wire's axis (m)
     material : its elastic and shear modulus count
-    seating_coefficient : nu, 0.5 with both ends held parallel and in line, 0.7 with one held and one hinged, 1 with both hinged, 2 with
-        one held and one free
+    seating_coefficient : nu, 0.5 with both ends fixed parallel and in line, 0.7 with one fixed and one hinged, 1 with both hinged, 2 with
+        one fixed and one free
 
     Returns
     -------

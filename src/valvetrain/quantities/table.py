@@ -201,7 +201,15 @@ TRAINS: tuple[QuantityRow, ...] = (
     row("peak_cam_torque", "peak cam torque", "Largest torque that drives the cam.", systems=TRAIN),
     row("minimum_cam_torque", "least cam torque", "Smallest torque that drives the cam, negative where the springs drive it.",
         systems=TRAIN),
+    row("mean_cam_torque", "mean cam torque", "Work of the cam per cycle over the angle of a turn: what contacts, links and springs lose.",
+        sense=LESS, systems=TRAIN),
     row("mean_cam_power", "mean cam power", "Work of the cam per cycle over the time of the cycle.", sense=LESS, systems=TRAIN),
+    row("minimum_spring_margin_force", "least spring margin",
+        "Smallest surplus at the valve, by rigid theory, of the springs at rest over inertia, weight and gas where the valve is slowed.",
+        sense=MORE, systems=TRAIN),
+    row("minimum_spring_margin_ratio", "least spring margin, ratio",
+        "Spring force less weight and gas over the inertia force where the valve is slowed, by rigid theory, where that is least; 1 where "
+        "contact is lost.", sense=MORE, systems=TRAIN),
     row("peak_rigid_valve_lift", "peak rigid valve lift", "Largest valve lift of rigid parts.", systems=TRAIN),
     row("lift_loss_displacement", "lift lost", "Largest rigid lift less the largest computed one.", sense=LESS, systems=TRAIN),
     row("valve_open_duration", "time open", "Time per cycle in which the valve stands off its seat.", systems=TRAIN),
@@ -237,6 +245,49 @@ TRAINS: tuple[QuantityRow, ...] = (
     row("motion_period_count", "cycles per repetition", "Period of the motion in cycles; 0 where none was found.", systems=TRAIN),
 )  # fmt: skip
 
+#: Lifts at which valve events are told -> words.
+EVENT_LIFTS = {"lash": "at lash", "1_mm": "at 1 mm", "50_thou": "at 0.050 in"}
+#: What opens -> words, and the lifts of its events.
+OPENERS = {
+    "lobe": ("lobe", ("1_mm", "50_thou"), "of the lobe by its lift law"),
+    "rigid_valve": ("rigid valve", tuple(EVENT_LIFTS), "of the valve with rigid parts"),
+    "valve": ("valve", tuple(EVENT_LIFTS), "of the valve in the run"),
+}  # fmt: skip
+
+
+def event_rows() -> tuple[QuantityRow, ...]:
+    """Opening, closing and duration of everything that opens, at every lift at which it is told."""
+    rows = []
+    for word, (label, lifts, whose) in OPENERS.items():
+        for lift in lifts:
+            where = EVENT_LIFTS[lift]
+            what = "the seat is left and first touched again" if lift == "lash" else f"the lift passes {where.removeprefix('at ')}"
+            for end in ("opening", "closing"):
+                told = f"Cam angle of the {end} {whose}: where {what}."
+                rows.append(row(f"{word}_{lift}_{end}_cam_angle", f"{label} {end} {where}, cam angle", told, systems=TRAIN))
+            told = f"Crank angle from opening to closing {whose}, {where}."
+            rows.append(row(f"{word}_{lift}_open_crank_angle_range", f"{label} open {where}", told, systems=TRAIN))
+    return tuple(rows)
+
+
+#: Opening and closing of lobe and valve.
+EVENTS: tuple[QuantityRow, ...] = event_rows()
+
+#: Numbers of a train whose scatter from cycle to cycle is told where its motion does not repeat -> plain words.
+SCATTERED = {
+    "valve_lift": "the valve lift at one cam angle", "peak_valve_lift": "the peak valve lift", "peak_spring_force": "the peak spring force",
+    "minimum_spring_force": "the least spring force", "peak_retainer_force": "the peak retainer force",
+    "minimum_retainer_force": "the least retainer force", "peak_{place}_contact_force": "the peak {place} contact force",
+    "loft_gap": "the loft", "seating_velocity": "the seating velocity", "bounce_count": "the bounces", "bounce_height": "the bounce height",
+    "cycle_work_energy": "the work of the cam",
+}  # fmt: skip
+SCATTER: tuple[QuantityRow, ...] = tuple(
+    row(f"cycle_scatter_{name}", f"scatter of {words}",
+        f"Largest less least value of {words} over 8 cycles of a motion that does not repeat; absent where it does.", sense=LESS,
+        systems=TRAIN, shown_unit="J" if name.endswith("energy") else None)
+    for name, words in SCATTERED.items()
+)  # fmt: skip
+
 #: Of a sweep over engine speeds.
 SWEEP: tuple[QuantityRow, ...] = (
     row("contact_loss_engine_speed", "loss of contact from",
@@ -250,4 +301,4 @@ SWEEP: tuple[QuantityRow, ...] = (
         "10 rpm, every speed from rest.", sense=MORE, systems=TRAIN),
 )  # fmt: skip
 
-ROWS: tuple[QuantityRow, ...] = (*AT_REST, *RUNS, *TRAINS, *SWEEP)
+ROWS: tuple[QuantityRow, ...] = (*AT_REST, *RUNS, *TRAINS, *EVENTS, *SCATTER, *SWEEP)

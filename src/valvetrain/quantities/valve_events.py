@@ -1,14 +1,19 @@
 """Where a lift passes a height: opening and closing at lash, at 1 mm and at 0.050 in, of the lobe, of the rigid valve and of a run.
 
-Curves are solved, not read off their samples: a lift law by bisection of itself, a run by the cubic of lift and velocity between samples.
+Curves are solved, not read off their samples: a lift law by itself, a run by the cubic of lift and velocity between samples.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+
+from valvetrain.cam.roots import solve
+from valvetrain.mechanism.rigid import RigidKinematics
+from valvetrain.solution.event import Event
+from valvetrain.solution.result import Solution
 
 Array = NDArray[np.float64]
 _TURN = 2 * np.pi
@@ -18,28 +23,26 @@ HEIGHTS = {"1_mm": 1e-3, "50_thou": 0.050 * 25.4e-3}
 GRID = 1440
 
 
-def lift_crossings(lift: Callable[[Array], Array], height: float) -> tuple[float, float] | None:
-    """Cam angles (rad) at which ``lift`` (m over cam rad, periodic) rises through ``height`` (m) before its largest value and falls through
+def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[float, float] | None:
+    """Cam angles (rad) at which ``cam_lift`` (m over cam rad, periodic) rises through ``height`` (m) before its largest value and falls through
     it after; the first in one turn from zero, the second after it. None where it never stands above, or always."""
     angle = np.arange(GRID) * _TURN / GRID
-    above = np.asarray(lift(angle)) > height
+    above = np.asarray(cam_lift(angle)) > height
     if not np.any(above) or np.all(above):
         return None
-    top = int(np.argmax(np.asarray(lift(angle))))
+    top = int(np.argmax(np.asarray(cam_lift(angle))))
     down = np.flatnonzero(~above)
     before, after = int(down[np.argmin((top - down) % GRID)]), int(down[np.argmin((down - top) % GRID)])
     step = _TURN / GRID
-    opens = _between(lift, height, before * step, (before + 1) * step)
-    closes = _between(lift, height, after * step, (after - 1) * step)
+    opens = _between(cam_lift, height, before * step, (before + 1) * step)
+    closes = _between(cam_lift, height, after * step, (after - 1) * step)
     return opens % _TURN, opens % _TURN + (closes - opens) % _TURN
 
 
 def _between(lift: Callable[[Array], Array], height: float, low: float, high: float) -> float:
     """Where ``lift`` passes ``height`` between an angle at which it is at most that and one at which it is more."""
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (low, middle) if float(lift(np.array(middle))) > height else (middle, high)
-    return low
+    found = solve(lambda angle: float(lift(np.array(angle))) - height, (low, high))
+    return low if found is None else found
 
 
 def event_numbers(subject: str, word: str, crossings: tuple[float, float] | None) -> dict[str, float]:
@@ -53,11 +56,30 @@ def event_numbers(subject: str, word: str, crossings: tuple[float, float] | None
     }  # fmt: skip
 
 
-def law_events(subject: str, lift: Callable[[Array], Array], at_lash: bool = False) -> dict[str, float]:
-    """Events of a lift (m over cam rad) at every height of :data:`HEIGHTS`, ``at_lash`` at zero too, where a rigid valve leaves its seat."""
-    found = event_numbers(subject, "lash", lift_crossings(lift, 0.0)) if at_lash else {}
+def rigid_events(kinematics: RigidKinematics) -> dict[str, float]:
+    """Events of the lobe (where the lift law is one) and of the rigid valve at the heights of :data:`HEIGHTS`, of the valve at lash too."""
+    found: dict[str, float] = {}
+    law = kinematics.law.lift
+    if kinematics.law_of == "drive":
+        for word, height in HEIGHTS.items():
+            found |= event_numbers("lobe", word, lift_crossings(law, height))
+    for word, height in {"lash": 0.0, **HEIGHTS}.items():
+        found |= event_numbers("rigid_valve", word, lift_crossings(law, kinematics.law_lift(height)))
+    return found
+
+
+def run_events(solution: Solution, events: Sequence[Event]) -> dict[str, float]:
+    """Events of the valve of one closed turn: off its seat as the integrator saw it, and at every height of :data:`HEIGHTS`."""
+    found: dict[str, float] = {}
+    first = next((event for event in events if event.kind == "seating" and event.details.get("touch") == 1), None)
+    if first is not None and "release_cam_angle" in first.details:
+        opens = float(first.details["release_cam_angle"]) % _TURN
+        found |= event_numbers("valve", "lash", (opens, opens + (first.cam_angle - opens) % _TURN))
+    if not solution.has("valve_lift", "valve_velocity"):
+        return found
+    lift, rate = solution.channel("valve_lift"), solution.channel("valve_velocity") / (solution.engine_speed / 2)
     for word, height in HEIGHTS.items():
-        found |= event_numbers(subject, word, lift_crossings(lift, height))
+        found |= event_numbers("valve", word, sampled_crossings(solution.cam_angle, lift, rate, height))
     return found
 
 

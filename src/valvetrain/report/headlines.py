@@ -27,6 +27,12 @@ TOPICS: dict[str, tuple[str, ...]] = {
     "Seating and contact": (
         "seating_velocity", "bounce_height", "bounce_count", "loft_gap", "loss_of_contact_duration", "lift_loss_displacement",
     ),
+    "Scatter from cycle to cycle": tuple(
+        f"cycle_scatter_{name}" for name in (
+            "valve_lift", "peak_spring_force", "minimum_spring_force", "peak_cam_contact_force", "peak_seat_contact_force",
+            "seating_velocity", "bounce_height", "bounce_count", "loft_gap",
+        )
+    ),
     "Loss of control": (
         "contact_loss_engine_speed", "float_engine_speed", "bounce_engine_speed", "rigid_contact_loss_engine_speed",
     ),
@@ -74,7 +80,7 @@ def headline_columns(study: Study) -> tuple[HeadlineColumn, ...]:
     """Runs by label and engine speed; in a sweep labels only; without runs the labels of what was found at rest."""
     if not study.solutions:
         return tuple(HeadlineColumn(label) for label in study.still)
-    if study.command == "sweep":
+    if study.over_speed:
         return tuple(HeadlineColumn(label) for label in study.labels)
     return tuple(HeadlineColumn(label, run.engine_speed) for label in study.labels for run in study.runs(label))
 

@@ -74,11 +74,15 @@ def _labelled(chart: Chart) -> bool:
 
 
 def ticks(low: float, high: float, count: int = 6, step: float | None = None) -> tuple[Array, int]:
-    """Round tick values inside ``low`` to ``high`` and the decimals they need."""
+    """Round tick values inside ``low`` to ``high``, two at least so that they tell the scale, and the decimals they need."""
     raw = (high - low) / count
     if step is None:
         scale = 10.0 ** np.floor(np.log10(raw))
-        step = float(next(nice * scale for nice in (1, 2, 2.5, 5, 10) if nice * scale >= raw))
+        nice = [size * scale for size in (0.5, 1, 2, 2.5, 5, 10)]
+        place = next(place for place, size in enumerate(nice) if size >= raw)
+        while place and np.floor(high / nice[place] + 1e-9) <= np.ceil(low / nice[place] - 1e-9):
+            place -= 1
+        step = float(nice[place])
     values = np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step
     decimals = max(0, -int(np.floor(np.log10(step) + 1e-9)))
     if abs(step * 10**decimals - round(step * 10**decimals)) > 1e-9:

@@ -93,7 +93,7 @@ def load_static_curve(path: _PathLike) -> StaticCurve:
     """Read what :func:`save_static_curve` wrote; :class:`InputError` for any other file."""
     dataset, content = _read(path, "static-curve")
     names = ("compression", "force", "stiffness", "coil_gap", "coil_contact_force", "upper_coil", "axial_position", "coil_number")
-    arrays = {name: np.asarray(dataset[name].values) for name in names}
+    arrays: dict[str, Any] = {name: np.asarray(dataset[name].values) for name in names}
     buckling, leaning = content.get("buckling"), content.get("leaning")
     return StaticCurve(
         **arrays, status=content["status"], buckling=None if buckling is None else Buckling(*buckling),

@@ -48,7 +48,7 @@ class StaticCurve:
     ``coil_contact_force`` (step, coil_pair) N with ``upper_coil`` (coil_pair); ``axial_position`` (step, wire_point) m
     with ``coil_number`` (wire_point). Arrays that a model does not compute have zero pairs or points. ``path``: the same curve on
     points that do not depend on the number of steps, the installed state among them; what is asked between the points is read there.
-    ``buckling``: None where the spring stands all the way, or the model cannot tell. ``leaning``: None where it touches no guide.
+    ``buckling``: None where the spring stands all the way, or the model cannot tell; ``leaning``: None where it touches no guide.
 
     >>> import numpy as np
     >>> steps, none = np.linspace(0, 8e-3, 9), np.zeros((9, 0))

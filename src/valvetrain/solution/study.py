@@ -146,9 +146,14 @@ class Study:
         return next((one for one in self.rest if model in ("", one.model) and spring in ("", one.spring)), None)
 
     @property
+    def over_speed(self) -> bool:
+        """Whether its runs are points of curves over engine speed: a sweep, or the turns of a run-up."""
+        return self.command in ("sweep", "run-up")
+
+    @property
     def failures(self) -> tuple[str, ...]:
         """A sentence per part that did not complete; in a sweep motion that does not settle is a finding, not a failure."""
-        accepted = ("completed", "not-converged") if self.command == "sweep" else ("completed",)
+        accepted = ("completed", "not-converged") if self.over_speed else ("completed",)
         found = []
         for one in self.rest:
             for word, part in (("static curve", one.curve), ("modes", one.modes)):

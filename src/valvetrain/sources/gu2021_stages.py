@@ -146,10 +146,11 @@ def rattle(solution: Solution, event: LiftEvent) -> tuple[float, float] | None:
 
 
 def _stage_3_in_bandwidths(cycle: Cycle, event: LiftEvent) -> dict[str, float]:
-    """Height (N) of the Stage III spike at the highest instant recorded and below 10 and 20 kHz, where the run's samples allow it."""
+    """Height (N) of the Stage III spike at the highest instant known and below 10 and 20 kHz, where the run's samples allow it."""
     found: dict[str, float] = {}
     if cycle.solution.has("seat_force_fine"):
-        highest = cycle.channel("seat_force_fine").max(axis=1)
+        told = cycle.solution.has("seat_force_highest")
+        highest = cycle.channel("seat_force_highest") if told else cycle.channel("seat_force_fine").max(axis=1)
         found["stage_3_every_instant_peak_force"] = float(highest[spike_index(cycle, highest, event)])
     for cutoff in BANDWIDTHS:
         force = filtered_force(cycle.solution, cutoff, seat_force_name(cycle))

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.arrays import Variable
 from valvetrain.solution.result import Solution
 
 Array = NDArray[np.float64]
@@ -137,11 +138,11 @@ def with_stress(solution: Solution, definition: SpringDefinition, curvature: str
     """
     if not solution.has(*LOADS):
         raise InputError(f"a {solution.model or 'nameless'} run holds no section loads of the wire; run the finite-element model")
-    coil = np.asarray(solution.channels["coil_number"].values)
+    coil = solution.arrays.coords["coil_number"].values
     values = wire_stress({name: solution.channel(name) for name in LOADS}, definition, coil, curvature)
     factor = curvature or "none"
     added = {
-        name: (("sample", "wire_point"), array, {"units": "Pa", "long_name": STRESS_CHANNELS[name], "curvature_factor": factor})
+        name: Variable(("sample", "wire_point"), array, {"units": "Pa", "long_name": STRESS_CHANNELS[name], "curvature_factor": factor})
         for name, array in values.items()
     }
-    return Solution(solution.channels.assign(added), solution.events, solution.status, solution.statistics, solution.provenance)
+    return Solution(solution.arrays.assign(added), solution.events, solution.status, solution.statistics, solution.provenance)

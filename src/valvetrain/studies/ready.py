@@ -16,12 +16,13 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
+from valvetrain.solution.arrays import empty_channels
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
-from valvetrain.solution.result import Solution, empty_channels
+from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
+from valvetrain.springs.contract import LargeSpring
 from valvetrain.springs.equivalent import EquivalentSpring
-from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.system.prescribed import PrescribedSpring, names_of
 from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_rest import TrainRest, rest_of
@@ -84,8 +85,8 @@ def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Rea
         system = member.system(rest, problem.built)
         if isinstance(system, PrescribedSpring):
             for spring in system.springs:
-                if isinstance(spring, FiniteElementRod):  # found once, before the runs share the model
-                    spring.installed, spring.stable_time_step()
+                if isinstance(spring, LargeSpring):
+                    spring.prepare()
             return Ready(member, frame, system)
         assert member.gear is not None
         still = rest_of(system)
@@ -109,7 +110,9 @@ def provenance_of(problem: Problem, member: Member, engine_speed: float, created
     first = member.springs[0] if member.springs else None
     options: dict[str, Option] = {}
     if first is not None:
-        options |= member.model.read_options(first.options_of(member.model.word)).model_dump()
+        table = member.model.read_options(first.options_of(member.model.word))
+        useless = table.wire_only if first.wire is None else table.card_only
+        options |= {name: value for name, value in table.model_dump().items() if name not in useless}
         options |= {
             "coil_contact_stiffness": first.contact.stiffness, "coil_contact_damping_time": first.contact.damping_time,
             "mass_damping": first.damping.mass_damping, "stiffness_damping": first.damping.stiffness_damping,

@@ -79,10 +79,10 @@ def static_curve(
         rod.definition.refuse_solid(largest_compression)
     path, reached = curve_over(rod, path_points(rod.precompression, largest_compression), visit)
     buckling, leaning = find_buckling(rod, reached), find_leaning(rod, reached)
-    status = path.status
-    if status.completed or leaning is None:
-        status = path_status(rod, buckling, leaning) or status
-    path = replace(path, buckling=buckling, leaning=leaning, status=status)
+    told = path_status(rod, buckling, leaning)
+    if told is not None and (path.status.completed or not told.completed):
+        path = replace(path, status=told)
+    path = replace(path, buckling=buckling, leaning=leaning)
     stress = None
     if len(reached) > 1:
         coil = wire_points(rod.definition.total_coils)
@@ -90,9 +90,9 @@ def static_curve(
         stress = StaticStress(path.compression, coil, found[SHEAR], found[EQUIVALENT])
     if steps is None:
         return path, stress
-    shown, _ = curve_over(rod, np.linspace(0.0, largest_compression, steps + 1), visit)
-    status = shown.status if path.status.completed else path.status
-    return replace(shown, path=path, buckling=buckling, leaning=leaning, status=status), stress
+    curve, _ = curve_over(rod, np.linspace(0.0, largest_compression, steps + 1), visit)
+    status = path.status if curve.status.completed or buckling is not None else curve.status
+    return replace(curve, path=path, status=status, buckling=buckling, leaning=leaning), stress
 
 
 def rest_by_model(spring: InstalledSpring, word: str, model: SpringModel, compressions: Array, modes: int = 12) -> SpringAtRest:

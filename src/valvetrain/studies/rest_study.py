@@ -67,10 +67,11 @@ def rest_study(
             found.append(replace(one, points=points_asked(spring, model, one, heights, loads)))
             label = f"{one.spring}, {one.model}"
             again = sum(other == label or other.startswith(f"{label}, ") for other in still)
-            still[f"{label}, {again + 1}" if again else label] = size_quantities(spring) | rest_quantities(one) | buckling_quantities(installed, one, lift)
+            told = size_quantities(spring) | rest_quantities(one) | buckling_quantities(installed, one, lift)
+            still[f"{label}, {again + 1}" if again else label] = told
             if progress is not None:
                 progress(len(found) / (len(problem.springs) * len(words)), f"{spring.name} by {word}")
-    if len(still) == 1:
+    if len(found) == 1:
         still = {"": next(iter(still.values()))}
     record = problem.record
     origin = collect_provenance(record.name, ", ".join(dict.fromkeys(one.model for one in found)), citations=record.citations)

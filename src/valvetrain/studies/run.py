@@ -17,6 +17,7 @@ from valvetrain.parameters.steel_contacts import usual_contacts
 from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.quantities.design import closing_quantities
 from valvetrain.quantities.statics import rest_quantities
+from valvetrain.quantities.valve_events import rigid_events
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
@@ -24,13 +25,12 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
 from valvetrain.sources.contract import against_source
-from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.batch import available_cores
 from valvetrain.studies.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.studies.engine import Progress, map_points
+from valvetrain.studies.notes import undamped_notes
 from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
-from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
 from valvetrain.studies.spread import spread_sentences
 from valvetrain.studies.uncertainty_file import uncertainty_sentences
 from valvetrain.system.build import build
@@ -96,8 +96,11 @@ def run_problem(
         problem.record.name, ", ".join(dict.fromkeys(member.model.word for member in problem.members)), case_digest=problem.record.digest,
         created_at=created_at, citations=problem.record.citations,
     )  # fmt: skip
-    notes = (CARD_WIRE_NOTE,) if any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members) else ()
+    notes: tuple[str, ...] = (
+        (CARD_WIRE_NOTE,) if any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members) else ()
+    )
     notes += tuple(dict.fromkeys(said for m in problem.members if m.gear and (said := usual_contacts(m.gear.parameters.contacts))))
+    notes += undamped_notes(problem.members)
     study = Study(
         problem.record, command, solutions, rest, still, notes=notes, lift_event=problem.lift_event, provenance=provenance,
         wall_time=time.perf_counter() - begun, critical_speeds=found,
@@ -120,7 +123,8 @@ def beside_published(study: Study, problem: Problem) -> Study:
         return study
     compared = against_source(study)
     rows = tuple(row for row in compared.comparisons if row.engine_speed is None or any(same_speed(row.engine_speed, s) for s in ran))
-    firm = (*uncertainty_sentences(study.record, ran), *spread_sentences(study.record, ran))
+    found = compared.quantities
+    firm = (*uncertainty_sentences(study.record, ran, found), *spread_sentences(study.record, ran, found))
     notes = (*compared.notes, *study.record.remarks, *firm) if rows or compared.findings else compared.notes
     return replace(compared, comparisons=rows, notes=notes)
 
@@ -169,6 +173,9 @@ def _run_springs(
 
 def _rest(problem: Problem, spring: InstalledSpring, maximum_lift: float) -> SpringAtRest:
     """A spring at rest by the finite-element rod (the one that runs, where one does), or from its card."""
+    from valvetrain.springs.finite_element import FiniteElementRod
+    from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
+
     if spring.wire is None:
         assert spring.card is not None
         word = "modal-uniform" if spring.card.mass is not None else "massless"
@@ -227,6 +234,7 @@ def _rigid(problem: Problem, ready: tuple[Ready, ...]) -> dict[str, dict[str, fl
             cam_speed, angle = (plain.motion or one.motion).contact_loss()
             values = {"rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle}
             values["rigid_maximum_valve_lift"] = float(np.max(one.motion.derivatives[0]))
+            values |= rigid_events(one.motion.kinematics)
             still[one.member.spring_set] = {name: float(value) for name, value in values.items() if np.isfinite(value)}
     return still
 
@@ -236,6 +244,12 @@ def _search_progress(progress: Progress | None) -> Callable[[int, int], None] | 
         return None
     progress(GRID_SHARE, "critical speeds")
     return lambda count, total: progress(GRID_SHARE + (1 - GRID_SHARE) * count / total, "critical speeds")
+
+
+def member_rest(problem: Problem, member: Member) -> Rest:
+    """Springs at rest where the model of a member of a train needs them."""
+    lift = 1.05 * _largest_lift(problem, 0.0)
+    return {spring: _rest(problem, spring, lift) for spring in member.springs if member.model.needs_rest and spring.wire is not None}
 
 
 def _largest_lift(problem: Problem, cam_lift: float) -> float:

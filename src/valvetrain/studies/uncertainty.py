@@ -17,10 +17,11 @@ from valvetrain.solution.definition import pattern_of, tables
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.finite_element_rest import modal_result
 from valvetrain.studies.engine import Progress, map_points
 from valvetrain.studies.grid_convergence import TRUSTED, grid_convergence
 from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
-from valvetrain.studies.rest import modal_result
+from valvetrain.studies.rest import MODES
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import names_of
 from valvetrain.system.problem import Problem
@@ -29,6 +30,8 @@ from valvetrain.system.problem import Problem
 REFINEMENTS = (1.0, 1.5, 2.25)
 #: Contact stiffness over the case's (7e9 to 5e10 Pa for 2e10) and contact damping time over the case's (0 to 2 us for 1 us).
 STIFFNESS_FACTORS, DAMPING_FACTORS = (0.35, 2.5), (0.0, 2.0)
+#: Contact stiffness and damping of a train over the case's: contacts between parts of an engine are known to a factor of two.
+CONTACT_FACTORS = (0.5, 2.0)
 
 #: Headline numbers of a run; those that a case does not have are left out. The forces of a source study's own table follow them.
 HEADLINES = (
@@ -49,7 +52,7 @@ class Uncertainty:
 
     ``numerical``: uncertainty from meshes and step. ``observed_order``: None where the series is not monotonic. ``extrapolated``:
     Richardson value, or the finest one. ``step_part``: what the step alone contributes. ``contact_stiffness`` and ``contact_damping``:
-    least and largest value over the range of each constant, the case's own included.
+    least and largest value over the range of each constant, the case's own included. ``label``: variant of a train.
     """
 
     quantity: str
@@ -61,17 +64,21 @@ class Uncertainty:
     step_part: float
     contact_stiffness: Range
     contact_damping: Range
+    label: str = ""
 
 
 @dataclass(frozen=True)
 class UncertaintyStudy:
-    """All rows of one case with the meshes behind them; ``values`` holds every number by (variant, speed, quantity)."""
+    """All rows of one case with the meshes behind them (none: a train); ``values`` holds every number by (variant, speed, quantity),
+    the factors what the contact constants of the case were multiplied by."""
 
     record: CaseRecord
     elements_per_coil: tuple[int, ...]
     rows: tuple[Uncertainty, ...]
     values: Mapping[str, Mapping[float | None, Numbers]]
     failures: tuple[str, ...] = ()
+    stiffness_factors: Range = STIFFNESS_FACTORS
+    damping_factors: Range = DAMPING_FACTORS
 
 
 def uncertainty_study(
@@ -80,16 +87,16 @@ def uncertainty_study(
 ) -> UncertaintyStudy:  # fmt: skip
     """Refine meshes and step, vary the contact, and state the uncertainty of each headline number.
 
-    ``engine_speeds`` in rad/s of the crank (None: the case's own). Runs go over ``workers`` threads. Raises :class:`InputError` for a
-    valvetrain, a case without wire or lift law, and other than three meshes.
+    ``engine_speeds`` in rad/s of the crank (None: the case's own). Runs go over ``workers`` threads. A valvetrain is refined as
+    :func:`valvetrain.studies.train_uncertainty.train_uncertainty` says. Raises :class:`InputError` for a case without wire or lift law,
+    and other than three meshes.
     """
     if len(refinements) != 3 or list(refinements) != sorted(set(refinements)):
         raise InputError("three meshes are needed, coarse to fine, such as 1, 1.5 and 2.25 times the elements per coil")
     if case.train is not None:
-        raise InputError(
-            f"case '{case.name}' is a valvetrain; refine states the uncertainty of springs under prescribed motion, so give a case with a "
-            "[spring] and a [lift_law] table"
-        )
+        from valvetrain.studies.train_uncertainty import train_uncertainty
+
+        return train_uncertainty(case, engine_speeds, workers=workers, progress=progress)
     if case.lift_law is None or not case.springs or any(spring.wire is None for spring in case.springs):
         raise InputError(f"case '{case.name}' needs a [spring] with its wire and a [lift_law] to be refined; give it both")
     problem = build(case, spring_models=("finite-element",))
@@ -137,7 +144,7 @@ def _prepare(shared: tuple[Problem, tuple[float, ...]], springs: tuple[Installed
     rods = _rods(one)
     if one.refusal or len(rods) != len(springs):
         raise InputError(one.refusal or "springs that rub on each other cannot be refined; leave the rubbing out of the case")
-    found = [{"preload": float(rod.installed.retainer_force)} | modal_quantities(modal_result(rod)) for rod in rods]
+    found = [{"preload": float(rod.installed.retainer_force)} | modal_quantities(modal_result(rod, MODES)) for rod in rods]
     surge = surge or tuple(numbers["mode_1_frequency"] for numbers in found if "mode_1_frequency" in numbers)
     names = [f"{name}_" if len(rods) > 1 else "" for name in names_of(rods)]
     still = {name + key: value for name, numbers in zip(names, found, strict=True) for key, value in numbers.items()}

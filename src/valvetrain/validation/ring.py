@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def ring_section(spring_index: float, degree: int = 12) -> tuple[float, float]:
-    """Rate over G d^4 / (8 D^3 n), and largest shear stress (at the inner fibre) over 8 F D / (pi d^3), of a bar of this D / d.
+def ring_section(spring_index: float, degree: int = 12) -> tuple[float, float, float]:
+    """Rate over G d^4 / (8 D^3 n), shear stress at the inner and at the outer fibre over 8 F D / (pi d^3), of a bar of this D / d.
 
     In lengths of the bar's radius, G = 1, c = 1: the centre line has the radius w = D / d, and one turn rises by 2 pi.
     """
@@ -28,10 +28,13 @@ def ring_section(spring_index: float, degree: int = 12) -> tuple[float, float]:
     amounts = np.linalg.solve(stiffness, 2 * np.einsum("apq,pq->a", shape, area / cube))
     # The slopes that vanish on the edge by parts: F = integral of phi_r / r^2 = integral of 2 phi / r^3.
     force = 2 * float(amounts @ np.einsum("apq,pq->a", shape, area / cube))
-    inner = np.array([_slopes(i, j, np.array(-1.0), np.array(0.0))[0] for i, j in powers])
-    stress = float(amounts @ inner) / (spring_index - 1) ** 2
+    plain = 2 * force * spring_index / np.pi
+    inner, outer = (
+        float(amounts @ np.array([_slopes(i, j, np.array(side), np.array(0.0))[0] for i, j in powers])) / (spring_index + side) ** 2
+        for side in (-1.0, 1.0)
+    )
     # c = 1 per rad: the plain spring carries G d^4 / (8 D^3) 2 pi over a turn, and 8 F D / (pi d^3) = 2 F w / pi.
-    return force / (np.pi / (2 * spring_index**3)), stress / (2 * force * spring_index / np.pi)
+    return force / (np.pi / (2 * spring_index**3)), inner / plain, -outer / plain
 
 
 def _slopes(i: int, j: int, x: NDArray[np.float64], z: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from valvetrain.solution.comparison import Comparison
 from valvetrain.studies.run import run_study
 from valvetrain.units import to_unit
 from valvetrain.validation.explained import Explained, explained_miss
-from valvetrain.validation.row import Row, book_case
+from valvetrain.validation.row import Kind, Row, book_case
 
 #: Agreement asked of a published value whose source or case states no tolerance: 3 degrees of an angle, this share of anything else.
 ANGLE, SHARE = 3.0, 0.03
@@ -36,7 +36,8 @@ def _row(topic: str, key: str, item: Comparison) -> Row:
     origin = f" ({item.origin})" if item.origin else ""
     name = f"{item.quantity.replace('_', ' ')}{speed}{origin}"
     miss = explained_miss(name) or Explained("", None)
-    return Row(topic, name, key, item.role, published, computed, item.unit, tolerance, reason, "published", miss.band, miss.why)
+    kind: Kind = "consistency" if item.origin.startswith("closed form") else "published"
+    return Row(topic, name, key, item.role, published, computed, item.unit, tolerance, reason, kind, miss.band, miss.why)
 
 
 @book_case(slow=True)

@@ -88,7 +88,7 @@ def _clashes(study: Study) -> tuple[Block, ...]:
     known = looks(study)
     found = [
         (f"{known[run.label].words}, {speed_words(run.engine_speed)}", clashes_of(run))
-        for label in study.labels for run in study.runs(label) if study.command != "sweep"
+        for label in study.labels for run in study.runs(label) if not study.over_speed
     ]  # fmt: skip
     found = [(words, events) for words, events in found if events]
     if not found:

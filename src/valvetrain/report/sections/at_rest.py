@@ -38,7 +38,7 @@ def marked_compressions(study: Study, rest: SpringAtRest) -> dict[str, float]:
     found = {"installed": rest.precompression} if rest.precompression else {}
     if rest.curve is not None and rest.curve.buckling is not None:
         found["buckles"] = rest.curve.buckling.compression
-    lifts = [float(np.max(run.channel("valve_lift"))) for run in study.solutions if run.has("valve_lift") and run.channels.sizes["sample"]]
+    lifts = [float(np.max(run.channel("valve_lift"))) for run in study.solutions if run.has("valve_lift") and len(run.time)]
     lifts += [value for key, value in study.quantities.items() if key.name in ("maximum_lift", "rigid_maximum_valve_lift")]
     if lifts:
         found["open"] = rest.precompression + max(lifts)

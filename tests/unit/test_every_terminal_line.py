@@ -1,0 +1,189 @@
+"""What a study says in the terminal: every line beside the made-up numbers that it has to carry, units and signs with it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from known_figures import STUDIES
+from synthetic_study import at_rest, own_study, published_study, rod_run, sweep_study
+from unit.test_every_table import COMPARED, four
+from valvetrain.cli.answers import published_words, show_study
+from valvetrain.cli.published import difference_words, short_verdict, show_comparisons, tally
+from valvetrain.cli.runs import headline
+from valvetrain.cli.tables import quantity_rows, shown_words
+
+RPM = np.pi / 30
+
+
+def lines(study, **more) -> list[list[str]]:
+    """Lines of the answer, each cut where two spaces or more stand."""
+    console = Console(file=StringIO(), width=140, no_color=True)
+    show_study(console, study, Path("out"), Path("out/report.html"), **more)
+    return [re.split(r"\s{2,}", line.strip()) for line in console.file.getvalue().splitlines()]
+
+
+def test_a_run_says_each_number_once_under_its_run():
+    study = STUDIES["own"]()
+    told = lines(study)
+    assert told[0] == ["Spring of my own"] and told[-2:] == [["results", "out"], ["report", "out/report.html"]]
+    start = next(place for place, line in enumerate(told) if line[0] == "finite-element" and len(line) == 4)
+    assert told[start : start + 2] == [["finite-element"] * 2 + ["modal-varied"] * 2, ["4200 rpm", "5600 rpm"] * 2]
+    expected = []
+    for words, unit, name, factor in (
+        ("Peak spring force", "N", "peak_spring_force", 1), ("Least spring force", "N", "minimum_spring_force", 1),
+        ("Peak retainer force", "N", "peak_retainer_force", 1), ("Least retainer force", "N", "minimum_retainer_force", 1),
+        ("Clearance to coil bind", "mm", "coil_bind_clearance", 1e3), ("Surge frequency", "Hz", "surge_frequency", 1),
+        ("Surge order", "", "surge_cam_order", 1), ("Nearest lift harmonic", "", "nearest_lift_harmonic_order", 1),
+        ("Surge amplitude", "N", "surge_amplitude_force", 1), ("Coil clashes", "", "clash_count", 1),
+        ("largest: coils", "", "–/1–2/–/–", 0), ("at cam angle", "deg", "–/250/–/–", 0), ("impulse", "mN s", "–/31/–/–", 0),
+        ("energy", "mJ", "–/17/–/–", 0), ("Clash energy", "mJ", "clash_energy", 1e3),
+        ("Peak shear stress", "MPa", "peak_shear_stress", 1e-6), ("Least shear stress", "MPa", "minimum_shear_stress", 1e-6),
+        ("Peak shear stress by EN 13906-1", "MPa", "nominal_peak_shear_stress", 1e-6),
+        ("Least shear stress by EN 13906-1", "MPa", "nominal_minimum_shear_stress", 1e-6),
+    ):  # fmt: skip
+        runs = study.solutions
+        cells = name.split("/") if not factor else [four(run.quantities[name] * factor if name in run.quantities else None) for run in runs]
+        expected.append([words, *([unit] if unit else []), *cells])
+    assert told[start + 2 : start + 2 + len(expected)] == expected and told[start + 2 + len(expected)] == [""]
+
+
+def test_springs_at_rest_stand_beside_the_first_model():
+    told = lines(own_study(()))
+    assert told[2] == ["at rest", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)"]
+    assert told[3] == ["finite-element", "287", "41", "631", "1120", "1639"]
+    assert told[4] == ["multi-mass", "281.3 (−2.0 %)", "40.18 (−2.0 %)", "620 (−1.7 %)", "1210 (+8.0 %)", "–"]
+    rod, chain = at_rest()
+    nested = lines(replace(own_study(()), rest=(rod, replace(chain, spring="inner"))))
+    assert nested[3][0] == "spring, finite-element" and nested[4] == ["inner, multi-mass", "281.3", "40.18", "620", "1210", "–"]
+    outside = lines(replace(own_study(()), rest=(rod, replace(chain, precompression=0.03))))
+    assert outside[4][:3] == ["multi-mass", "–", "–"]
+
+
+def test_a_sweep_says_the_worst_of_each_label_and_where():
+    told = {line[0]: line[1:] for line in lines(sweep_study())}
+    assert told["Peak spring force"] == ["N", "820 at 8000", "864 at 8000"] and told["Least spring force"] == ["N"] + ["181 at 8000"] * 2
+    assert told["Surge frequency"] == ["Hz", "560", "672"] and told["Engine speed of float"] == ["rpm", "6694", "–"]
+    assert told["Surge amplitude"] == ["N", "64.99 at 7454.55", "64.8 at 4727.27"]
+    assert told["Clash energy"] == ["mJ", "11 at 8000", "13.2 at 8000"] and told["Lift lost"] == ["mm"] + ["0.11 at 8000"] * 2
+    assert told["Engine speeds run"] == ["12", "12"] and told["that did not settle"] == ["1", "1"]
+    study = sweep_study()
+    settled = tuple(replace(run, status=study.solutions[0].status, quantities={**run.quantities, "float_excess_lift": 0.0})
+                    for run in study.solutions)  # fmt: skip
+    told = {line[0]: line[1:] for line in lines(replace(study, solutions=settled, still={"stock": {"float_engine_speed": 701.0}}))}
+    assert told["Engine speed of float"] == ["rpm", "6694", "never"] and "that did not settle" not in told
+    assert told["Contact loss engine speed" if "Contact loss engine speed" in told else "Engine speed of the first loss of contact"] == [
+        "rpm", "never", "never",
+    ]  # fmt: skip
+
+
+def test_many_runs_stand_below_each_other():
+    runs = [replace(rod_run(speed * RPM), quantities={name: value * (1 + place / 100) for name, value in rod_run().quantities.items()})
+            for place, speed in enumerate(range(1000, 1700, 100))]  # fmt: skip
+    told = lines(replace(own_study(tuple(runs)), rest=()))
+    assert ["Clearance to coil bind", "mm", "1.25 to 1.325"] in told and ["Surge frequency", "Hz", "631 to 668.9"] in told
+    assert ["finite-element", "1300", "835.3", "296.6", "48.41", "7.21", "45.32"] in [line[:7] for line in told]
+    assert sum(line[0] == "finite-element" for line in told) >= 7
+    many = [replace(run, provenance=replace(run.provenance, engine_speed=(1000 + n) * RPM)) for n in range(30) for run in runs[:1]]
+    assert ["and 6 more"] in lines(replace(own_study(tuple(many)), rest=()))
+
+
+def test_published_values_are_told_in_a_line_and_in_full():
+    study = replace(published_study(), comparisons=COMPARED)
+    told = [" ".join(line) for line in lines(study)]
+    sentence = "5 published values: median difference 1.9 %, largest 25.0 % (installed gap of coils 1 and 2); 1 of 2 stated tolerances met"
+    assert sentence in told and "1 finding and 2 notes in the report; --published prints all of it" in told
+    whole = lines(study, published=True)
+    for line in (
+        ["installed gap of coils 1 and 2", "EX", "2 mm", "1.5", "−25.0 %", "misses (3.0 %)"],
+        ["preload", "EX", "280 N", "–", "–", "not computed"],
+        ["largest clash impulse", "EX", "31 mN s", "31", "0.0 %", "–"],
+        ["Stage II peak force", "EX", "790 N", "805", "+1.9 %", "within tolerance"],
+        ["Stage II peak, cam angle", "FE", "170 deg", "171.5", "+1.5 deg", "–"],
+        ["prediction: 4 published values, 1 of 1 stated tolerances met, 1 not computed"],
+        ["calibration: 1 published values, 0 of 1 stated tolerances met"],
+        ["section 4: Stage II has a valley"], ["computed: valley of 412 N"],
+        ["verdict:", "holds"], ["The first note <for> readers."],
+    ):  # fmt: skip
+        assert line in whole, line
+    heads = [line[0] for line in whole if "identif" in line[0]]
+    assert [head.split(" (")[0] for head in heads] == ["statics and modes", "statics and modes", "4200 rpm", "5600 rpm"]
+    bare = [" ".join(line) for line in lines(replace(own_study(), notes=("Mind the gap.",)))]
+    assert "note: Mind the gap." in bare and not [line for line in bare if "--published" in line]
+
+
+@pytest.mark.parametrize(
+    ("place", "difference", "verdict"),
+    [
+        (0, "+1.9 %", "within tolerance"),
+        (1, "−25.0 %", "misses (3.0 %)"),
+        (2, "+1.5 deg", "–"),
+        (3, "–", "not computed"),
+        (4, "0.0 %", "–"),
+    ],
+)
+def test_difference_and_verdict_of_a_row(place, difference, verdict):
+    assert (difference_words(COMPARED[place]), short_verdict(COMPARED[place])) == (difference, verdict)
+
+
+def test_a_bound_is_told_without_its_distance_and_a_zero_in_its_unit():
+    bound = replace(COMPARED[0], verdict="stated as at most: beyond by 5.0 %")
+    assert short_verdict(bound) == "stated as at most"
+    nothing = replace(COMPARED[1], published=0.0, difference=-2e-6)
+    assert difference_words(nothing) == "−0.002 mm"
+    assert "no tolerance was stated" in tally(COMPARED[2:3], "prediction") and "not computed" not in tally(COMPARED[:1], "prediction")
+    assert published_words(COMPARED[3:4]) == "1 published value"
+    assert published_words(COMPARED[:1]).endswith("largest 1.9 % (Stage II peak force at 5600 rpm); 1 of 1 stated tolerances met")
+    console = Console(file=StringIO(), width=140, no_color=True)
+    show_comparisons(console, COMPARED[:1])
+    assert "EX" in console.file.getvalue() and "FE" not in console.file.getvalue()
+
+
+def test_numbers_in_the_fields_units():
+    assert shown_words("clash_energy", 0.0123) == ("12.3", "mJ") and shown_words("peak_spring_force", None)[0] == "–"
+    assert quantity_rows({"surge_cam_order": 13.523456, "peak_shear_stress": 551.23456e6}) == [
+        ("Surge order", "13.523", ""), ("Peak shear stress", "551.23", "MPa"),
+    ]  # fmt: skip
+
+
+def test_the_number_that_stands_for_a_kept_run():
+    def number(value: float, unit: str = "N") -> dict:
+        return {"value": value, "unit": unit}
+
+    runs = [{"quantities": {"peak_spring_force": number(700.0), "peak_retainer_force": number(900.0)}},
+            {"quantities": {"peak_spring_force": number(811.0)}}]  # fmt: skip
+    assert headline({"runs": runs}) == {"quantity": "peak_spring_force", "value": 811.0, "unit": "N"}
+    assert headline({"quantities": {"preload": number(287.0)}, "runs": []}) == {"quantity": "preload", "value": 287.0, "unit": "N"}
+    assert headline({"runs": [{"quantities": {"peak_spring_force": {"value": None, "unit": "N"}}}]}) is None
+    labelled = {"quantities_by_label": {"a": {"float_engine_speed": number(701.0, "rad/s")}}}
+    assert headline(labelled) == {"quantity": "float_engine_speed", "value": 701.0, "unit": "rad/s"}
+
+
+def test_static_curves_are_printed_thinned_and_written_whole():
+    from valvetrain.cli.static import MOST_ROWS, _show, curve_text
+
+    study = replace(own_study(()), still={"spring by finite-element": {"preload": 287.0}, "spring by multi-mass": {}})
+    console = Console(file=StringIO(), width=140, no_color=True)
+    _show(console, study, Path("curve.csv"))
+    told = [re.split(r"\s{2,}", line.strip()) for line in console.file.getvalue().splitlines()]
+    printed = [line for line in told if len(line) == 3 and line[0][:1].isdigit()]
+    each = next(n for n in range(1, 99) if 40 / n <= MOST_ROWS)
+    steps = np.linspace(0, 18, 40)[::each]
+    rows = [[x, 41 * x, 41.0] for x in steps] + [[x, 0.98 * 41 * x, 40.18] for x in steps]
+    assert [[float(cell) for cell in line] for line in printed] == [pytest.approx(row, rel=1e-4) for row in rows]
+    assert told.count(["compression (mm)", "force (N)", "stiffness (N/mm)"]) == 2 and ["Preload", "287", "N"] in told
+    assert ["written to curve.csv"] in told
+    text = curve_text(study).splitlines()
+    assert text[0] == "spring,model,compression [mm],force [N],stiffness [N/mm]" and len(text) == 81
+    name, model, *numbers = text[-1].split(",")
+    assert (name, model) == ("spring", "multi-mass") and [float(one) for one in numbers] == pytest.approx([18.0, 723.24, 40.18])
+    alone = curve_text(replace(study, rest=study.rest[:1])).splitlines()
+    assert alone[0] == "compression [mm],force [N],stiffness [N/mm]" and [float(one) for one in alone[-1].split(",")] == pytest.approx(
+        [18.0, 738.0, 41.0]
+    )
