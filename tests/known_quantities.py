@@ -25,6 +25,7 @@ from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities
 from valvetrain.quantities.statics import rest_quantities
+from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.event import Event
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Provenance
@@ -33,7 +34,8 @@ from valvetrain.solution.result import Solution, empty_channels
 from valvetrain.solution.static import SpringAtRest, StaticCurve, StaticStress
 from valvetrain.solution.study import Study
 from valvetrain.sources.multibody4b17 import study_quantities
-from valvetrain.studies.sweep import control_quantities
+from valvetrain.studies.critical_search import Look, Search
+from valvetrain.studies.critical_speeds import CriticalOptions, critical_speed
 
 Known = tuple[Mapping[str, float], dict[str, float | tuple[float, float]]]
 DEG, CAM_RATE = np.pi / 180, ENGINE_SPEED / 2
@@ -269,14 +271,18 @@ def moving_train() -> Known:
 
 
 def sweep() -> Known:
-    """Speeds 1 to 6 rad/s: the cam lets go at 2, one resonance floats at 3 and is passed over, the train floats from 5 on."""
-    runs = []
-    for place, (excess, least) in enumerate(zip((0, 0, 200, 0, 80, 90), (50, 0, 20, 30, 0, 0), strict=True)):
-        origin = Provenance("own-train", "modal-uniform", 1.0 + place, label="stock", system="train")
-        numbers = {"float_excess_lift": 1e-6 * excess, "minimum_cam_contact_force": float(least)}
-        runs.append(Solution(empty_channels(), provenance=origin, quantities=numbers))
-    return control_quantities(Study(CaseRecord("own-train"), "sweep", tuple(runs)), "stock"), {
-        "contact_loss_engine_speed": 2.0, "float_engine_speed": 5.0,
+    """Margins that are straight lines over 400 to 900 rad/s: the cam lets go from 512, the valve floats from 650 and bounces from 803."""
+    edges = {"contact-loss": 512.0, "float": 650.0, "bounce": 803.0}
+
+    def look_at(engine_speed: float, orbit: object) -> Look:
+        margins = {kind: min(5e-5, 1e-6 * (edge - engine_speed)) for kind, edge in edges.items()}
+        return Look(margins, dict.fromkeys(edges, "there"))
+
+    options = CriticalOptions(resolution=0.01)
+    search = Search(look_at, {one: look_at(one, None) for one in np.linspace(400.0, 900.0, 6).tolist()}, options.limits, options.resolution)
+    found = CriticalSpeeds(tuple(critical_speed(search, kind, "stock", 400.0, 900.0, options) for kind in edges))
+    return found.quantities("stock"), {
+        "contact_loss_engine_speed": (512.0, 0.01), "float_engine_speed": (650.0, 0.01), "bounce_engine_speed": (803.0, 0.01),
     }  # fmt: skip
 
 
