@@ -17,7 +17,7 @@ from mutants.faults import Fault, faults, seeded
 SOURCE = ROOT / "src" / "valvetrain"
 #: Seconds of tests, as recorded, that are asked at most about one fault: those that enter its function, those whose file says its name,
 #: the others of the files of the first, all.
-SECONDS = (120.0, 60.0, 15.0, 60.0)
+SECONDS = (90.0, 40.0, 10.0, 30.0)
 
 
 def sample(count: int, seed: int, folders: Iterable[str] = ()) -> list[Fault]:

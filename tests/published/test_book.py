@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -11,6 +14,15 @@ from valvetrain.validation.__main__ import book, main, page, run_book
 from valvetrain.validation.row import Row
 
 QUICK = [case for case in book() if not case.slow]
+
+
+def stated(text: str) -> list[tuple[str, ...]]:
+    """Rows of a page without what was computed: name, input, source, expected value with its unit, tolerance and the reason for it."""
+    cells = [tuple(part.strip() for part in line.split(" | ")) for line in text.splitlines() if line.startswith("| ")]
+    return [row[:4] + row[6:8] for row in cells if len(row) == 9]
+
+
+COMMITTED = stated((Path(__file__).resolve().parents[2] / "docs" / "validation.md").read_text(encoding="utf-8"))
 
 
 def red(rows: list[Row]) -> list[str]:
@@ -25,6 +37,12 @@ def test_rows_stay_within_their_tolerance(case):
     assert all(row.tolerance > 0 and row.reason for row in rows)
     known = references()
     assert all(row.source in known for row in rows if row.source)
+    anew = "run python -m valvetrain.validation --page docs/validation.md"
+    assert not [line for line in stated(page(rows)) if line not in COMMITTED], anew
+    # a value off by a third of its size (or a tenth of its unit, where nothing is expected) is no agreement
+    wrong = [replace(row, computed=row.expected + (abs(row.expected) / 3 or 0.1), expected_miss="") for row in rows]
+    assert [row.status for row in wrong] == ["FAILS"] * len(rows)
+    assert [replace(row, computed=row.expected).status for row in rows] == ["met"] * len(rows)
 
 
 def test_page_holds_every_row():
