@@ -38,7 +38,8 @@ COMMANDS: dict[str, tuple[str, ...]] = {
 
 def cpu_of(checkout: Path, arguments: list[str]) -> tuple[float, str]:
     """CPU time (s) of one process with that checkout's sources, and what it printed."""
-    environment = {**os.environ, "PYTHONPATH": str(checkout / "src"), **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")}
+    inherited = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}  # users' installations keep it
+    environment = {**inherited, "PYTHONPATH": str(checkout / "src"), **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")}
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run([sys.executable, *arguments], cwd=checkout, env=environment, capture_output=True, text=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -16,6 +16,7 @@ _HOMES = {
     # the spring and its case
     "SpringDefinition": "parameters.spring",
     "EndCoil": "parameters.spring",
+    "Guide": "parameters.guide",
     "Material": "parameters.material",
     "Constant": "parameters.curves",
     "PiecewiseLinear": "parameters.curves",
@@ -53,17 +54,23 @@ _HOMES = {
     "simulate": "studies.api",
     "compare": "studies.api",
     "sweep": "studies.api",
+    "critical_speeds": "studies.api",
     "static_curve": "studies.api",
+    "buckling_compression": "quantities.buckling",
     "Study": "solution.study",
     "simulate_batch": "cosserat.batch",
     "RodBatch": "cosserat.batch",
     "map_cases": "studies.batch",
+    "run_up": "studies.run_up",
+    "train_modes": "studies.train_modes",
     # results
     "Solution": "solution.result",
+    "CriticalSpeeds": "solution.critical",
     "Event": "solution.event",
     "Status": "solution.status",
     "StaticCurve": "solution.static",
     "ModalResult": "solution.modal",
+    "TrainModes": "solution.train_modes",
     "Comparison": "solution.comparison",
     "Quantity": "solution.quantity",
     "Quantities": "solution.quantity",
@@ -104,15 +111,18 @@ if TYPE_CHECKING:
     from valvetrain.parameters.curves import FunctionCurve as FunctionCurve
     from valvetrain.parameters.curves import PiecewiseLinear as PiecewiseLinear
     from valvetrain.parameters.curves import Table as Table
+    from valvetrain.parameters.guide import Guide as Guide
     from valvetrain.parameters.loading import list_cases as list_cases
     from valvetrain.parameters.loading import load_case as load_case
     from valvetrain.parameters.material import Material as Material
     from valvetrain.parameters.spring import EndCoil as EndCoil
     from valvetrain.parameters.spring import SpringDefinition as SpringDefinition
+    from valvetrain.quantities.buckling import buckling_compression as buckling_compression
     from valvetrain.report.build import study_page as study_page
     from valvetrain.report.json import study_json as study_json
     from valvetrain.report.write import write_study as write_study
     from valvetrain.solution.comparison import Comparison as Comparison
+    from valvetrain.solution.critical import CriticalSpeeds as CriticalSpeeds
     from valvetrain.solution.event import Event as Event
     from valvetrain.solution.modal import ModalResult as ModalResult
     from valvetrain.solution.netcdf import load_netcdf as load_netcdf
@@ -125,6 +135,7 @@ if TYPE_CHECKING:
     from valvetrain.solution.study import Study as Study
     from valvetrain.solution.textfile import load_csv as load_csv
     from valvetrain.solution.textfile import save_csv as save_csv
+    from valvetrain.solution.train_modes import TrainModes as TrainModes
     from valvetrain.springs.contract import SpringModel as SpringModel
     from valvetrain.springs.equivalent import EquivalentSpring as EquivalentSpring
     from valvetrain.springs.finite_element import FiniteElementRod as FiniteElementRod
@@ -138,10 +149,13 @@ if TYPE_CHECKING:
     from valvetrain.springs.wave_rod import WaveRod as WaveRod
     from valvetrain.springs.wave_rod_clash import WaveRodWithClash as WaveRodWithClash
     from valvetrain.studies.api import compare as compare
+    from valvetrain.studies.api import critical_speeds as critical_speeds
     from valvetrain.studies.api import simulate as simulate
     from valvetrain.studies.api import static_curve as static_curve
     from valvetrain.studies.api import sweep as sweep
     from valvetrain.studies.batch import map_cases as map_cases
+    from valvetrain.studies.run_up import run_up as run_up
+    from valvetrain.studies.train_modes import train_modes as train_modes
     from valvetrain.system.build import build as build
     from valvetrain.system.problem import Problem as Problem
 else:  # a type checker that saw this would take any name for granted

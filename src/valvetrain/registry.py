@@ -32,6 +32,7 @@ BUILT_IN["commands"] = {
     "run": "valvetrain.cli.run:register",
     "compare": "valvetrain.cli.compare:register",
     "sweep": "valvetrain.cli.sweep:register",
+    "run-up": "valvetrain.cli.run_up:register",
     "static": "valvetrain.cli.static:register",
     "modes": "valvetrain.cli.modes:register",
     "refine": "valvetrain.cli.refine:register",
@@ -52,10 +53,10 @@ BUILT_IN["springs"] = {
     "solid": "valvetrain.springs.solid.spec:SPEC",
 }
 BUILT_IN["integrators"] = {
+    "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",  # before those that a train never needs, so that they are not loaded
     "harmonic": "valvetrain.integrate.harmonic:SPEC",
     "rod-leapfrog": "valvetrain.integrate.rod_leapfrog:SPEC",
     "leapfrog": "valvetrain.integrate.leapfrog:SPEC",
-    "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",
 }
 BUILT_IN["quantities"] = {
     "general": "valvetrain.quantities.table:ROWS",
@@ -76,6 +77,8 @@ BUILT_IN["lifts"] = {
     "sine-power": "valvetrain.cam.sine_power:SPEC",
     "ramped": "valvetrain.cam.ramped:SPEC",
     "shaped": "valvetrain.cam.shaped:SPEC",
+    "cam-card": "valvetrain.cam.cam_card:SPEC",
+    "modified-trapezoid": "valvetrain.cam.modified_trapezoid:SPEC",
     "three-arc": "valvetrain.cam.three_arc:SPEC",
     "tangent": "valvetrain.cam.tangent:SPEC",
 }
@@ -99,6 +102,7 @@ BUILT_IN["sources"] = {key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021
 #: In the order of the page: what answers first, what a paper says only after it.
 BUILT_IN["sections"] = {
     "answers": "valvetrain.report.sections.answers:SPEC",
+    "critical-speeds": "valvetrain.report.sections.critical:SPEC",
     "sweep": "valvetrain.report.sections.sweep:SPEC",
     "published": "valvetrain.report.sections.published:SPEC",
     "gu2021": "valvetrain.report.sections.gu2021:SPEC",

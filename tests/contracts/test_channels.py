@@ -36,7 +36,7 @@ def runs(case: str) -> tuple[Solution, ...]:
     words = [word for word in registry.words("springs") if not spring_model(word).no_motion]
     key = "spring" if case == "job-c" else "train.springs.nested.{}"
     coarse = {f"{key.format(place)}.options.finite-element.elements_per_coil": 6 for place in (0, 1)[: 1 if case == "job-c" else 2]}
-    loaded = load_case(case, coarse | ({} if case == "job-c" else {"train.cycles": 1}))
+    loaded = load_case(case, coarse | ({"spring.guide.bore": "40 mm"} if case == "job-c" else {"train.cycles": 1}))
     return run_study(loaded, engine_speeds=[SPEED], spring_models=words, workers=1).solutions
 
 

@@ -84,19 +84,20 @@ def test_seating_velocity_does_not_know_how_many_samples_are_kept(pushrod_train)
     assert own == pytest.approx([found[0]] * 4, rel=0.01)
 
 
-def test_seating_velocity_converges_with_the_second_order_of_the_step(pushrod_train):
+def test_seating_velocity_converges_with_the_step(pushrod_train):
     built, cam_speed = pushrod_train
     steps = (2880, 5760, 11520, 46080)
     rates = np.array([seating(built, cam_speed, 360, 2 * np.pi / cam_speed / count * (1 + 1e-9))[0] for count in steps])
-    errors = rates[:3] - rates[3]
-    assert np.log2(errors[:2] / errors[1:]) == pytest.approx(2.0, abs=0.3)
+    errors = np.abs(rates[:3] - rates[3])
+    assert errors[0] < 2e-4 * rates[3]
+    assert np.log2(errors[0] / errors[2]) > 2 * 1.5  # over two halvings; what is left is of the size of the Newton steps at rest
 
 
 def test_log_and_records_tell_one_story(pushrod_train):
     built, cam_speed = pushrod_train
-    ready = runner(built, cam_speed, TrainOptions(samples=1440, window=(1.0, 2.0)))
-    # as many samples as steps: the records hold every step
-    ready = runner(built, cam_speed, TrainOptions(samples=ready.steps, window=(1.0, 2.0)))
+    ready = runner(built, cam_speed, TrainOptions(samples=1440, blow_steps=0, window=(1.0, 2.0)))
+    # as many samples as steps, none of which is divided: the records hold every step
+    ready = runner(built, cam_speed, TrainOptions(samples=ready.steps, blow_steps=0, window=(1.0, 2.0)))
     _, record = ready.cycle(ready.initial_state())
     inside = (record.cam_angle >= 1.0) & (record.cam_angle <= 2.0)
     assert record.least_forces == pytest.approx(np.min(record.forces[inside], axis=0), rel=1e-14)

@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
-
 import numpy as np
 import pytest
 
+from book_page import assert_page_holds
 from valvetrain.citations import references
-from valvetrain.validation import beams, laws, models, springs, stresses, waves
+from valvetrain.solution.comparison import Comparison
+from valvetrain.validation import beams, conical, followers, laws, models, ring, springs, stresses, waves
 from valvetrain.validation.__main__ import book, main, page, run_book
 from valvetrain.validation.row import Row
+from valvetrain.validation.sources import rows_of
 
 QUICK = [case for case in book() if not case.slow]
-
-
-def stated(text: str) -> list[tuple[str, ...]]:
-    """Rows of a page without what was computed: name, input, source, expected value with its unit, tolerance and the reason for it."""
-    cells = [tuple(part.strip() for part in line.split(" | ")) for line in text.splitlines() if line.startswith("| ")]
-    return [row[:4] + row[6:8] for row in cells if len(row) == 9]
-
-
-COMMITTED = stated((Path(__file__).resolve().parents[2] / "docs" / "validation.md").read_text(encoding="utf-8"))
 
 
 def red(rows: list[Row]) -> list[str]:
@@ -34,15 +25,46 @@ def test_rows_stay_within_their_tolerance(case):
     rows = case.rows()
     assert rows
     assert not red(rows)
-    assert all(row.tolerance > 0 and row.reason for row in rows)
+    assert all(0 < row.tolerance < np.inf and row.reason for row in rows)
+    # A limit stands near what is reached: within fifty times of it, or half a per cent of what is expected.
+    assert not [row.name for row in rows if row.tolerance > max(50 * abs(row.difference), 0.005 * abs(row.expected))]
     known = references()
     assert all(row.source in known for row in rows if row.source)
-    anew = "run python -m valvetrain.validation --page docs/validation.md"
-    assert not [line for line in stated(page(rows)) if line not in COMMITTED], anew
-    # a value off by a third of its size (or a tenth of its unit, where nothing is expected) is no agreement
-    wrong = [replace(row, computed=row.expected + (abs(row.expected) / 3 or 0.1), expected_miss="") for row in rows]
-    assert [row.status for row in wrong] == ["FAILS"] * len(rows)
-    assert [replace(row, computed=row.expected).status for row in rows] == ["met"] * len(rows)
+    assert_page_holds(rows)
+
+
+def row(expected: float, computed: float, tolerance: float, **more) -> Row:
+    return Row("springs", "a force", "", "", expected, computed, "N", tolerance, "seeded", "published", **more)
+
+
+@pytest.mark.parametrize(
+    ("computed", "tolerance", "band", "why", "status"),
+    [
+        (283.0, 100.0, None, "", "FAILS"),  # 500 N at 20 %
+        (410.0, 100.0, None, "", "met"),
+        (283.0, 100.0, (277.0, 289.0), "the flank is soft", "miss (explained)"),
+        (260.0, 100.0, (277.0, 289.0), "the flank is soft", "FAILS"),
+        (283.0, 100.0, (277.0, 289.0), "", "FAILS"),  # a band needs its reason
+        (283.0, np.inf, None, "", "FAILS"),  # neither tolerance nor band
+        (500.0, np.inf, None, "", "FAILS"),
+        (np.nan, 100.0, (277.0, 289.0), "the flank is soft", "FAILS"),
+        (np.nan, np.inf, None, "", "FAILS"),
+    ],
+)
+def test_a_row_is_met_explained_or_red(computed, tolerance, band, why, status):
+    assert row(500.0, computed, tolerance, band=band, explanation=why).status == status
+
+
+@pytest.mark.parametrize("role", ["calibration", "check", "prediction"])
+@pytest.mark.parametrize("computed", [283.0, None])
+def test_no_role_excuses_a_published_value(role, computed):
+    """A prediction as well as a calibrated value is red where nobody has said why it is missed."""
+    difference = None if computed is None else computed - 500.0
+    item = Comparison("new_peak_force", None, "", "test", "N", 500.0, computed, difference, role, 100.0, "misses")
+    (found,) = rows_of("springs", "gu2021", (item,))
+    assert found.status == "FAILS" and found.tolerance == 100.0
+    (free,) = rows_of("springs", "gu2021", (Comparison("new_peak_force", None, "", "test", "N", 500.0, 490.0, -10.0, role, None, ""),))
+    assert free.tolerance == pytest.approx(15.0) and free.status == "met"
 
 
 def test_page_holds_every_row():
@@ -155,3 +177,65 @@ def test_a_fault_in_the_coil_contact_turns_rows_red(monkeypatch):
 
     monkeypatch.setattr(mesh, "pair_coils", lambda coil, *more: mesh.no_contact(len(coil)))
     assert "beehive with coil contact, force at 7 mm" in red(models.rod_against_solid_with_contact())
+
+
+def test_without_contact_of_its_coils_a_cone_does_not_close(monkeypatch):
+    from valvetrain.cosserat import mesh
+
+    monkeypatch.setattr(mesh, "pair_coils", lambda coil, *more: mesh.no_contact(len(coil)))
+    found = red(conical.conical_closing())
+    assert "conical spring, force at 8.5 mm" in found and "conical spring, rate while it closes, 8 to 8.5 mm" in found
+    assert "conical spring, force at 5 mm" not in found
+
+
+def test_ring_section_runs_into_the_straight_bar_and_stands_by_goehners_series():
+    """Limits: w to infinity gives the factor one and 1 +- 5 / (4 w); Goehner's terms for rate and stress stand by it to 0.4 %."""
+    assert ring.ring_section(1e4) == pytest.approx((1.0, 1 + 1.25e-4, 1 - 1.25e-4), abs=1e-7)
+    for index in (5.0, 8.0, 12.0):
+        rate, inner, outer = ring.ring_section(index)
+        assert abs(rate - 1 / (1 - 3 / (16 * index**2))) < 0.2 / index**4
+        assert inner == pytest.approx(1 + 1.25 / index + 0.875 / index**2 + 1 / index**3, abs=1e-3)
+        assert outer == pytest.approx(1 - 1.25 / index + 0.875 / index**2 - 1 / index**3, abs=4e-3)
+        assert ring.ring_section(index, 16) == pytest.approx((rate, inner, outer), rel=1e-9)
+
+
+def test_a_fault_in_the_correction_for_curvature_turns_rows_red(monkeypatch):
+    from valvetrain.cosserat import section
+
+    whole = section.Section.__init__
+    monkeypatch.setattr(springs, "ring_section", lambda index: (1 / (1 - 3 / (8 * index**2)), 1.0))
+    assert len(red(springs.curvature_of_the_bar())) == 3
+    assert section.Section.__init__ is whole
+
+
+def test_a_fault_in_a_lobe_turns_rows_red(monkeypatch):
+    from valvetrain.cam.three_arc import ThreeArc
+
+    whole = ThreeArc.flank_radius.fget
+    monkeypatch.setattr(ThreeArc, "flank_radius", property(lambda self: 1.001 * whole(self)))
+    assert len(red(followers.three_arc_lobe())) >= 3
+
+
+def test_a_cubic_spline_for_the_gas_turns_rows_red(monkeypatch):
+    from scipy.interpolate import CubicSpline
+
+    monkeypatch.setattr("scipy.interpolate.PchipInterpolator", CubicSpline)
+    assert len(red(followers.gas_between_its_angles())) == 5
+
+
+def test_a_fault_in_the_follower_turns_rows_red(monkeypatch):
+    whole = followers.lift_table
+    monkeypatch.setattr(followers, "lift_table", lambda law: whole(law) * [1.001, 1.0, 1.0])
+    assert len(red(followers.dwell_after_a_rise())) == 6
+    monkeypatch.setattr(followers, "lift_table", whole)
+    monkeypatch.setattr(followers, "MASS", 0.1)
+    lively = followers.HuntCrossley
+    monkeypatch.setattr(followers, "HuntCrossley", lambda stiffness, damping: lively(stiffness, 0.8 * damping))
+    assert "bouncing follower, phase of the impact" in red(followers.bouncing_follower())
+
+
+def test_friction_of_the_wave_rod_turns_its_row_red(monkeypatch):
+    from valvetrain.springs.wave_rod import WaveRod
+
+    monkeypatch.setattr(models, "WaveRod", lambda spring, cells, friction, pulls: WaveRod(spring, cells, 1.02 * friction, pulls=pulls))
+    assert red(models.wave_rod_friction())

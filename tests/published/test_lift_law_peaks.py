@@ -14,6 +14,7 @@ import pytest
 from valvetrain.cam.cycloidal import Cycloidal
 from valvetrain.cam.harmonic import Harmonic
 from valvetrain.cam.modified_sine import ModifiedSine
+from valvetrain.cam.modified_trapezoid import ModifiedTrapezoid
 from valvetrain.cam.polydyne import Polydyne
 from valvetrain.cam.polynomial import Polynomial
 
@@ -24,6 +25,8 @@ FACTORS = [
     (Polynomial(**EVENTS, exponents=(3, 4, 5)), (1.875, 10 / math.sqrt(3), 60.0), 1e-6),
     (Polynomial(**EVENTS, exponents=(4, 5, 6, 7)), (2.1875, 84 / (5 * math.sqrt(5)), 52.5), 1e-6),
     (ModifiedSine(**EVENTS), (1.7596, 5.5280, 69.466), 1e-4),
+    (ModifiedTrapezoid(**EVENTS), (2.0, 4.888, 61.43), 1e-4),
+    (ModifiedTrapezoid(**EVENTS), (2.0, 8 * math.pi / (2 + math.pi), 32 * math.pi**2 / (2 + math.pi)), 1e-6),
 ]
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from scipy.optimize import brentq
 
-from valvetrain.contact.kernels import contact_force
+from valvetrain.contact.kernels import LINEAR, contact_force
 from valvetrain.mechanism.sliding import SLIDING_KINDS, sliding_gradient
 from valvetrain.system.train_forces import gap_state
 
@@ -15,11 +17,14 @@ def integrate_in_time(runner, state, steps):
     system, arrays = runner.system, runner.system.arrays
     q, v, h = state.q.copy(), state.v.copy(), runner.time_step
     mass, angle, omega = system.masses, state.cam_angle, runner.cam_speed
-    forces = np.zeros(len(arrays.kinds))
+    forces, previous = np.zeros(len(arrays.kinds)), None
     for _ in range(steps):
         old = v.copy()
         pens, gradients, slopes = gap_state(system, q, angle)
         driven = slopes * omega
+        bend = np.zeros(len(pens)) if previous is None else driven + gradients @ old - (pens - previous) / h
+        before = pens if previous is None else previous
+        previous = pens
         forces, damping = np.zeros(len(pens)), np.zeros(len(pens))
         for k, pen in enumerate(pens):
             row, rate = arrays.law_parameters[k], driven[k] + gradients[k] @ v
@@ -29,15 +34,17 @@ def integrate_in_time(runner, state, steps):
                 forces[k] = contact_force(arrays.laws[k], row, 0.0, pen, 0.0)
                 closing = max(abs(rate), 1e-9)
                 damping[k] = (contact_force(arrays.laws[k], row, 0.0, pen, closing) - forces[k]) / closing
+                if arrays.laws[k] == LINEAR and before[k] <= 0 < rate:  # met within the step: the kick began half a step ago
+                    damping[k] *= pen / (pen - before[k]) + 0.5
         total = arrays.body[:, 1] - forces @ gradients
         total[arrays.retainer] -= system.spring_force(float(q[arrays.retainer]))
         v = v + h * total / mass
-        v, forces = _damp(arrays, gradients, driven, damping, forces, mass, h, v, old)
-        v = _rub(system, q, angle, omega, forces, mass, h, v)
-        for i in range(len(q)):
-            coefficient = arrays.body[i, 2] + arrays.body[i, 3] / max(abs(v[i]), arrays.body[i, 4])
-            z = h * coefficient / mass[i]
-            v[i] /= 1 + z + z * z / 2
+        drag = h * (arrays.body[:, 2] + arrays.body[:, 3] / np.maximum(np.abs((old + v) / 2), arrays.body[:, 4]))
+        theta = (3 + drag / mass) / (6 + drag / mass)
+        heavy = mass + theta * drag
+        v = (mass * v - (1 - theta) * drag * old) / heavy
+        v, forces = _damp(arrays, gradients, driven, damping, forces, heavy, h, v, old, bend)
+        v = _rub(system, q, angle, omega, forces, heavy, h, v)
         q = q + h * v
         angle += h * omega
     return q, v, forces
@@ -70,7 +77,8 @@ def _rub(system, q, angle, omega, forces, mass, h, v):
     return v
 
 
-def _damp(arrays, gradients, driven, damping, forces, mass, h, v, old):
+def _damp(arrays, gradients, driven, damping, forces, mass, h, v, old, bend):
+    """Every choice of held contacts is tried: the one whose free contacts press and whose held dampers do not is the step's."""
     active = np.flatnonzero(damping > 0)
     if not len(active):
         return v, forces
@@ -78,20 +86,20 @@ def _damp(arrays, gradients, driven, damping, forces, mass, h, v, old):
     mobility = rows / mass @ rows.T
     z = h * damping[active] * np.diag(mobility)
     theta = (3 + z) / (6 + z)
-    right = driven[active] + rows @ v + (1 - theta) / theta * (driven[active] + rows @ old)
-    held = np.zeros(len(active), dtype=bool)
+    before, after = driven[active] + rows @ old - bend[active], driven[active] + rows @ v + bend[active]
+    right = after + (1 - theta) / theta * before
+    matrix = mobility + np.diag(1 / (h * damping[active] * theta))
     floor = np.where(arrays.laws[active] >= 0, -forces[active] * h, -np.inf)
-    impulse = np.zeros(len(active))
-    for _ in range(len(active)):
-        impulse[held] = floor[held]
+    for choice in itertools.product(*((False, True) if np.isfinite(least) else (False,) for least in floor)):
+        held = np.array(choice)
+        impulse = np.where(held, floor, 0.0)
         free = ~held
-        matrix = mobility[np.ix_(free, free)] + np.diag(1 / (h * damping[active] * theta))[np.ix_(free, free)]
-        impulse[free] = np.linalg.solve(matrix, right[free] - mobility[np.ix_(free, held)] @ impulse[held])
-        pulling = free & (impulse < floor)
-        if not pulling.any():
+        impulse[free] = np.linalg.solve(matrix[np.ix_(free, free)], right[free] - mobility[np.ix_(free, held)] @ impulse[held])
+        slack = 1e-12 * np.max(np.abs(right))
+        if np.all(impulse[free] >= floor[free]) and np.all((right - matrix @ impulse)[held] <= slack):
             break
-        held |= pulling
-        impulse[pulling] = floor[pulling]
+    else:
+        raise AssertionError("no choice of held contacts fits")
     forces = forces.copy()
     forces[active] += impulse / h
     return v - impulse @ rows / mass, forces

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 from typer.testing import CliRunner, Result
@@ -94,3 +96,22 @@ def sentence(result: Result | subprocess.CompletedProcess[str]) -> str:
     assert len(lines) == 1 and lines[0].startswith("error: "), result.stderr
     assert result.stdout == ""
     return lines[0]
+
+
+def wait_until(happened: Callable[[], bool], what: str, limit: float = 120.0) -> None:
+    """Wait for an event, however busy the machine is; fails after ``limit`` seconds."""
+    end = time.monotonic() + limit
+    while not happened():
+        assert time.monotonic() < end, f"waited {limit:g} s in vain: {what}"
+        time.sleep(0.02)
+
+
+def processor_time(process_id: int) -> float:
+    """Processor time (s) that a process has used: it grows while the process works and stands while it waits."""
+    stat = Path(f"/proc/{process_id}/stat")
+    if stat.exists():
+        fields = stat.read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    told = subprocess.run(["ps", "-o", "cputime=", "-p", str(process_id)], capture_output=True, text=True, check=True).stdout
+    parts = [float(part) for part in told.strip().replace("-", ":").split(":")]
+    return sum(part * 60**place for place, part in enumerate(reversed(parts)))

@@ -17,8 +17,8 @@ from valvetrain.quantities.design import design_quantities
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.spectrum import lift_harmonic
-from valvetrain.quantities.stress import nominal_stress_per_force
 from valvetrain.solution.static import SpringAtRest, StaticCurve, StaticStress
+from valvetrain.springs.stress import nominal_stress_per_force
 
 DEG = np.pi / 180
 CAM_RATE = ENGINE_SPEED / 2

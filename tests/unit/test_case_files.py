@@ -56,9 +56,20 @@ def test_published_values_carry_speed_role_unit_and_tolerance():
     # Nothing at 5600 and 8000 rpm may be used to identify the spring.
     for value in case.published:
         early = value.engine_speed is None or value.engine_speed < 4300 * np.pi / 30
-        assert (value.role == "calibration") == early
+        assert (value.role != "prediction") == early
+        assert (value.role == "calibration") <= bool(value.used_for)
     names = [(value.quantity, value.model, value.engine_speed) for value in case.published]
     assert len(set(names)) == len(names)
+
+
+def test_a_published_value_says_its_own_role_use_and_doubt():
+    published = (
+        '[[published]]\nmodel = "m"\nrole = "check"\nsource = "s"\n[published.quantities]\npreload = "5 N"\n'
+        'mode_1_frequency = { value = "500 Hz", role = "calibration", used_for = "the wire diameter", doubt = "two digits" }\n'
+    )
+    preload, mode = parse_case(SPRING + published).published
+    assert (preload.role, preload.used_for, preload.doubt) == ("check", "", "")
+    assert (mode.role, mode.used_for, mode.doubt) == ("calibration", "the wire diameter", "two digits")
 
 
 def test_curve_forms():
@@ -191,7 +202,7 @@ REFUSED = [
     (SPRING.replace("[spring]", "[sprung]"), "did you mean spring"),
     (SPRING + 'height = { coils = [0, 6], values = "0, 45 mm" }', "pitch and height are both given"),
     (SPRING + 'outer_diameter = "28 mm"', "mean_diameter and outer_diameter are both given"),
-    (SPRING.replace('pitch = "7.5 mm"\n', ""), "neither pitch nor height is given"),
+    (SPRING.replace('pitch = "7.5 mm"\n', ""), "neither pitch nor height nor free_length is given"),
     (SPRING.replace("total_coils = 6\n", ""), "'total_coils' is missing; add it"),
     (SPRING.replace("= 6", "= 0"), "too small"),
     (SPRING.replace("= 6", "= 1e9"), "too large"),

@@ -187,3 +187,32 @@ def test_static_curves_are_printed_thinned_and_written_whole():
     assert alone[0] == "compression [mm],force [N],stiffness [N/mm]" and [float(one) for one in alone[-1].split(",")] == pytest.approx(
         [18.0, 738.0, 41.0]
     )
+
+
+def test_what_a_case_holds_is_said_in_the_fields_units():
+    from valvetrain.cli.case_facts import case_facts, case_quantities
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.system.build import build
+
+    case = load_case("uniform-spring")
+    told, turning = dict(case_facts(case)), 2 * np.pi * 600  # both dampings take half of the ratio at 600 Hz
+    end = "open, 0 coils inactive, 0 ground"
+    assert told["wire diameter"] == "3.8 mm" and told["mean coil diameter"] == "22 mm" and told["pitch"] == "7 mm"
+    assert told["damping"] == f"ratio 0.016: mass {four(0.016 * turning)} 1/s, stiffness {four(0.016 / turning * 1e6)} µs"
+    assert told["end coils"] == f"lower {end}; upper {end}" and told["seats"] == "inactive ends only"
+    assert told["spring"] == "uniform-spring, right-handed" and told["cam turns"] == "2, the last one reported"
+    assert told["title"] == case.title and "206 GPa" in told["material"] and "7850 kg/m³" in told["material"]
+    train = load_case("vaz-ohc")
+    told = dict(case_facts(train))
+    assert told["lift law"] == "ramped, lift of the valve" and told["train"] == "finger, planar model, multi-mass springs, lash 0 mm"
+    assert (
+        told["contacts"] == "cam hunt-crossley, valve tip hunt-crossley, seat linear" and told["engine speeds"] == "4136 rpm of the crank"
+    )
+    assert told["springs 'nested'"] == "outer: wire known, installed 16.3 mm short; inner: wire known, installed 9.5 mm short"
+    cards = "outer: rate 17.39 N/mm, preload 283.4 N, mass 31.8 g; inner: rate 14.35 N/mm, preload 136.3 N, mass 11.5 g"
+    assert told["springs 'nested-cards'"] == cards
+    numbers = case_quantities(train, build(train))
+    assert numbers["maximum_lift"] == pytest.approx(9.7e-3, rel=1e-6) and numbers["outer_free_length"] == pytest.approx(0.05)
+    assert numbers["maximum_lift_cam_angle"] == pytest.approx(np.radians(78), abs=1e-3) and numbers["inner_free_length"] == pytest.approx(
+        39.2e-3
+    )

@@ -10,10 +10,11 @@ import pytest
 
 from valvetrain.quantities.compare import compare, verdict
 from valvetrain.report.comparison_grid import tone
-from valvetrain.report.uncertainty_section import belongs
+
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.studies.uncertainty import Uncertainty
+from valvetrain.studies.uncertainty_file import belongs
 
 DEG = np.pi / 180
 

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from valvetrain.parameters.loading import load_case
+from valvetrain.quantities.contact_loss import _solved
 from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities, rigid_table
 from valvetrain.system.build import build
+from valvetrain.system.train_forces import gap_state
 
 
 @pytest.fixture(scope="module")
@@ -43,6 +45,35 @@ def test_contact_force_is_nought_where_contact_is_lost(parts):
     found = rigid_quantities(motion)
     assert found["rigid_contact_loss_engine_speed"] == 2 * cam_speed and found["rigid_contact_loss_cam_angle"] == angle
     assert found["rigid_maximum_valve_lift"] == pytest.approx(8e-3, rel=1e-3)
+
+
+def test_forces_of_all_angles_at_once_are_newtons_law_at_each(parts):
+    """Oracle: least squares per angle on gradients of the gaps found by differences, and the balance of every body."""
+    _, system, motion = parts
+    angle, forces = np.linspace(2.1, 4.1, 23), motion.forces
+    shares, kinematics = forces.shares(angle), system.mechanism.kinematics
+    assert np.min(kinematics.valve_lift(angle)) > 0
+    for row, one in enumerate(angle.tolist()):
+        lift, velocity, acceleration = (float(kinematics.valve_lift(np.array([one]), order)[0]) for order in range(3))
+        tight = forces.poses_at(np.array([lift]))
+        q = forces.poses.positions(tight)[0]
+        by_difference = np.array([
+            (gap_state(system, q + 1e-7 * unit, one)[0] - gap_state(system, q - 1e-7 * unit, one)[0]) / 2e-7 for unit in np.eye(len(q))
+        ])[:, forces.active]  # fmt: skip
+        loads = system.arrays.body[:, 1].copy()
+        loads[system.arrays.retainer] -= forces.static_spring_force(np.array([lift]))[0]
+        change = forces.poses.mode(tight)[0] * acceleration + forces.poses.mode(tight, 1)[0] * velocity**2
+        for told, side in ((shares.static, loads), (shares.inertia, -system.masses * change)):
+            alone = np.linalg.lstsq(by_difference, side, rcond=None)[0]
+            kept = [place for place, k in enumerate(forces.active) if system.arrays.laws[k] >= 0]
+            np.testing.assert_allclose(told[row], alone[kept], rtol=1e-6)
+
+
+def test_equations_without_an_answer_of_their_own_are_solved_by_least_squares():
+    one = np.array([[2.0, 0.0], [0.0, 4.0]])
+    twice = np.stack([one, np.zeros((2, 2))])  # a singular one among them
+    np.testing.assert_allclose(_solved(twice, np.ones((2, 2, 1)))[:, :, 0], [[0.5, 0.25], [0.0, 0.0]])
+    np.testing.assert_allclose(_solved(np.ones((1, 3, 1)), np.array([[[1.0], [2.0], [6.0]]])), [[[3.0]]])
 
 
 def test_without_the_trains_parameters_the_cam_contact_stays_untold(parts):

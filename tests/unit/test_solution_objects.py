@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -34,7 +35,18 @@ def test_undeclared_channel_and_missing_label_are_refused():
     with pytest.raises(InputError, match="units"):
         Solution(channels)
     with pytest.raises(InputError, match="cam_angle"):
-        Solution(channels.drop_vars("cam_angle"))
+        Solution(channels.dataset.drop_vars("cam_angle"))
+
+
+def test_a_solution_of_plain_arrays_and_one_of_their_dataset_are_the_same():
+    arrays = spring_channels([0.0, 1.0], [0.0, 2.0], {"seat_force": [1.0, 3.0], "coil_gap": [[1e-3], [2e-3]]}, upper_coil=[2.5])
+    plain, labelled = Solution(arrays), Solution(arrays.dataset)
+    assert plain.identical(labelled) and labelled.channels is arrays.dataset and plain.arrays is arrays
+    assert plain.channels.seat_force.attrs["units"] == plain.unit("seat_force") == "N"
+    assert np.shares_memory(plain.channels["coil_gap"].values, plain.channel("coil_gap"))
+    assert plain.channels["coil_gap"].coords["upper_coil"].values.tolist() == plain.arrays.along("coil_gap").tolist() == [2.5]
+    assert replace(plain, events=()).identical(plain) and not plain.reduced().channels.data_vars
+    assert pickle.loads(pickle.dumps(labelled)).identical(plain)
 
 
 def test_missing_channel_is_named_with_those_that_exist():

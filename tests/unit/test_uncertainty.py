@@ -12,6 +12,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
 from valvetrain.solution.definition import is_defined
+from valvetrain.solution.quantity import Quantity
 from valvetrain.studies import uncertainty_file
 from valvetrain.studies.grid_convergence import DECLARED_ORDER, grid_convergence, observed_order
 from valvetrain.studies.run import run_study
@@ -123,6 +124,11 @@ def test_stiffer_contact_clashes_harder():
     assert told == sorted(told) and told[-1] == 1.0
 
 
+def stored(case: Case) -> dict[Quantity, float]:
+    """The numbers that were refined, as if a run had given them."""
+    return {Quantity(row.quantity, row.engine_speed): row.value for row in uncertainty_file.load_uncertainty(case.record())}
+
+
 def test_shipped_file_belongs_to_its_case_and_to_no_other():
     case = load_case("gu2021-beehive")
     rows = uncertainty_file.load_uncertainty(case.record())
@@ -131,14 +137,15 @@ def test_shipped_file_belongs_to_its_case_and_to_no_other():
     assert uncertainty_file.meshes_of(case.record()) == (24, 36, 54)
     for other in (meshed("gu2021-beehive", 30), case.replace({"springs.0.precompression": 6.9e-3}), case.replace(name="own-spring")):
         assert uncertainty_file.load_uncertainty(other.record()) == () == uncertainty_file.meshes_of(other.record())
-        assert uncertainty_file.uncertainty_sentences(other.record(), (8000 * RPM,)) == ()
+        assert uncertainty_file.uncertainty_sentences(other.record(), (8000 * RPM,), stored(case)) == ()
 
 
 def test_sentences_speak_of_the_speeds_that_were_run():
-    record, speeds = load_case("gu2021-beehive").record(), np.array([4200, 5600, 8000]) * RPM
-    sentences = uncertainty_file.uncertainty_sentences(record, speeds)
+    case, speeds = load_case("gu2021-beehive"), np.array([4200, 5600, 8000]) * RPM
+    record, numbers = case.record(), stored(case)
+    sentences = uncertainty_file.uncertainty_sentences(record, speeds, numbers)
     assert len(sentences) == 3 and all("main clash" in sentence and "24, 36, 54 elements" in sentence for sentence in sentences)
-    assert uncertainty_file.uncertainty_sentences(record, speeds[1:2]) == sentences[1:2]
+    assert uncertainty_file.uncertainty_sentences(record, speeds[1:2], numbers) == sentences[1:2]
 
 
 def test_shipped_preload_and_mode_are_those_of_this_version():

@@ -22,6 +22,8 @@ from valvetrain.units import (
     to_unit,
     unit_factor,
 )
+from valvetrain.units.text import _resolve
+from valvetrain.units.usual import USUAL
 
 # Exact by definition (international inch, pound, standard gravity).
 EXACT = [
@@ -105,6 +107,19 @@ def test_every_usual_unit_has_its_dimension(name):
     dimension = DIMENSIONS[name]
     assert parse_quantity(f"1 {dimension.usual_unit}".strip(), name) > 0
     assert unit_factor(dimension.si_unit) == pytest.approx(1.0, rel=1e-15)
+
+
+@pytest.mark.parametrize("unit", USUAL)
+def test_the_table_of_usual_units_holds_the_very_floats_of_pint(unit, monkeypatch):
+    """The library that reads every other unit is the oracle; a shipped table must not move a number by its last digit."""
+    told = _resolve.__wrapped__(unit)
+    monkeypatch.setattr("valvetrain.units.text.USUAL", {})
+    assert _resolve.__wrapped__(unit) == told == USUAL[unit]
+
+
+def test_every_unit_that_is_proposed_or_ships_is_in_the_table():
+    wanted = {dimension.si_unit for dimension in DIMENSIONS.values()} | {dimension.usual_unit for dimension in DIMENSIONS.values()}
+    assert wanted - {""} <= USUAL.keys()
 
 
 def test_formatting():

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 from valvetrain.cli.outcome import PLAIN_WIDTH
 from valvetrain.cli.tables import plain_table
 from valvetrain.parameters.words import number, unit_words
+from valvetrain.report.critical_words import critical_rows, searched
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow, headline_columns, headline_rows, largest_clash_rows
 from valvetrain.report.words import rpm
+from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import label_of
 
 if TYPE_CHECKING:
@@ -25,11 +27,10 @@ if TYPE_CHECKING:
 #: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
 BESIDE, BELOW = 4, 24
 #: What a sweep answers: the worst of each with its engine speed but for :data:`NO_SPEED`, and where control is lost.
-CONTROL = ("contact_loss_engine_speed", "float_engine_speed")
 SWEPT = (
     "peak_spring_force", "minimum_spring_force", "coil_bind_clearance", "outer_coil_bind_clearance", "inner_coil_bind_clearance",
     "surge_frequency", "outer_surge_frequency", "inner_surge_frequency", "surge_amplitude_force", "clash_count", "clash_energy",
-    "seating_velocity", "bounce_count", *CONTROL, "rigid_contact_loss_engine_speed", "lift_loss_displacement",
+    "seating_velocity", "bounce_count", *KINDS.values(), "rigid_contact_loss_engine_speed", "lift_loss_displacement",
     "peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress",
 )  # fmt: skip
 NO_SPEED = tuple(f"{spring}{name}" for name in ("coil_bind_clearance", "surge_frequency") for spring in ("", "outer_", "inner_"))
@@ -62,7 +63,7 @@ def _tables(study: Study) -> Iterator[Table]:
     columns, rows = headline_columns(study), headline_rows(study)
     if len(study.rest) > 1 or not study.solutions:
         yield from _rest_tables(study)
-    if study.command == "sweep":
+    if study.over_speed:
         for first in range(0, len(columns), BESIDE):
             yield _over_speeds(study, columns[first : first + BESIDE], rows, first)
     elif len(columns) <= BESIDE:
@@ -99,17 +100,18 @@ def _over_speeds(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence
     table = plain_table(("", "", *(column.label for column in columns)), (), right=range(2, 2 + len(columns)))
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
     known = {row.name: row for row in rows}
-    trains = any("float_excess_lift" in run.quantities for run in study.solutions)
+    control = critical_rows(study, [column.label for column in columns]) if searched(study) else []
     for name in SWEPT:
         row = known.get(name)
-        if row is not None:
+        if name in KINDS.values():
+            for line in control:
+                if line.name == name:
+                    table.add_row(line.words if line.main else f"  {line.words}", "rpm", *line.cells)
+        elif row is not None:
             pairs = zip(row.values[first : first + len(columns)], row.engine_speeds[first : first + len(columns)], strict=True)
-            missing = "never" if name in CONTROL and trains else "–"
             still = name in NO_SPEED
-            cells = [missing if value is None else _at_speed(value, None if still else speed) for value, speed in pairs]
+            cells = ["–" if value is None else _at_speed(value, None if still else speed) for value, speed in pairs]
             table.add_row(row.words, unit_words(row.unit), *cells)
-        elif name in CONTROL and trains:
-            table.add_row(label_of(name).capitalize(), "rpm", *("never" for _ in columns))
     speeds = [study.runs(column.label) for column in columns]
     unsettled = [sum(run.status.code == "not-converged" for run in runs) for runs in speeds]
     table.add_row("Engine speeds run", "", *(str(len(runs)) for runs in speeds))
@@ -212,7 +214,9 @@ def published_words(rows: Sequence[Comparison]) -> str:
     """One sentence: how many published values, the median and the largest difference, and how many stated tolerances are met."""
     from valvetrain.report.words import percent, speed_words
 
-    known = [(abs(row.relative_difference), row) for row in rows if row.relative_difference is not None and row.unit != "deg"]
+    known = [
+        (abs(row.relative_difference), row) for row in rows if row.relative_difference is not None and row.unit != "deg" and not row.doubt
+    ]
     judged = [row for row in rows if row.verdict.startswith(("within", "misses"))]
     met = sum(row.verdict.startswith("within") for row in judged)
     text = f"{len(rows)} published value{'s' if len(rows) > 1 else ''}"
@@ -221,6 +225,9 @@ def published_words(rows: Sequence[Comparison]) -> str:
         place = "" if row.engine_speed is None else f" at {speed_words(row.engine_speed)}"
         median = percent(statistics.median(share for share, _ in known)).lstrip("+")
         text += f": median difference {median}, largest {percent(worst).lstrip('+')} ({label_of(row.quantity)}{place})"
+    for row in rows:
+        if row.doubt and row.relative_difference is not None:
+            text += f"; {label_of(row.quantity)} {percent(row.relative_difference)}, but the number is in doubt: {row.doubt}"
     return text + (f"; {met} of {len(judged)} stated tolerances met" if judged else "")
 
 

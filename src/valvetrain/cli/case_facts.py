@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from valvetrain.parameters.steel_contacts import usual_contacts
 from valvetrain.parameters.words import number, value_words
 from valvetrain.report.words import speed_words
 
@@ -27,6 +28,9 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
     if case.train is not None:
         train = case.train
         facts.append(("train", f"{train.kind}, {train.model} model, {train.spring_model} springs, lash {number(train.lash * 1e3)} mm"))
+        facts.append(("contacts", ", ".join(f"{place.replace('_', ' ')} {contact.law}" for place, contact in train.contacts.items())))
+        if said := usual_contacts(train.contacts):
+            facts.append(("", said))
         facts += [(f"springs '{name}'", "; ".join(map(_short, springs))) for name, springs in train.springs.items()]
     if case.operation.engine_speeds:
         facts.append(("engine speeds", f"{', '.join(map(speed_words, case.operation.engine_speeds))} of the crank"))
@@ -53,6 +57,8 @@ def _spring_facts(spring: InstalledSpring) -> list[tuple[str, str]]:
     facts = _wire_facts(spring.wire) if spring.wire is not None else [("spring", f"known by its card, {_short(spring)}")]
     if spring.wire is not None:
         facts.append(("seats", "end coils may touch flat seats" if spring.seats == "planes" else "inactive ends only"))
+    if spring.guide is not None:
+        facts.append(("guide", f"{spring.guide.words()}, without friction"))
     damping = spring.damping
     if damping.mass_damping or damping.stiffness_damping:
         ratio = "" if damping.ratio is None else f"ratio {number(damping.ratio)}: "

@@ -21,16 +21,18 @@ if TYPE_CHECKING:
 WORTH_SAYING = 20.0
 #: Options of spring models that set the number of unknowns.
 REFINES = ("elements_per_coil", "masses_per_coil", "elements", "modes")
+#: Runs that the search for a train's critical speeds takes besides those of its sweep, of each member (15 to 90 seen).
+SEARCH_RUNS = 60
 #: Cam turns until a train repeats itself, where fewer are not asked for; coils and samples where a case does not tell.
 USUAL_CYCLES, USUAL_COILS, USUAL_STEP = 20, 8.0, math.radians(0.5)
 
 
-def refuse_beyond(request: StudyRequest, whole: bool = True) -> None:
+def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = False) -> None:
     """Say what the request will cost where it takes a while; raise :class:`InputError` with the numbers where it is too large.
 
-    ``whole``: whether every run is kept with its channels.
+    ``whole``: whether every run is kept with its channels; ``searches``: whether a train's critical speeds are searched as well.
     """
-    cost, limits = request_cost(request, whole), request.limits
+    cost, limits = request_cost(request, whole, searches), request.limits
     words = f"about {time_words(cost.seconds)} and {memory_words(cost.bytes)}"
     over = []
     if cost.seconds > limits.seconds:
@@ -45,14 +47,14 @@ def refuse_beyond(request: StudyRequest, whole: bool = True) -> None:
         tell(f"this will take {words}")
 
 
-def request_cost(request: StudyRequest, whole: bool = True) -> Cost:
-    """Estimated cost of a request: every model at every speed."""
+def request_cost(request: StudyRequest, whole: bool = True, searches: bool = False) -> Cost:
+    """Estimated cost of a request: every model at every speed, and :data:`SEARCH_RUNS` of each where critical speeds are searched."""
     from valvetrain.springs.spec import spring_model
     from valvetrain.studies.cost import Cost, estimate
 
     case = request.case
     engine_speeds = case.operation.engine_speeds if request.engine_speeds is None else request.engine_speeds
-    total = Cost()
+    total, chains = Cost(), list[float]()
     if not engine_speeds or case.lift_law is None:
         return total
     cycles = _cycles(case)
@@ -69,6 +71,12 @@ def request_cost(request: StudyRequest, whole: bool = True) -> Cost:
                 runs=len(engine_speeds), simulated_time=simulated_time, processor_time=spec.processor_time, refinement=refinement,
                 samples=samples * (cycles if case.train is None else 1), channels=channels, workers=request.workers, whole=whole,
             )  # fmt: skip
+            if searches and case.train is not None:  # one member is one chain of runs, most of them at the upper speeds
+                time = SEARCH_RUNS * cycles * 4 * math.pi / max(engine_speeds)
+                found = estimate(runs=SEARCH_RUNS, simulated_time=time, processor_time=spec.processor_time, refinement=refinement)
+                chains.append(found.seconds)
+    if chains:
+        total += Cost(max(max(chains), sum(chains) / max(1, request.workers)))
     return total
 
 

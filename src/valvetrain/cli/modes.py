@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,11 +14,13 @@ from valvetrain.cli.options import (
     SetOption,
     SpringOption,
     SpringSetOption,
+    read_amounts,
     read_count,
     read_length,
     read_models,
     read_words,
 )
+from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from valvetrain.cli.outcome import Outcome
     from valvetrain.parameters.case import Case
     from valvetrain.solution.study import Study
+    from valvetrain.solution.train_modes import TrainModes
 
 
 def register(app: typer.Typer) -> None:
@@ -39,33 +42,84 @@ def modes(
     compression: Annotated[
         str | None, typer.Option("--compression", metavar="LENGTH", help="State they are about, such as '7 mm' (default: as installed).")
     ] = None,
+    attached_mass: Annotated[
+        str | None,
+        typer.Option("--attached-mass", metavar="MASS", help="Mass that moves with the retainer: '50 g' (default: both ends fixed).",
+                     show_default=False),
+    ] = None,
+    free_end: Annotated[bool, typer.Option("--free-end", help="The retainer's end moves along the axis with nothing attached.")] = False,
     spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
     as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """Natural frequencies about the installed state, both ends fixed, coils that touch kept together."""
+    """Natural frequencies of springs, both ends fixed or one with a mass; of a train also with its springs, as one."""
     from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.outcome import deliver
 
     chosen = choose_case(case, settings, elements_per_coil)
     read_count(count, 1, 400, "--count")
-    deliver(compute_modes(chosen, read_models(spring), read_words(spring_set), count, read_length(compression, "--compression")))
+    if free_end and attached_mass is not None:
+        raise InputError("a free end has no mass attached; give --free-end or --attached-mass", "--free-end")
+    masses = (0.0,) if free_end else read_amounts(None if attached_mass is None else [attached_mass], "mass", "--attached-mass")
+    if len(masses) > 1 or any(mass < 0 for mass in masses):
+        raise InputError(f"'{attached_mass}' is no mass; give one of zero or more, such as '50 g'", "--attached-mass")
+    state = read_length(compression, "--compression")
+    deliver(compute_modes(chosen, read_models(spring), read_words(spring_set), count, state, masses[0] if masses else None))
 
 
 def compute_modes(
-    case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], count: int, compression: float | None = None
+    case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], count: int, compression: float | None = None,
+    attached_mass: float | None = None,
 ) -> Outcome:  # fmt: skip
-    """The ``count`` lowest modes of every spring about ``compression`` (m from the free state; None: as installed)."""
+    """The ``count`` lowest modes of every spring about ``compression`` (m from the free state; None: as installed), ``attached_mass`` (kg)
+    on the retainer, 0 for a free end (None: both ends fixed)."""
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.report.json import study_json
     from valvetrain.studies.rest_study import rest_study
+    from valvetrain.studies.train_modes import train_modes
 
     announce_compilation("statics")
     with progress_bar("modes") as report:
         study = rest_study(
-            case, spring_models, spring_sets=spring_sets, command="modes", compression=compression, modes=count, progress=report
+            case, spring_models, spring_sets=spring_sets, command="modes", compression=compression, modes=count,
+            attached_mass=attached_mass, progress=report,
         )  # fmt: skip
-    return Outcome(study_json(study), lambda console: _show(console, study), study.failures)
+        trains = train_modes(case, spring_models, spring_sets=spring_sets) if case.train is not None and compression is None else ()
+    data = study_json(study) | ({"train_modes": [_object(one, count) for one in trains]} if trains else {})
+
+    def show(console: Console) -> None:
+        _show(console, study)
+        for one in trains:
+            _show_train(console, one, count)
+
+    return Outcome(data, show, study.failures)
+
+
+def _object(modes: TrainModes, count: int) -> dict[str, Any]:
+    """JSON of the modes of a train: SI, bodies and parts by name."""
+    each = [
+        {
+            "mode": place + 1, "natural_frequency": {"value": float(frequency), "unit": "Hz"},
+            "shape": dict(zip(modes.bodies, modes.shape[place].tolist(), strict=True)),
+            "energy_share": dict(zip(modes.parts, modes.energy_share[place].tolist(), strict=True)),
+        }
+        for place, frequency in enumerate(modes.natural_frequency[:count])
+    ]  # fmt: skip
+    told = {"cam_angle": {"value": modes.cam_angle, "unit": "rad"}, "valve_lift": {"value": modes.valve_lift, "unit": "m"}}
+    return {"label": modes.label, "state": modes.state, "closed": modes.closed, "open": modes.open} | told | {"modes": each}
+
+
+def _show_train(console: Console, modes: TrainModes, count: int) -> None:
+    from valvetrain.cli.tables import plain_table
+    from valvetrain.parameters.words import number
+    from valvetrain.studies.train_modes import STATES
+
+    names = [(str(place + 1), number(float(one), 5), modes.moving(place)) for place, one in enumerate(modes.natural_frequency[:count])]
+    title = f"Whole train, {modes.label}, {STATES.get(modes.state, modes.state)}"
+    console.print()
+    console.print(plain_table(("mode", "frequency (Hz)", "moving (kinetic energy)"), names, title, right=(0, 1)))
+    if modes.open:
+        console.print(f"open there, without stiffness: {', '.join(modes.open)}")
 
 
 def _show(console: Console, study: Study) -> None:
@@ -84,5 +138,7 @@ def _show(console: Console, study: Study) -> None:
             (str(place + 1), number(float(frequency), 5), shares[place], names.get(place, ""))
             for place, frequency in enumerate(one.modes.natural_frequency)
         ]
-        title = f"{one.spring} by {one.model}, at {number(one.modes.compression * 1e3)} mm compression"
+        mass = one.modes.attached_mass
+        end = "" if mass is None else f", {number(mass * 1e3)} g on the retainer" if mass else ", retainer's end free"
+        title = f"{one.spring} by {one.model}, at {number(one.modes.compression * 1e3)} mm compression{end}"
         console.print(plain_table(("mode", "frequency (Hz)", "axial transmission", ""), rows, title, right=(0, 1, 2)))

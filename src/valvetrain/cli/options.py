@@ -87,6 +87,13 @@ def read_length(text: str | None, where: str) -> float | None:
     return value
 
 
+def read_amounts(texts: Sequence[str] | None, dimension: str, where: str) -> tuple[float, ...]:
+    """SI values of a repeatable option, each text one amount or several (``'32 mm'``, ``'200, 400 N'``), in order."""
+    from valvetrain.units import parse_quantities
+
+    return tuple(value for text in texts or () for value in parse_quantities(text, dimension, where))
+
+
 def read_count(value: int, low: int, high: int, where: str) -> int:
     """A whole number within bounds, or :class:`InputError`."""
     if not low <= value <= high:

@@ -14,7 +14,11 @@ if TYPE_CHECKING:
 
     from valvetrain.solution.comparison import Comparison
 
-ROLES = {"calibration": "calibration: used to identify the case", "prediction": "prediction: not used to identify the case"}
+ROLES = {
+    "calibration": "calibration: the case was identified by these",
+    "check": "check: known when the case was identified, not used for it",
+    "prediction": "prediction: not used to identify the case",
+}
 
 
 def show_comparisons(console: Console, rows: Sequence[Comparison]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +17,7 @@ from valvetrain.cli.options import (
     SetOption,
     SpringOption,
     SpringSetOption,
+    read_amounts,
     read_count,
     read_length,
     read_models,
@@ -24,14 +27,20 @@ from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.table import Table
 
     from valvetrain.cli.outcome import Outcome
     from valvetrain.parameters.case import Case
-    from valvetrain.solution.static import StaticCurve
+    from valvetrain.solution.rest_point import RestPoint
+    from valvetrain.solution.static import SpringAtRest
     from valvetrain.solution.study import Study
 
 #: Most rows of a curve that are printed; the CSV file has them all.
 MOST_ROWS = 30
+#: Columns of a curve and their units: nominal shear by EN 13906-1, and the largest shear along the wire where its section loads are known.
+COLUMNS = (
+    ("compression", "mm"), ("force", "N"), ("stiffness", "N/mm"), ("height", "mm"), ("nominal shear", "MPa"), ("wire shear", "MPa"),
+)  # fmt: skip
 
 
 def register(app: typer.Typer) -> None:
@@ -45,11 +54,18 @@ def static(
         str | None, typer.Option("--to", metavar="LENGTH", help="Largest compression, such as '12 mm' (default: beyond full lift).")
     ] = None,
     steps: Annotated[int, typer.Option("--steps", metavar="N", help="Number of even steps.")] = 24,
+    height: Annotated[
+        list[str] | None,
+        typer.Option("--height", metavar="LENGTH", help="Height between the seats to solve too: '32 mm'. Repeatable.", show_default=False),
+    ] = None,
+    load: Annotated[
+        list[str] | None, typer.Option("--load", metavar="FORCE", help="Load to solve as well: '400 N'. Repeatable.", show_default=False)
+    ] = None,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the curve to a CSV file.", show_default=False)] = None,
     spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
     as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """Force and stiffness over compression, coils closing, of every spring of a case."""
+    """Force, stiffness and stress over compression, coils closing, of every spring of a case, and at heights and loads asked for."""
     from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.outcome import deliver
 
@@ -57,13 +73,16 @@ def static(
     read_count(steps, 2, 2000, "--steps")
     if csv is not None and csv.is_dir():
         raise InputError(f"'{csv}' is a folder; give the name of a file", "--csv")
-    deliver(compute_static(chosen, read_models(spring), read_words(spring_set), largest, steps, csv))
+    asked = read_amounts(height, "length", "--height"), read_amounts(load, "force", "--load")
+    deliver(compute_static(chosen, read_models(spring), read_words(spring_set), largest, steps, csv, *asked))
 
 
 def compute_static(
-    case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], largest: float | None, steps: int, csv: Path | None = None
+    case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], largest: float | None, steps: int, csv: Path | None = None,
+    heights: tuple[float, ...] = (), loads: tuple[float, ...] = (),
 ) -> Outcome:  # fmt: skip
-    """Solve the static curves up to ``largest`` (m; None: a little beyond full lift) and write ``csv`` where asked."""
+    """Solve the static curves up to ``largest`` (m; None: a little beyond full lift), and at ``heights`` (m) and ``loads`` (N); write
+    ``csv`` where asked."""
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.report.json import study_json
@@ -73,7 +92,8 @@ def compute_static(
     announce_compilation("statics")
     with progress_bar("static curve") as report:
         study = rest_study(
-            case, spring_models, spring_sets=spring_sets, command="static", largest_compression=largest, steps=steps, progress=report
+            case, spring_models, spring_sets=spring_sets, command="static", largest_compression=largest, steps=steps, heights=heights,
+            loads=loads, progress=report,
         )  # fmt: skip
     data = study_json(study)
     if csv is not None:
@@ -84,20 +104,45 @@ def compute_static(
 def curve_text(study: Study) -> str:
     """The static curves as CSV; with several, the spring and its model stand in front."""
     several = len(study.rest) > 1
-    lines = [("spring,model," if several else "") + "compression [mm],force [N],stiffness [N/mm]"]
+    lines = [("spring,model," if several else "") + ",".join(f"{name} [{unit}]" for name, unit in COLUMNS)]
     for one in study.rest:
         place = f"{one.spring},{one.model}," if several else ""
-        lines += [place + ",".join(map(repr, row)) for row in _rows(one.curve)]
+        lines += [place + ",".join("" if value is None else repr(value) for value in row) for row in _rows(one)]
     return "\n".join(lines) + "\n"
 
 
-def _rows(curve: StaticCurve | None) -> list[tuple[float, float, float]]:
-    if curve is None:
+def _rows(one: SpringAtRest) -> list[tuple[float | None, ...]]:
+    """Rows of :data:`COLUMNS`, in their units, None where the model or the spring does not tell."""
+    if one.curve is None:
         return []
+    curve, nominal = one.curve, one.stress_per_force
+    free = None if one.installed is None or one.installed.height is None else one.installed.height + one.installed.compression
+    along = None if one.stress is None else one.stress.shear_at(curve.compression).max(axis=1) * (curve.force > 0)
     return [
-        (float(compression) * 1e3, float(force), float(stiffness) * 1e-3)
-        for compression, force, stiffness in zip(curve.compression, curve.force, curve.stiffness, strict=True)
-    ]
+        (
+            float(place) * 1e3, float(force), float(stiffness) * 1e-3, None if free is None else (free - float(place)) * 1e3,
+            None if nominal is None else nominal * float(force) * 1e-6, None if along is None else float(along[index]) * 1e-6,
+        )
+        for index, (place, force, stiffness) in enumerate(zip(curve.compression, curve.force, curve.stiffness, strict=True))
+    ]  # fmt: skip
+
+
+def _point_tables(points: tuple[RestPoint, ...]) -> Iterator[Table]:
+    """The states asked for: the columns of a curve, and what acts on the retainer where it is known."""
+    from valvetrain.cli.tables import plain_table
+    from valvetrain.parameters.words import number
+
+    def rows(fields: tuple[tuple[str, float], ...]) -> list[list[str]]:
+        told = [[getattr(point, name) for name, _ in fields] for point in points]
+        return [[number(None if v is None else v * scale, 5) for v, (_, scale) in zip(row, fields, strict=True)] for row in told]
+
+    columns = ("compression", "force", "stiffness", "height", "nominal_shear_stress", "shear_stress")
+    headers = [f"{name} ({unit})" for name, unit in COLUMNS]
+    yield plain_table(headers, rows(tuple(zip(columns, (1e3, 1.0, 1e-3, 1e3, 1e-6, 1e-6), strict=True))), "as asked", right=range(6))
+    if any(point.torque is not None for point in points):
+        on_retainer = (("compression", 1e3), ("torque", 1.0), ("moment", 1.0), ("side_force", 1.0), ("rotation", 180 / math.pi))
+        headers = ["compression (mm)", "torque (N m)", "moment (N m)", "side force (N)", "rotation (deg)"]
+        yield plain_table(headers, rows(on_retainer), "on the retainer", right=range(5))
 
 
 def _show(console: Console, study: Study, csv: Path | None) -> None:
@@ -105,15 +150,21 @@ def _show(console: Console, study: Study, csv: Path | None) -> None:
     from valvetrain.parameters.words import number
 
     console.print(study.record.title or study.record.name)
-    headers = ("compression (mm)", "force (N)", "stiffness (N/mm)")
     for one, quantities in zip(study.rest, study.still.values(), strict=True):
-        rows = _rows(one.curve)
+        rows = _rows(one)
         each = -(-len(rows) // MOST_ROWS)
+        told = [place for place in range(len(COLUMNS)) if any(row[place] is not None for row in rows)]
         console.print()
-        words = ([number(value, 5) for value in row] for row in rows[::each])
-        console.print(plain_table(headers, words, f"{one.spring} by {one.model}", right=range(3)))
+        words = ([number(row[place], 5) for place in told] for row in rows[::each])
+        headers = [f"{COLUMNS[place][0]} ({COLUMNS[place][1]})" for place in told]
+        console.print(plain_table(headers, words, f"{one.spring} by {one.model}", right=range(len(told))))
+        for table in _point_tables(one.points) if one.points else ():
+            console.print()
+            console.print(table)
         if quantities:
             console.print()
             console.print(plain_table(("", "", ""), quantity_rows(quantities), right=(1,)))
+        if one.curve is not None and one.curve.status.completed and one.curve.status.message:
+            console.print(f"\n{one.curve.status.message}", soft_wrap=True)
     if csv is not None:
         console.print(f"\nwritten to {csv}", soft_wrap=True)

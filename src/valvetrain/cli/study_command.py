@@ -132,8 +132,11 @@ def study_command(function: Callable[..., None]) -> Callable[..., None]:
     return command
 
 
-def answer_study(request: StudyRequest, compute: Callable[[Report], Study], at_once: bool = True) -> None:
-    """Compute the study, keep it in its folder and print its answer. ``at_once``: whether Ctrl-C may end the process on the spot."""
+def answer_study(
+    request: StudyRequest, compute: Callable[[Report], Study], at_once: bool = True, choices: Mapping[str, Any] = MappingProxyType({})
+) -> None:  # fmt: skip
+    """Compute the study, keep it in its folder and print its answer. ``at_once``: whether Ctrl-C may end the process on the spot;
+    ``choices``: what the command was asked besides, kept among the inputs."""
     from valvetrain.cli.answers import show_study
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy, progress_bar
@@ -151,14 +154,14 @@ def answer_study(request: StudyRequest, compute: Callable[[Report], Study], at_o
         pages.extend([files.page] if files.page else [])
         return [*files.data, *files.figures, *pages]
 
-    choices = {
-        "engine_speeds": [rpm(value) for value in study.engine_speeds], "engine_speed_unit": "rpm",
+    asked = {
+        **choices, "engine_speeds": [rpm(value) for value in study.engine_speeds], "engine_speed_unit": "rpm",
         "spring_models": list(dict.fromkeys(run.model for run in study.solutions)) or list(request.spring_models),
         "spring_sets": list(request.spring_sets),
     }  # fmt: skip
     with busy("writing files"):
         folder, files = keep_run(
-            request, study.record.text, choices, data, write, study.solutions[0].provenance if study.solutions else None
+            request, study.record.text, asked, data, write, study.solutions[0].provenance if study.solutions else None
         )
     page = pages[0] if pages else None
     if page is not None and request.open_page:

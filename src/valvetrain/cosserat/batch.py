@@ -14,7 +14,7 @@ from valvetrain.cosserat.lanes import LANES, integrate_lanes
 from valvetrain.cosserat.layout import PAD, ROWS, STRIDE, empty_buffer
 from valvetrain.cosserat.mesh import MAXIMUM_VERTICES, RodMesh
 from valvetrain.cosserat.state import RodState
-from valvetrain.cosserat.time_stepping import LOWER_END, STRETCHES, UPPER_START
+from valvetrain.cosserat.time_stepping import GUIDED, LOWER_END, STRETCHES, UPPER_START
 from valvetrain.cosserat.transient import DENSE_INTERVAL, simulate
 from valvetrain.errors import InputError
 from valvetrain.units import Given, si
@@ -125,6 +125,7 @@ def _advance_group(
     integers, numbers, places = stepping_numbers(meshes[0], dynamics, step)
     each = [stepping_numbers(mesh, dynamics, step)[0] for mesh in meshes]
     integers[LOWER_END], integers[UPPER_START] = max(row[LOWER_END] for row in each), min(row[UPPER_START] for row in each)
+    integers[GUIDED] = max(row[GUIDED] for row in each)
     steps = len(displacement) - 1
     dense = np.full((steps // sub + 1, 2, LANES), np.nan)
     reached = np.full(LANES, steps + 1, dtype=np.int64)

@@ -53,6 +53,9 @@ def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
     top = float(eigsh(scaled, k=1, which="LA", tol=1e-3, v0=start, return_eigenvectors=False)[0])
     moving = slice(mesh.first + 1, mesh.last)
     contact = 4 * dynamics.contact_stiffness * float(np.max((mesh.contact.length.sum(axis=0) / mesh.node_mass)[moving], initial=0.0))
+    # A guide pushes across the coils' own contact and its wall stands still: it counts where it is stiffer than that.
+    if mesh.guide is not None:
+        contact = max(contact, mesh.guide.stiffness * float(np.max((mesh.node_length / mesh.node_mass)[moving])))
     return float(dynamics.step_safety * 2.0 / np.sqrt(1.001 * top + contact))
 
 
@@ -90,6 +93,8 @@ def fill_buffer(mesh: RodMesh, state: RodState, dynamics: RodDynamics, time_step
     _put(b, IM=moving, IJ1=spin[:, 0], IJ3=spin[:, 2], MASS=np.where(moving > 0, mesh.node_mass, 0.0))
     _put(b, LOWER=np.maximum(mesh.lower_seat_limit, -1e6), UPPER=np.minimum(mesh.upper_seat_limit, 1e6))
     _put(b, SEAT=dynamics.contact_stiffness * mesh.node_length)
+    if mesh.guide is not None:
+        _put(b, BORE=mesh.guide.bore, ROD=mesh.guide.rod, WALL=mesh.guide.stiffness * mesh.node_length)
     _fill_contact(b, mesh, dynamics)
     _, vector = quat.relative_vector(state.frame[:-1], state.frame[1:])
     settled = (1 - branch_gains(dynamics, time_step)[2]) * (2 * vector - mesh.rest_bend)
@@ -139,6 +144,6 @@ def stepping_numbers(mesh: RodMesh, dynamics: RodDynamics, time_step: float) -> 
     high = np.flatnonzero(np.isfinite(mesh.upper_seat_limit))
     integers = np.array([
         mesh.first, mesh.last, mesh.contact.offset, mesh.contact.groups, mesh.vertices,
-        low.max(initial=-1) + 1, high.min(initial=mesh.vertices),
+        low.max(initial=-1) + 1, high.min(initial=mesh.vertices), mesh.guide is not None,
     ], dtype=np.int64)  # fmt: skip
     return integers, numbers, np.stack([mesh.contact.upper_place, mesh.contact.lower_place], axis=1)

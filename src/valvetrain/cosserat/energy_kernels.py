@@ -247,3 +247,26 @@ def seat_terms(x, lower_limit, upper_limit, length, stiffness, residual, band, w
             if with_tangent:
                 band[HALF_BAND, 6 * i + 2] += k
     return energy
+
+
+@njit(cache=True)
+def guide_terms(first, last, x, bore, rod, length, stiffness, residual, band, with_tangent):
+    """Add the walls' push on vertices first + 1 .. last - 1; returns the energy (J). Energy 1/2 k length depth^2, depth radial."""
+    energy = 0.0
+    for i in range(first + 1, last):
+        radius = np.sqrt(x[i, 0] ** 2 + x[i, 1] ** 2)
+        depth = radius - bore[i] if radius > bore[i] else radius - rod[i]
+        if radius <= bore[i] and radius >= rod[i]:
+            continue
+        k = stiffness * length[i]
+        energy += 0.5 * k * depth * depth
+        for r in range(2):
+            residual[6 * i + r] += k * depth * x[i, r] / radius
+        if not with_tangent:
+            continue
+        for r in range(2):
+            for c in range(2):
+                across = x[i, r] * x[i, c] / (radius * radius)
+                around = (1.0 if r == c else 0.0) - across
+                band[HALF_BAND + r - c, 6 * i + c] += k * (across + depth / radius * around)
+    return energy

@@ -15,6 +15,7 @@ from valvetrain.cosserat.step_kernels import (
     bending_torques_of,
     contact_forces_of,
     copy_lower_wire,
+    guide_contact,
     move_vertices_of,
     return_contact,
     section_forces_of,
@@ -29,6 +30,7 @@ from valvetrain.cosserat.time_stepping import (
     GAIN_NEW,
     GAIN_OLD,
     GROUPS,
+    GUIDED,
     KEEP,
     KICK,
     LAST,
@@ -144,6 +146,8 @@ def outer_forces_of_lanes(b, integers, numbers, places, stretches, count, displa
     contact_of_lanes(b, integers, places, stretches, count, numbers[CONTACT_TIME], numbers[DT])
     seats_of_lanes(b, np.uint64(0), np.uint64(integers[LOWER_END]), displacement, 1.0, seat)
     seats_of_lanes(b, np.uint64(integers[UPPER_START]), vertices, displacement, -1.0, retainer)
+    if integers[GUIDED] > 0:
+        guide_contact(b, (first + ONE) * WIDTH, last * WIDTH)
     for i in range(np.uint64(0), first + ONE):
         for lane in range(WIDTH):
             seat[lane] -= b[CZ + i * WIDTH + lane]

@@ -27,7 +27,9 @@ _NAMES = (
     # contact group 1: 1/d0^2, d0/2, stiffness, 1/slope^2; force on upper wire, foot weights; impulse, peak, loss, stored energy
     "D0 DH KC IS PX PY PZ S0 S1 S2 IMPULSE PEAK LOSS STORED "
     # contact group 2 (coarse meshes)
-    "D0b DHb KCb ISb PXb PYb PZb S0b S1b S2b IMPULSEb PEAKb LOSSb STOREDb"
+    "D0b DHb KCb ISb PXb PYb PZb S0b S1b S2b IMPULSEb PEAKb LOSSb STOREDb "
+    # walls of a guide: largest and smallest radius of the wire's axis, stiffness
+    "BORE ROD WALL"
 ).split()
 
 ROW = {name: np.uint64(PAD + number * STRIDE) for number, name in enumerate(_NAMES)}

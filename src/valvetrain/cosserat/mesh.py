@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.contact_line import ContactLine, no_contact, pair_coils
+from valvetrain.cosserat.guide import GuideWalls
 from valvetrain.cosserat.section import Section, round_section
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
@@ -50,6 +51,7 @@ class RodMesh:
     contact: ContactLine
     lower_seat_limit: Array
     upper_seat_limit: Array
+    guide: GuideWalls | None = None
 
     @property
     def vertices(self) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,9 @@ class RodStatics:
     Both ends are fixed, unless ``loads`` are given: then the last end is free and carries them.
     """
 
+    #: Whether the retainer may turn about the axis (:class:`~valvetrain.cosserat.turning.TurningStatics`).
+    turns: ClassVar[bool] = False
+
     def __init__(
         self, mesh: RodMesh, contact_stiffness: float = 2e10, options: NewtonOptions | None = None, loads: TipLoads | None = None
     ) -> None:
@@ -88,6 +92,11 @@ class RodStatics:
             x, mesh.lower_seat_limit, mesh.upper_seat_limit - state.compression, mesh.node_length,
             self.contact_stiffness, residual, band, with_tangent,
         )  # fmt: skip
+        if mesh.guide is not None:
+            energy += kern.guide_terms(
+                mesh.first, mesh.last, x, mesh.guide.bore, mesh.guide.rod, mesh.node_length, mesh.guide.stiffness, residual, band,
+                with_tangent,
+            )  # fmt: skip
         contact = None
         if self._has_contact:
             more, contact = self._contact(x, residual, with_tangent)
@@ -126,7 +135,7 @@ class RodStatics:
     def tangent(self, state: RodState) -> csc_matrix:
         """Whole tangent stiffness (6 nv, 6 nv), fixed unknowns included."""
         _, _, band, contact = self.assemble(state)
-        matrix = _sparse(band)
+        matrix = sparse_of(band)
         return matrix if contact is None else (matrix + contact).tocsc()
 
     def solve(self, state: RodState, compression: float) -> Equilibrium:
@@ -172,18 +181,24 @@ class RodStatics:
         if travel == 0.0:
             return state
         _, residual, band, contact = self.assemble(state)
-        matrix = _sparse(band) if contact is None else _sparse(band) + contact
+        matrix = sparse_of(band) if contact is None else sparse_of(band) + contact
         load = (matrix @ moved.ravel())[self._span] + residual[self._span]
         change = moved.ravel()
         change[self._span] = self._solve_linear(band, contact, -load)
         return advance(state, change, compression)
+
+    def follow(self, moved: Array, band: Array, contact: csc_matrix | None, load: Array) -> Array:
+        """``moved`` (nv, 6) with the free unknowns in balance with ``load`` (nv, 6), by the tangent of :meth:`assemble`."""
+        found = moved.ravel().copy()
+        found[self._span] = self._solve_linear(band, contact, -load.ravel()[self._span])
+        return found.reshape(moved.shape)
 
     def _solve_linear(self, band: Array, contact: csc_matrix | None, right: Array) -> Array:
         half = kern.HALF_BAND
         if contact is None:
             found: Array = solve_banded((half, half), band[:, self._span], right, check_finite=False)
             return found
-        matrix = (_sparse(band) + contact).tocsc()[self._span, self._span]
+        matrix = (sparse_of(band) + contact).tocsc()[self._span, self._span]
         found = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
         return found
 
@@ -207,7 +222,8 @@ def bend_tip(mesh: RodMesh, loads: TipLoads, steps: int = 10, options: NewtonOpt
     return result
 
 
-def _sparse(band: Array) -> csc_matrix:
+def sparse_of(band: Array) -> csc_matrix:
+    """A banded tangent as a sparse matrix."""
     half, size = kern.HALF_BAND, band.shape[1]
     return dia_matrix((band, np.arange(half, -half - 1, -1)), shape=(size, size)).tocsc()
 

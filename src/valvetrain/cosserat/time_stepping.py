@@ -15,6 +15,7 @@ from valvetrain.cosserat.step_kernels import (
     contact_forces,
     contact_forces_second,
     copy_lower_wire,
+    guide_contact,
     move_vertices,
     return_contact,
     seat_contact,
@@ -39,7 +40,7 @@ WATCH_MARGIN = 1e-4
 
 # Places in the ``numbers`` and ``integers`` that travel with a buffer.
 DT, KEEP, KICK, DECAY, GAIN_OLD, GAIN_NEW, VISCOUS, CONTACT_TIME, MASS_DAMPING, RELAXATION = range(10)
-FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START = range(7)
+FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START, GUIDED = range(8)
 
 
 @njit(**OPTIONS)
@@ -126,6 +127,8 @@ def forces_now(b, integers, numbers, places, stretches, count, displacement):
     all_contact(b, offset, integers[GROUPS], places, stretches, count, np.uint64(0), vertices, damping_time, numbers[DT])
     lower_down, _ = seat_contact(b, np.uint64(0), np.uint64(integers[LOWER_END]), displacement)
     _, upper_up = seat_contact(b, np.uint64(integers[UPPER_START]), vertices, displacement)
+    if integers[GUIDED] > 0:
+        guide_contact(b, first + ONE, last)
     section_forces(b, first + ONE, last + ONE)
     seat = lower_down - b[FZ + first + ONE]
     retainer = upper_up - b[FZ + last]
@@ -156,18 +159,20 @@ def place_retainer(b, integers, travel, velocity):
 
 
 @njit(**OPTIONS)
-def integrate_in_time(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense, bins, pressed):
+def integrate_in_time(b, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, dense, extremes, bins, pressed):
     """Integrate ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the free state).
 
     ``clock`` = (steps per dense record, dense records per sample, first sample kept, steps per record of coil pairs); ``stretches``
     (STRETCHES, 2) is working space. Fills ``snapshots`` (samples kept, 13, nv + 1) with positions, frames, velocities and spins,
     ``contacts`` (samples, 3, groups, nv) with mean force, peak force and loss since the last sample, ``dense`` (records, 4) with
-    retainer force, seat force, work done and dissipated energy, ``pressed`` (records from the first sample kept, 2, pairs) with force
-    and stored energy of the contact points of each pair, vertex i in pair ``bins[i]``. Returns (steps done, largest vertex speed); a run
-    that diverged stops early.
+    retainer force, seat force, work done and dissipated energy, ``extremes`` (samples, 8) with the largest seat force of all steps from a
+    sample up to the next, its step, the least and its step, and the same of the retainer force, ``pressed`` (records from the first
+    sample kept, 2, pairs) with force and stored energy of the contact points of each pair, vertex i in pair ``bins[i]``. Returns (steps
+    done, largest vertex speed); a run that diverged stops early.
     """
     steps, vertices = len(displacement) - 1, np.uint64(integers[VERTICES])
-    count, work, lost, before, fastest = 0, 0.0, 0.0, 0.0, 0.0
+    count, work, lost, before, fastest, per_sample = 0, 0.0, 0.0, 0.0, 0.0, clock[0] * clock[1]
+    row, seat_high, seat_low, high, low = -1, 0.0, 0.0, 0.0, 0.0
     dt = numbers[DT]
     for n in range(steps + 1):
         if n % WATCH_STEPS == 0:
@@ -181,18 +186,28 @@ def integrate_in_time(b, integers, numbers, places, displacement, clock, stretch
         if n > 0:
             work += 0.5 * (retainer + before) * (displacement[n] - displacement[n - 1])
         before = retainer
-        sample = n % (clock[0] * clock[1]) == 0
+        sample = n % per_sample == 0
+        if sample:
+            row, seat_high, seat_low, high, low = row + 1, -np.inf, np.inf, -np.inf, np.inf
+        if seat > seat_high:
+            seat_high, extremes[row, 0], extremes[row, 1] = seat, seat, n
+        if seat < seat_low:
+            seat_low, extremes[row, 2], extremes[row, 3] = seat, seat, n
+        if retainer > high:
+            high, extremes[row, 4], extremes[row, 5] = retainer, retainer, n
+        if retainer < low:
+            low, extremes[row, 6], extremes[row, 7] = retainer, retainer, n
         if n % clock[0] == 0:
             record = n // clock[0]
             dense[record, 0], dense[record, 1], dense[record, 2], dense[record, 3] = retainer, seat, work, lost
-        later = n - clock[0] * clock[1] * clock[2]
+        later = n - per_sample * clock[2]
         if later >= 0 and later % clock[3] == 0:
             take_pairs(b, integers, stretches, count, bins, pressed[later // clock[3]])
-        kept = n // (clock[0] * clock[1]) - clock[2]
+        kept = row - clock[2]
         if sample and kept >= 0:
             take_snapshot(b, integers, snapshots[kept], 0.5)
         if sample:
-            take_contacts(b, integers, contacts[n // (clock[0] * clock[1])], dt * clock[0] * clock[1])
+            take_contacts(b, integers, contacts[row], dt * per_sample)
         lost += kick_and_drift(b, integers, numbers)
         if sample and kept >= 0:
             finish_snapshot(b, integers, snapshots[kept], 0.5)

@@ -28,7 +28,8 @@ class RodTransient:
 
     ``position``, ``velocity`` (ns, nv, 3); ``frame`` (ns, nv + 1, 4); ``spin`` (ns, nv + 1, 3, body frame);
     ``contact_force`` and ``contact_peak`` (ns, groups, nv) mean and peak since the last sample; ``contact_loss`` (ns,);
-    ``dense_*`` (nd,); ``pair_force`` (N) and ``pair_energy`` (J, stored in the contact) (nc, pairs) at ``pair_time`` (nc,).
+    ``dense_*`` (nd,); ``extremes`` (ns, 8) of all steps up to the next sample: largest seat force, its time, least, its time, and the
+    same of the retainer force; ``pair_force`` (N) and ``pair_energy`` (J, stored in the contact) (nc, pairs) at ``pair_time`` (nc,).
     ``steps_done`` < ``steps`` when the run diverged.
     """
 
@@ -48,6 +49,7 @@ class RodTransient:
     dense_time: Array
     dense_retainer_force: Array
     dense_seat_force: Array
+    extremes: Array
     pair_time: Array
     pair_force: Array
     pair_energy: Array
@@ -85,13 +87,13 @@ def simulate(
     discard = min(discard, samples)
     snapshots = np.empty((samples + 1 - discard, 13, mesh.vertices + 1))
     contacts = np.zeros((samples + 1, 3, mesh.contact.groups, mesh.vertices))
-    records = np.empty((samples * dense + 1, 4))
+    records, extremes = np.empty((samples * dense + 1, 4)), np.zeros((samples + 1, 8))
     spacing = max(1, round(CONTACT_INTERVAL / step))
     clock, stretches = np.array([sub, dense, discard, spacing]), np.zeros((STRETCHES, 2))
     bins = np.full(mesh.vertices, -1, dtype=np.int64) if pair_of is None else pair_of
     pressed = np.zeros(((samples - discard) * dense * sub // spacing + 1, 2, int(bins.max()) + 1))
     done, fastest = integrate_in_time(
-        buffer, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, records, bins, pressed
+        buffer, integers, numbers, places, displacement, clock, stretches, snapshots, contacts, records, extremes, bins, pressed
     )
     reached = min(samples, (done - 1) // (dense * sub)) if done <= steps else samples
     if reached < discard:  # diverged among the samples not kept: run again and keep the last one before
@@ -100,6 +102,7 @@ def simulate(
     dense_keep = slice(keep.start * dense, reached * dense + 1)
     time = sample_interval * np.arange(samples + 1.0)
     pressed = pressed[: (reached - discard) * dense * sub // spacing + 1]
+    extremes[:, 1::2] *= step
     vertices = snapshots[stored, :, : mesh.vertices]
     return RodTransient(
         time=time[keep], displacement=displacement[:: dense * sub][keep],
@@ -109,7 +112,7 @@ def simulate(
         retainer_force=records[::dense, 0][keep], seat_force=records[::dense, 1][keep],
         work_done=records[::dense, 2][keep], energy_dissipated=records[::dense, 3][keep],
         dense_time=step * sub * np.arange(float(len(records)))[dense_keep], dense_retainer_force=records[dense_keep, 0],
-        dense_seat_force=records[dense_keep, 1], pair_force=pressed[:, 0], pair_energy=pressed[:, 1],
+        dense_seat_force=records[dense_keep, 1], extremes=extremes[keep], pair_force=pressed[:, 0], pair_energy=pressed[:, 1],
         pair_time=time[discard] + step * spacing * np.arange(float(len(pressed))),
         time_step=step, steps=steps, steps_done=done, fastest=fastest,
     )  # fmt: skip

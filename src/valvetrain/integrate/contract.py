@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
 
 from valvetrain.errors import InputError
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest
+
+if TYPE_CHECKING:
+    from valvetrain.integrate.train_orbit import Orbit
 
 #: Longest run-up that is taken for meant.
 MOST_TURNS = 10_000
@@ -61,7 +64,9 @@ class RunOptions:
 
     ``samples`` per cam turn (None: the integrator's usual number). ``time_step`` (s; None: chosen by stability). ``keep``: channels of
     ``all`` that the system shows, of the coil ``contacts`` and the ends, or of the ``ends`` alone. ``rest``: a train at rest where it is
-    known already. ``integrator``: word of the registry (None: the first that serves).
+    known already. ``integrator``: word of the registry (None: the first that serves). ``window``: begin and end (cam rad, may pass the end
+    of the turn) in which the least force of every contact of a train is noted on every step (statistics ``least_..._force``).
+    ``start``: motion at another speed that a train starts from instead of from rest.
     """
 
     samples: int | None = None
@@ -69,6 +74,8 @@ class RunOptions:
     keep: Keep = "all"
     rest: TrainRest | None = None
     integrator: str | None = None
+    window: tuple[float, float] | None = None
+    start: Orbit | None = None
 
 
 @runtime_checkable

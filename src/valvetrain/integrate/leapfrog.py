@@ -21,7 +21,7 @@ from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
 if TYPE_CHECKING:
-    import xarray
+    from valvetrain.solution.arrays import ChannelArrays
 
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
@@ -135,7 +135,7 @@ def _channels(
     kept: list[tuple[Array, Array, Array]],
     sub: int,
     whole: bool,
-) -> xarray.Dataset:
+) -> ChannelArrays:
     """Channels over the turns kept: end forces at every sample and step, inner motion where states were recorded, energies."""
     cuts = [slice(None) if n == len(kept) - 1 else slice(None, -1) for n in range(len(kept))]
     time, forces = (np.concatenate([part[k][cut] for part, cut in zip(kept, cuts, strict=True)]) for k in (0, 1))

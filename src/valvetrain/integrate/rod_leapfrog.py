@@ -9,6 +9,7 @@ import numpy as np
 from valvetrain.cosserat.transient import RodTransient, simulate
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
+from valvetrain.solution.arrays import Variable
 from valvetrain.solution.channels import SPRING_CHANNELS
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
@@ -62,7 +63,7 @@ class RodLeapfrog:
         channels = (rod_channels if options.keep == "all" else end_channels)(model, made, cam_speed)
         _, unit, words = SPRING_CHANNELS["retainer_acceleration"]
         acceleration = system.displacement(made.time, cam_speed, 2)
-        channels["retainer_acceleration"] = (("sample",), acceleration, {"units": unit, "long_name": words})
+        channels = channels.assign({"retainer_acceleration": Variable(("sample",), acceleration, {"units": unit, "long_name": words})})
         statistics: dict[str, float | int | str | bool] = {
             "time_step_duration": made.time_step, "steps": made.steps, "elements": model.mesh.elements, "largest_velocity": made.fastest,
             "step_was_halved": retried, "integrator": self.word,

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.integrate.contract import RunOptions
 from valvetrain.integrate.train_run import CycleRecord, TrainState
 from valvetrain.mechanism.crank import piston_clearance
-from valvetrain.springs.contract import SpringModel, SpringOutputs
-from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.springs.finite_element_kernel import TRAVEL
+from valvetrain.solution.arrays import ChannelArrays, Variable
+from valvetrain.springs.contract import LargeSpring, SpringModel, SpringOutputs
 from valvetrain.system.train_rest import TrainRest
 from valvetrain.system.train_system import TrainSystem
-
-if TYPE_CHECKING:
-    import xarray
 
 Array = NDArray[np.float64]
 #: Interactions that are contacts; all others are elastic links.
@@ -29,11 +25,9 @@ def force_name(interaction: str) -> str:
     return f"{interaction.replace(' ', '_')}{'_contact' if interaction in CONTACTS else ''}_force"
 
 
-def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[CycleRecord], start: TrainState | None = None) -> xarray.Dataset:
-    """Records as one dataset: of one closed turn with the state ``start`` that it began from, for the springs' inner motion, or of a
+def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[CycleRecord], start: TrainState | None = None) -> ChannelArrays:
+    """Records as channels: of one closed turn with the state ``start`` that it began from, for the springs' inner motion, or of a
     run-up without one."""
-    import xarray
-
     mechanism, arrays = system.mechanism, system.arrays
     valve, retainer = mechanism.index(mechanism.valve), arrays.retainer
 
@@ -69,48 +63,48 @@ def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[Cycle
         table[force_name(name)] = (forces[:, k], "N", f"force at {name}")
         if name in CONTACTS:
             table[f"{name.replace(' ', '_')}_gap"] = (gaps[:, k], "m", f"gap at {name}, open positive")
-    variables = {name: (("sample",), values, {"units": unit, "long_name": words}) for name, (values, unit, words) in table.items()}
-    coords: dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, str]]] = {
-        "time": (("sample",), time, {"units": "s", "long_name": "time"}),
-        "cam_angle": (("sample",), angle, {"units": "rad", "long_name": "cam angle, unwrapped"}),
+    variables = {name: Variable(("sample",), values, {"units": unit, "long_name": words}) for name, (values, unit, words) in table.items()}
+    coords = {
+        "time": Variable(("sample",), time, {"units": "s", "long_name": "time"}),
+        "cam_angle": Variable(("sample",), angle, {"units": "rad", "long_name": "cam angle, unwrapped"}),
     }
     single = len(system.springs) == 1
     for place, (spring, word) in enumerate(zip(system.springs, system.spring_names, strict=True)):
         prefix = "" if single else f"{word}_"
         if not single:
             for side, name, words in ((0, "retainer_force", "on the retainer"), (1, "seat_force", "on the cylinder head")):
-                variables[f"{prefix}{name}"] = (
+                variables[f"{prefix}{name}"] = Variable(
                     ("sample",),
                     ends[:, place, side],
                     {"units": "N", "long_name": f"{word} spring: force {words}"},
                 )
         if start is not None and first.spring_states[place].shape[1]:
             _add_sections(variables, coords, prefix, spring_outputs(spring, first, start.springs[place], place, retainer))
-    return xarray.Dataset(variables, coords)
+    return ChannelArrays(variables, coords)
 
 
-def _add_sections(variables: dict, coords: dict, prefix: str, shown: list[SpringOutputs]) -> None:  # type: ignore[type-arg]
+def _add_sections(variables: dict[str, Variable], coords: dict[str, Variable], prefix: str, shown: list[SpringOutputs]) -> None:
     words = prefix.replace("_", " spring: ")
     if shown[0].coil_number.size:
         dims = ("sample", f"{prefix}wire_point")
         label = {"units": "1", "long_name": f"{words}turns from the lower wire tip, or share of the active length"}
-        coords[f"{prefix}coil_number"] = (dims[1:], shown[0].coil_number, label)
+        coords[f"{prefix}coil_number"] = Variable(dims[1:], shown[0].coil_number, label)
         for name, unit, text in (
             ("axial_displacement", "m", "axial displacement from the installed state, seat to retainer positive"),
             ("axial_velocity", "m/s", "axial velocity, seat to retainer positive"),
         ):
             values = np.array([getattr(one, name) for one in shown])
-            variables[f"{prefix}{name}"] = (dims, values, {"units": unit, "long_name": f"{words}{text}"})
+            variables[f"{prefix}{name}"] = Variable(dims, values, {"units": unit, "long_name": f"{words}{text}"})
     if shown[0].upper_coil.size:
         dims = ("sample", f"{prefix}coil_pair")
-        coords[f"{prefix}upper_coil"] = (
+        coords[f"{prefix}upper_coil"] = Variable(
             dims[1:], shown[0].upper_coil, {"units": "1", "long_name": f"{words}coil number of the upper partner"},
         )  # fmt: skip
         for name, unit, text in (
             ("coil_gap", "m", "gap between a coil and the one below"), ("coil_contact_force", "N", "contact force on the coil below"),
         ):  # fmt: skip
             values = np.array([getattr(one, name) for one in shown])
-            variables[f"{prefix}{name}"] = (dims, values, {"units": unit, "long_name": f"{words}{text}"})
+            variables[f"{prefix}{name}"] = Variable(dims, values, {"units": unit, "long_name": f"{words}{text}"})
 
 
 def spring_outputs(spring: SpringModel, record: CycleRecord, start: Array, place: int, retainer: int) -> list[SpringOutputs]:
@@ -121,10 +115,10 @@ def spring_outputs(spring: SpringModel, record: CycleRecord, start: Array, place
     for row in range(len(states)):
         whole[: states.shape[1]] = states[row]
         q, v = float(record.q[row, retainer]), float(record.v[row, retainer])
-        if isinstance(spring, FiniteElementRod):
-            # the rod's state also holds the retainer's place of the step before, to which its own vertices belong
+        if isinstance(spring, LargeSpring):
+            # its positions belong to the retainer's place of the step before
             step, a = record.time_step, float(record.a[row, retainer])
-            whole[TRAVEL] = spring.precompression + q - step * (v - 0.5 * step * a)
+            spring.place_retainer(whole, q, step * (v - 0.5 * step * a))
         found.append(spring.outputs(whole, q, v))
     return found
 
@@ -138,3 +132,11 @@ def train_statistics(system: TrainSystem, record: CycleRecord) -> dict[str, floa
         "cycle_work_energy": float(record.work[0]), "cycle_dissipated_energy": float(record.work[2]),
         "spring_dissipated_energy": float(record.work[3]), "contact_friction_dissipated_energy": record.friction_loss,
     }  # fmt: skip
+
+
+def least_forces(system: TrainSystem, record: CycleRecord, options: RunOptions) -> dict[str, float]:
+    """Least force (N) of every contact over all steps in the window of ``options``; nothing where none was asked for."""
+    if options.window is None or not len(record.least_forces):
+        return {}
+    least = zip(system.interaction_names, record.least_forces.tolist(), strict=True)
+    return {f"least_{force_name(name)}": value for name, value in least if name in CONTACTS}

@@ -10,13 +10,27 @@ from valvetrain.mechanism.gaps import OPTIONS
 
 
 @njit(forceinline=True, **OPTIONS)
-def _damped_rows(index, body, scratch, step, v):
-    """Collect the damped interactions: their places, gradients over the root of mass, right-hand sides and diagonals."""
+def _mean_share(now, z):
+    """Share theta of the velocity after the step in the one that a damper of z = h c W acts on; ``now``: its share at t_n (1/2 of even
+    steps), where light dampers act; heavy ones act on what is left at the end."""
+    return (6.0 * now + z) / (6.0 + z)
+
+
+@njit(forceinline=True, **OPTIONS)
+def _damped_rows(index, scratch, step, now, v):
+    """Collect the damped interactions: their places, gradients over the root of mass, right-hand sides and diagonals.
+
+    ``bend`` leads the rates, which were found with the gradients of t_n, to the middles of the steps on either side. A damper that was
+    met since the last step acts for its share of the kick, which lasts from the middle of one step to the middle of the next.
+    """
     gaps, gradients, old, dense = scratch.gaps, scratch.gradients, scratch.old, scratch.dense
-    count = 0
+    count, onwards = 0, (1.0 - now) / now
     for k in range(index.shape[0]):
         if gaps[k, 3] <= 0.0:
             continue
+        if scratch.share[k] == 0.0:
+            scratch.share[k] = 2.0 * now * gaps[k, 0] / (gaps[k, 0] - scratch.before[k, 0]) + 1.0 - now
+        damping = scratch.share[k] * gaps[k, 3]
         before, after, mobility = gaps[k, 1], gaps[k, 1], 0.0
         for i in range(v.shape[0]):
             dense[count, i] = 0.0
@@ -25,12 +39,11 @@ def _damped_rows(index, body, scratch, step, v):
             if i >= 0:
                 before += gradients[k, slot] * old[i]
                 after += gradients[k, slot] * v[i]
-                dense[count, i] = gradients[k, slot] / math.sqrt(body[i, 0])
+                dense[count, i] = gradients[k, slot] / math.sqrt(scratch.guides[i, 0])
                 mobility += dense[count, i] * dense[count, i]
-        z = step * gaps[k, 3] * mobility
-        theta = (3.0 + z) / (6.0 + z)
-        scratch.diagonal[count] = 1.0 / (step * gaps[k, 3] * theta)
-        scratch.right[count] = after + (1.0 - theta) / theta * before
+        theta = _mean_share(now, step * damping * mobility)
+        scratch.diagonal[count] = 1.0 / (step * damping * theta)
+        scratch.right[count] = after + onwards * scratch.bend[k] + (1.0 - theta) / theta * (before - scratch.bend[k])
         scratch.rows[count] = k
         count += 1
     return count
@@ -72,30 +85,52 @@ def _solve(count, scratch):
 
 
 @njit(forceinline=True, **OPTIONS)
-def damp(index, laws, body, scratch, step, v):
+def _exchange(count, laws, scratch, step, single):
+    """Hold the contacts that would pull, at no force, and free the held ones whose damper would press; returns how many changed.
+
+    ``single``: only the last of them (Murty's rule, which ends for any positive definite matrix, where changing all might go in circles).
+    """
+    gaps, rows, held, impulse = scratch.gaps, scratch.rows, scratch.held, scratch.impulse
+    changed = 0
+    for back in range(count):
+        a = count - 1 - back
+        k = rows[a]
+        least = -gaps[k, 2] * step
+        if laws[k] < 0 or (single and changed > 0):
+            continue
+        if held[a] == 0:
+            if impulse[a] < least:
+                held[a], impulse[a], changed = 1, least, changed + 1
+        else:
+            rate = scratch.right[a]
+            for b in range(count):
+                for i in range(scratch.dense.shape[1]):
+                    rate -= scratch.dense[a, i] * scratch.dense[b, i] * impulse[b]
+            if rate > scratch.diagonal[a] * impulse[a]:
+                held[a], changed = 0, changed + 1
+    return changed
+
+
+@njit(forceinline=True, **OPTIONS)
+def damp(index, laws, scratch, step, now, v):
     """Damping impulses of all interactions together; adds the mean damping forces to ``gaps[:, 2]``; returns how many there are.
 
-    A contact whose total force would pull is kept at zero force and the others are solved again.
+    ``now``: share of the velocity after the step in that of t_n. A contact carries no force rather than pull: which ones are held so is found together with the impulses (a linear complementarity).
     """
     gaps, gradients, rows, held, impulse = scratch.gaps, scratch.gradients, scratch.rows, scratch.held, scratch.impulse
-    count = _damped_rows(index, body, scratch, step, v)
+    count = _damped_rows(index, scratch, step, now, v)
     for a in range(count):
         held[a] = 0
-    for _ in range(count):
+    for trial in range(8 * count):
         _solve(count, scratch)
-        pulling = 0
-        for a in range(count):
-            k = rows[a]
-            if held[a] == 0 and laws[k] >= 0 and impulse[a] < -gaps[k, 2] * step:
-                held[a], impulse[a], pulling = 1, -gaps[k, 2] * step, 1
-        if pulling == 0:
+        if _exchange(count, laws, scratch, step, 4 * count < trial) == 0:
             break
     for a in range(count):
         k = rows[a]
         for slot in range(4):
             i = index[k, slot]
             if i >= 0:
-                v[i] -= impulse[a] * gradients[k, slot] / body[i, 0]
+                v[i] -= impulse[a] * gradients[k, slot] / scratch.guides[i, 0]
         force = gaps[k, 2] + impulse[a] / step
         # a contact at its bound carries nothing, not the rounding of the difference
         gaps[k, 2] = force if laws[k] < 0 or (held[a] == 0 and force > 0.0) else 0.0
@@ -103,9 +138,29 @@ def damp(index, laws, body, scratch, step, v):
 
 
 @njit(forceinline=True, **OPTIONS)
-def losses(index, body, scratch, step, v, count):
-    """Energy (J) lost in the damping impulses of the contacts, then in the guides, which slow ``v`` here."""
-    gaps, gradients, old, rows, impulse = scratch.gaps, scratch.gradients, scratch.old, scratch.rows, scratch.impulse
+def guide(body, scratch, step, now, v):
+    """Slow ``v`` in the guides, and fill ``guides``: the mass that an impulse of this step moves, the guide's impulse per rate, its theta.
+
+    The guide acts on (1 - theta) v_before + theta v_after, so that it is solved together with the impulses that follow: slowed after
+    them instead, a valve drifted through its stiff contacts. Friction takes its direction at the mean velocity.
+    """
+    guides, old = scratch.guides, scratch.old
+    for i in range(v.shape[0]):
+        mass = body[i, 0]
+        guides[i, 0] = mass
+        if body[i, 2] > 0.0 or body[i, 3] > 0.0:
+            drag = step * (body[i, 2] + body[i, 3] / max(abs((1.0 - now) * old[i] + now * v[i]), body[i, 4]))
+            theta = _mean_share(now, drag / mass)
+            guides[i, 0], guides[i, 1], guides[i, 2] = mass + theta * drag, drag, theta
+            v[i] = (mass * v[i] - (1.0 - theta) * drag * old[i]) / guides[i, 0]
+
+
+@njit(forceinline=True, **OPTIONS)
+def losses(index, body, scratch, v, count):
+    """Energy (J) lost in the damping impulses of the contacts and in the guides."""
+    gaps, gradients, old, rows, impulse, guides = (
+        scratch.gaps, scratch.gradients, scratch.old, scratch.rows, scratch.impulse, scratch.guides,
+    )  # fmt: skip
     lost = 0.0
     for a in range(count):
         k = rows[a]
@@ -116,8 +171,5 @@ def losses(index, body, scratch, step, v, count):
         lost += impulse[a] * rate
     for i in range(v.shape[0]):
         if body[i, 2] > 0.0 or body[i, 3] > 0.0:
-            z = step * (body[i, 2] + body[i, 3] / max(abs(v[i]), body[i, 4])) / body[i, 0]
-            after = v[i] / (1.0 + z + 0.5 * z * z)
-            lost += 0.5 * body[i, 0] * (v[i] * v[i] - after * after)
-            v[i] = after
+            lost += guides[i, 1] * ((1.0 - guides[i, 2]) * old[i] + guides[i, 2] * v[i]) * 0.5 * (old[i] + v[i])
     return lost

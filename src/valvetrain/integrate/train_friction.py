@@ -31,14 +31,7 @@ def slowed(free, most, width):
 @njit(forceinline=True, **OPTIONS)
 def rub(train, q, cam_angle, cam_speed, step, v, scratch):
     """Friction impulses of all contacts that slide; changes ``v`` and fills ``rubbing`` (n, 2): impulse (N s), sliding of the cam (m/s)."""
-    index, friction, body, gaps, slides, rubbing = (
-        train.coordinate_of,
-        train.friction,
-        train.body,
-        scratch.gaps,
-        scratch.slides,
-        scratch.rubbing,
-    )
+    index, friction, gaps, slides, rubbing = train.coordinate_of, train.friction, scratch.gaps, scratch.slides, scratch.rubbing
     for k in range(index.shape[0]):
         rubbing[k, 0], rubbing[k, 1] = 0.0, 0.0
         if friction[k, 0] <= 0.0 or gaps[k, 2] <= 0.0:
@@ -49,14 +42,14 @@ def rub(train, q, cam_angle, cam_speed, step, v, scratch):
             i = index[k, slot]
             if i >= 0:
                 free += slides[k, slot] * v[i]
-                mobility += slides[k, slot] * slides[k, slot] / body[i, 0]
+                mobility += slides[k, slot] * slides[k, slot] / scratch.guides[i, 0]
         limit = step * friction[k, 0] * gaps[k, 2]
         after = slowed(free, limit * mobility, friction[k, 1])
         impulse = limit * math.tanh(after / friction[k, 1])
         for slot in range(4):
             i = index[k, slot]
             if i >= 0:
-                v[i] -= impulse * slides[k, slot] / body[i, 0]
+                v[i] -= impulse * slides[k, slot] / scratch.guides[i, 0]
         rubbing[k, 0], rubbing[k, 1] = impulse, driven
 
 

@@ -34,7 +34,8 @@ from valvetrain.contact.kernels import (
 )
 from valvetrain.contact.own_law import call_law
 from valvetrain.integrate.spring_slot import write_contacts
-from valvetrain.integrate.train_damping import damp, losses
+from valvetrain.integrate.train_blows import finest_step, meets_damper, parts_of
+from valvetrain.integrate.train_damping import damp, guide, losses
 from valvetrain.integrate.train_friction import friction_loss, rub
 from valvetrain.integrate.train_log import close_stretch, in_window, note_contact, note_crossing
 from valvetrain.integrate.train_tuples import PEAK_PENETRATION, Motion, Records, Scratch, Slot
@@ -113,6 +114,9 @@ def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extreme
         law = train.laws[k]
         pen, driven, rate = _gap(k, train, motion.q, motion.v, cam_angle, cam_speed, scratch.gradients)
         gaps[k, 0], gaps[k, 1], gaps[k, 2], gaps[k, 3] = pen, driven, 0.0, 0.0
+        scratch.rate[k] = rate
+        if elapsed > 0.0:
+            scratch.bend[k] = rate - (pen - scratch.before[k, 0]) / elapsed
         if 0 <= law < OWN_LAW:
             impact_rate = 0.0
             if law == LANKARANI_NIKRAVESH or law == FLORES:
@@ -124,6 +128,9 @@ def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extreme
             gaps[k, 2], gaps[k, 3] = law_parameters[k, 0] * pen, law_parameters[k, 1]
         else:
             _remember(k, train, motion, pen, rate, elapsed, scratch)
+        scratch.share[k] = 1.0
+        if law >= 0 and pen > 0.0 and scratch.before[k, 0] <= 0.0 and meets_damper(k, train, motion, scratch, pen, rate):
+            scratch.share[k] = 0.0  # to be found with the step that follows
         extremes[k, PEAK_PENETRATION] = max(extremes[k, PEAK_PENETRATION], pen)
 
 
@@ -140,16 +147,16 @@ def _kick(index, body, gaps, gradients, step, v):
 
 
 @njit(forceinline=True, **OPTIONS)
-def _account(laws, body, motion, scratch, records, first, cam_angle):
+def _account(laws, body, motion, scratch, records, first, cam_angle, step):
     """Add the work of cam and constant forces to the totals and note every contact; returns cam power (W) and largest speed."""
     power, work, bound, gaps, rubbing = 0.0, 0.0, 0.0, scratch.gaps, scratch.rubbing
-    step, v, old = motion.clock[3], motion.v, scratch.old
+    v, old = motion.v, scratch.old
     inside = in_window(cam_angle, motion.clock[9], motion.clock[10])
     for k in range(laws.shape[0]):
         power += gaps[k, 2] * gaps[k, 1]
         if rubbing[k, 0] != 0.0:
             power += rubbing[k, 0] / step * rubbing[k, 1]
-        note_contact(k, gaps[k, 0], gaps[k, 2], laws[k] >= 0, first, inside, cam_angle, motion, scratch, records)
+        note_contact(k, gaps[k, 0], gaps[k, 2] / scratch.share[k], laws[k] >= 0, first, inside, cam_angle, motion, scratch, records)
     for i in range(v.shape[0]):
         work += body[i, 1] * 0.5 * (old[i] + v[i])
         bound = max(bound, abs(v[i]))
@@ -159,11 +166,11 @@ def _account(laws, body, motion, scratch, records, first, cam_angle):
 
 
 @njit(forceinline=True, **OPTIONS)
-def _record(row, records, q, v, old, step, cam_angle, power, gaps, clock):
+def _record(row, records, q, v, old, step, now, cam_angle, power, gaps, clock):
     count, motion = q.shape[0], records.motion
     for i in range(count):
         motion[row, i] = q[i]
-        motion[row, count + i] = 0.5 * (old[i] + v[i])
+        motion[row, count + i] = (1.0 - now) * old[i] + now * v[i]
         motion[row, 2 * count + i] = (v[i] - old[i]) / step
     motion[row, 3 * count], motion[row, 3 * count + 1] = cam_angle, power
     for k in range(gaps.shape[0]):
@@ -177,7 +184,7 @@ def _begin(train, motion, scratch):
     """Penetrations at the start and, by their rates, one step before it."""
     for k in range(train.laws.shape[0]):
         pen, _, rate = _gap(k, train, motion.q, motion.v, motion.clock[0], motion.clock[1], scratch.gradients)
-        scratch.before[k, 0], scratch.before[k, 1] = pen, pen - motion.clock[3] * rate
+        scratch.before[k, 0], scratch.before[k, 1] = pen, pen - motion.clock[11] * rate
         scratch.latest[k] = -1
 
 
@@ -188,7 +195,7 @@ def _finish(train, motion, scratch, log):
     for k in range(train.laws.shape[0]):
         pen, _, rate = _gap(k, train, motion.q, motion.v, clock[0], clock[1], scratch.gradients)
         if train.laws[k] == MAXWELL_LINK or train.laws[k] >= OWN_LAW:
-            _remember(k, train, motion, pen, rate, clock[3], scratch)
+            _remember(k, train, motion, pen, rate, clock[11], scratch)
         if train.laws[k] >= 0 and (pen > 0.0) != (scratch.before[k, 0] > 0.0):
             note_crossing(k, pen, clock[0], motion, scratch, log)
         close_stretch(k, -1, pen > 0.0, scratch, log)
@@ -201,9 +208,15 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
     index, laws, body, retainer, gas_coordinate = train.coordinate_of, train.laws, train.body, train.retainer, train.gas_coordinate
     step, every, exchange, bound, sample, elapsed = clock[3], counters[1], counters[3], 0.0, 0, 0.0
     watched, next_watch = 0, 0 if records.pressed_a.shape[0] > 0 else -1
+    n, left, part, change = -1, 0, step, 0.0
     _begin(train, motion, scratch)
-    for n in range(counters[0]):
-        recording = n % every == 0 and sample < records.motion.shape[0]
+    while True:
+        whole = left == 0
+        if whole:
+            n += 1
+            if n == counters[0]:
+                break
+        recording = whole and n % every == 0 and sample < records.motion.shape[0]
         cam_angle, cam_speed = clock[0], clock[1]
         for i in range(q.shape[0]):
             old[i] = v[i]
@@ -213,44 +226,59 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
             for i in range(records.spring_b.shape[1]):
                 records.spring_b[sample, i] = slot_b.state[i]
         gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, records.extremes)
-        if exchange <= 0:
-            clock[4], clock[5] = spring_a(slot_a.parameters, slot_a.integers, slot_a.state, q[retainer], v[retainer], step)
-            clock[6], clock[7] = spring_b(slot_b.parameters, slot_b.integers, slot_b.state, q[retainer], v[retainer], step)
-        elif n % exchange == 0:  # the force found now is kept; the spring module then integrates the velocity it was handed
-            for sub in range(exchange):
-                forces_a = spring_a(slot_a.parameters, slot_a.integers, slot_a.state, clock[8], old[retainer], step)
-                forces_b = spring_b(slot_b.parameters, slot_b.integers, slot_b.state, clock[8], old[retainer], step)
-                if sub == 0:
-                    clock[4], clock[5] = forces_a
-                    clock[6], clock[7] = forces_b
-                clock[8] += step * old[retainer]
-        if n == next_watch:
+        ahead = step if whole else left * part
+        if counters[5] > 0:
+            finest = finest_step(train, motion, scratch, ahead, elapsed)
+            if whole or finest < 0.9 * part:
+                left = parts_of(ahead, finest)
+                part = ahead / left
+        elif whole:
+            left = 1
+        kick = 0.5 * (clock[11] + part)
+        now = 0.5 * clock[11] / kick
+        if whole:
+            change = clock[4] + clock[6]
+            if exchange <= 0:
+                clock[4], clock[5] = spring_a(slot_a.parameters, slot_a.integers, slot_a.state, q[retainer], v[retainer], step)
+                clock[6], clock[7] = spring_b(slot_b.parameters, slot_b.integers, slot_b.state, q[retainer], v[retainer], step)
+            elif n % exchange == 0:  # the force found now is kept; the spring module then integrates the velocity it was handed
+                for sub in range(exchange):
+                    forces_a = spring_a(slot_a.parameters, slot_a.integers, slot_a.state, clock[8], old[retainer], step)
+                    forces_b = spring_b(slot_b.parameters, slot_b.integers, slot_b.state, clock[8], old[retainer], step)
+                    if sub == 0:
+                        clock[4], clock[5] = forces_a
+                        clock[6], clock[7] = forces_b
+                    clock[8] += step * old[retainer]
+            change = clock[4] + clock[6] - change if n > 0 else 0.0
+        if whole and n == next_watch:
             write_contacts(slot_a.state, slot_a.watched, records.pressed_a[watched])
             write_contacts(slot_b.state, slot_b.watched, records.pressed_b[watched])
             watched, next_watch = watched + 1, n + counters[4]
-        _kick(index, body, gaps, scratch.gradients, step, v)
-        v[retainer] -= step * (clock[4] + clock[6]) / body[retainer, 0]
+        pull = clock[4] + clock[6] + (1.0 - ahead / step) * change  # inside a step the springs' force goes on as it came
+        _kick(index, body, gaps, scratch.gradients, kick, v)
+        v[retainer] -= kick * pull / body[retainer, 0]
         pressed = 0.0
         if gas_coordinate >= 0:
             pressed, _, _ = table_value(train.gas, 0, cam_angle)
-            v[gas_coordinate] += step * pressed / body[gas_coordinate, 0]
-        damped = damp(index, laws, body, scratch, step, v)
-        rub(train, q, cam_angle, cam_speed, step, v, scratch)
+            v[gas_coordinate] += kick * pressed / body[gas_coordinate, 0]
+        guide(body, scratch, kick, now, v)
+        damped = damp(index, laws, scratch, kick, now, v)
+        rub(train, q, cam_angle, cam_speed, kick, v, scratch)
         rubbed = friction_loss(index, v, scratch)
-        totals[2] += rubbed + losses(index, body, scratch, step, v, damped)
+        totals[2] += rubbed + losses(index, body, scratch, v, damped)
         totals[4] += rubbed
-        power, bound = _account(laws, body, motion, scratch, records, n == 0, cam_angle)
+        power, bound = _account(laws, body, motion, scratch, records, whole and n == 0, cam_angle, kick)
         if gas_coordinate >= 0:
-            totals[1] += step * pressed * 0.5 * (old[gas_coordinate] + v[gas_coordinate])
-        totals[3] += step * (clock[4] + clock[6]) * 0.5 * (old[retainer] + v[retainer])
+            totals[1] += kick * pressed * 0.5 * (old[gas_coordinate] + v[gas_coordinate])
+        totals[3] += kick * pull * 0.5 * (old[retainer] + v[retainer])
         if recording:
-            _record(sample, records, q, v, old, step, cam_angle, power, gaps, clock)
+            _record(sample, records, q, v, old, kick, now, cam_angle, power, gaps, clock)
             sample += 1
         for i in range(q.shape[0]):
-            q[i] += step * v[i]
-        clock[0] = cam_angle + step * (cam_speed + 0.5 * step * clock[2])
-        clock[1] = cam_speed + step * clock[2]
-        elapsed = step
+            q[i] += part * v[i]
+        clock[0] = cam_angle + part * (cam_speed + 0.5 * part * clock[2])
+        clock[1] = cam_speed + part * clock[2]
+        clock[12], clock[11], elapsed, left = clock[11], part, part, left - 1
         if not bound < 1e4:
             return n
     _finish(train, motion, scratch, records.transitions)
@@ -258,12 +286,13 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
 
 
 @njit(forceinline=True, error_model="numpy")
-def scratch_of(n, count):
-    """Empty working memory for n interactions and ``count`` coordinates."""
+def scratch_of(n, count, states):
+    """Empty working memory for n interactions, ``count`` coordinates and ``states`` numbers that the laws remember."""
     return Scratch(
         np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 2)), np.zeros((n, n)), np.zeros((n, count)),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros((n, 2)),
-        np.zeros((n, 3)), np.zeros(n, dtype=np.int64),
+        np.zeros((n, 3)), np.zeros(n, dtype=np.int64), np.zeros((count, 3)), np.zeros(n), np.zeros(n),
+        np.zeros((n, 4)), np.zeros(states), np.ones(n),
     )  # fmt: skip
 
 
@@ -274,7 +303,7 @@ def advance_train(spring_a, spring_b, train, slot_a, slot_b, motion, records):
     ``spring_a``, ``spring_b``: kernels of ``springs.contract``; the arrays of all that moves come as ``TrainArrays`` and as the named
     tuples of ``train_tuples``. Compiled once for all trains, see :func:`ready_train_kernel`.
     """
-    scratch = scratch_of(train.kinds.shape[0], motion.q.shape[0])
+    scratch = scratch_of(train.kinds.shape[0], motion.q.shape[0], motion.law_state.shape[0])
     return _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scratch)
 
 

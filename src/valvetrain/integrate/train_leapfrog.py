@@ -11,14 +11,14 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.run_up import run_up
-from valvetrain.integrate.train_channels import train_channels, train_statistics
-from valvetrain.integrate.train_run import CycleRecord, TrainOptions, TrainRunner, runner
+from valvetrain.integrate.train_channels import least_forces, train_channels, train_statistics
+from valvetrain.integrate.train_orbit import Orbit
+from valvetrain.integrate.train_run import TURN, CycleRecord, TrainOptions, TrainRunner, runner
 from valvetrain.integrate.train_steady import TOLERANCE, SteadyTrain, steady_train
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
-from valvetrain.springs.contract import contact_watch_of
-from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.contract import LargeSpring, contact_watch_of
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest, rest_of
 from valvetrain.system.train_system import TrainSystem
@@ -44,47 +44,61 @@ class TrainLeapfrog:
 
     def run(self, system: System, cam_speed: float, until: Until, options: RunOptions, provenance: Provenance) -> Solution:
         """See :class:`valvetrain.integrate.contract.Integrator`."""
+        return self.run_to_orbit(system, cam_speed, until, options, provenance)[0]
+
+    def run_to_orbit(
+        self, system: System, cam_speed: float, until: Until, options: RunOptions, provenance: Provenance
+    ) -> tuple[Solution, Orbit | None]:
+        """The run, and its motion as a start for another; of a run-up there is none."""
         assert isinstance(system, TrainSystem)
         rest = options.rest or rest_of(system)
-        large = any(isinstance(spring, FiniteElementRod) for spring in system.springs)
+        large = any(isinstance(spring, LargeSpring) for spring in system.springs)
         samples = options.samples or (LARGE_SAMPLES if large else SAMPLES)
         chosen = TrainOptions(
-            samples, time_step=options.time_step, record_springs=options.keep != "ends", record_contacts=not isinstance(until, RunUp)
-        )
+            samples, time_step=options.time_step, record_springs=options.keep != "ends", record_contacts=not isinstance(until, RunUp),
+            window=options.window or (0.0, TURN),
+        )  # fmt: skip
         if isinstance(until, RunUp):
             records = run_up(system, cam_speed, until.last_cam_speed, until.cam_acceleration, chosen, rest=rest)
             if not records:
                 raise InputError("the run-up holds no whole stretch; lower the acceleration or move the last speed")
-            return Solution(train_channels(system, rest, records), (), records[-1].status, {"integrator": self.word}, provenance)
+            return Solution(train_channels(system, rest, records), (), records[-1].status, {"integrator": self.word}, provenance), None
         if isinstance(until, Cycles):
             ready = runner(system, cam_speed, chosen, rest=rest)
-            state = ready.initial_state()
+            state = ready.initial_state() if options.start is None else options.start.at(ready)
             for _ in range(until.count - 1):
                 state, _ = replace(ready, options=replace(chosen, record_springs=False, record_contacts=False)).cycle(state, judged=False)
             _, record = ready.cycle(state)
             statistics = train_statistics(ready.system, record) | {"steady_cycles_count": float(until.count), "integrator": self.word}
             events, spacing = _events(ready, record)
-            return Solution(train_channels(ready.system, rest, (record,), state), events, record.status, statistics | spacing, provenance)
-        found = self._settled(system, cam_speed, until, chosen, large, rest)
+            statistics |= spacing | least_forces(ready.system, record, options)
+            channels = train_channels(ready.system, rest, (record,), state)
+            return Solution(channels, events, record.status, statistics, provenance), Orbit(state, ready.springs, cam_speed)
+        found = self._settled(system, cam_speed, until, chosen, large, rest, options.start)
         statistics = train_statistics(found.runner.system, found.record) | {
             "steady_cycles_count": float(found.search.cycles), "steady_residual_ratio": float(found.search.residuals[-1]),
             "steady_tolerance_ratio": found.tolerance, "motion_period_count": float(found.search.period),
             "time_step_duration": found.record.time_step, "steps_per_cycle_count": float(found.runner.steps),
             "wall_time_per_cycle_duration": found.wall_time_per_cycle, "integrator": self.word,
         }  # fmt: skip
+        statistics |= found.scatter.statistics if found.scatter is not None else {}
         channels = train_channels(found.runner.system, rest, (found.record,), found.start)
         events, spacing = _events(found.runner, found.record)
-        return Solution(channels, events, found.status, statistics | spacing, provenance)
+        statistics |= spacing | least_forces(found.runner.system, found.record, options)
+        orbit = Orbit(found.start, found.runner.springs, cam_speed)
+        return Solution(channels, events, found.status, statistics, provenance), orbit
 
     def _settled(
-        self, system: TrainSystem, cam_speed: float, until: Periodic, chosen: TrainOptions, large: bool, rest: TrainRest
-    ) -> SteadyTrain:
+        self, system: TrainSystem, cam_speed: float, until: Periodic, chosen: TrainOptions, large: bool, rest: TrainRest,
+        start: Orbit | None = None,
+    ) -> SteadyTrain:  # fmt: skip
         """Periodic state; a contact harder than the step resolves is run again with a finer one."""
         most = until.cycles or (FEW_CYCLES if large else MOST_CYCLES)
         tolerance = until.tolerance or (FEW_TOLERANCE if large else TOLERANCE)
         for _ in range(FINER_STEPS + 1):
             ready = runner(system, cam_speed, chosen, rest=rest)
-            found = steady_train(ready, "repeat" if large else until.method, tolerance, most)
+            begun = None if start is None else start.at(ready)
+            found = steady_train(ready, "repeat" if large else until.method, tolerance, most, begun, compared=not large)
             if found.record.status.completed or chosen.time_step is not None:
                 break
             chosen = replace(chosen, step_fraction=chosen.step_fraction / 3)

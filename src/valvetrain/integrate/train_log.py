@@ -26,13 +26,13 @@ PER_TURN = 1.0 / TURN
 
 
 @njit(forceinline=True, **OPTIONS)
-def crossing(earlier, before, now):
-    """Where in the last step, 0 to 1, a penetration passed zero, and its rate there per step.
+def crossing(earlier, before, now, ratio):
+    """Where in the last step, 0 to 1, a penetration passed zero, and its rate there per step; ``ratio``: the step before over the last.
 
     A parabola through the last three steps: no force of the step of a touch has moved the last of them, so that the rate of a closing
     is that of the free motion, to second order in the step.
     """
-    bend = 0.5 * (now - 2.0 * before + earlier)
+    bend = (earlier - before + ratio * (now - before)) / (ratio * (1.0 + ratio))
     slope = now - before - bend
     root = math.sqrt(max(slope * slope - 4.0 * bend * before, 0.0))
     rate = root if now > 0.0 else -root
@@ -44,8 +44,8 @@ def crossing(earlier, before, now):
 @njit(forceinline=True, **OPTIONS)
 def note_crossing(k, pen, cam_angle, motion, scratch, log):
     """Write a row: contact ``k`` opened or closed since the step before (cam angle and clock: now)."""
-    share, rate = crossing(scratch.before[k, 1], scratch.before[k, 0], pen)
-    row, step = motion.counters[2], motion.clock[3]
+    row, step = motion.counters[2], motion.clock[11]
+    share, rate = crossing(scratch.before[k, 1], scratch.before[k, 0], pen, motion.clock[12] / step)
     since = (1.0 - share) * step
     motion.counters[2] += 1
     if row >= log.shape[0]:

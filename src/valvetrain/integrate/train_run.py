@@ -39,12 +39,19 @@ SHORTEST_STEP = 2e-8
 """Step (s) below which contacts and bodies are refused: a mode beyond some 5 MHz is a slip of units, and a cycle would take minutes."""
 
 
+BLOW_STEPS = 16
+"""Parts of the rise of a blow; where the step is longer, it is divided for as long as the blow lasts."""
+LEAST_BLOW = 0.02
+"""Share of the reference force below which a touch is no blow."""
+
+
 @dataclass(frozen=True, slots=True)
 class TrainOptions:
     """Numerical choices of a run.
 
     ``samples``: records per cam cycle. ``step_fraction``: step over the stable limit. ``time_step`` (s) overrides it (rounded so that a
     cycle holds a whole number of steps). ``exchange``: steps per exchange of a partitioned coupling (0: all advance together).
+    ``blow_steps``: parts in which the rise of a blow of a contact is taken (0: steps are never divided).
     ``record_springs``: keep the springs' inner states per sample; ``record_contacts``: write down the contacts of their coils. ``window``:
     begin and end (cam rad) of the part of the cycle in which least forces are sought; it may pass the end of the turn.
     """
@@ -53,6 +60,7 @@ class TrainOptions:
     step_fraction: float = 0.35
     time_step: float | None = None
     exchange: int = 0
+    blow_steps: int = BLOW_STEPS
     record_springs: bool = False
     record_contacts: bool = False
     window: tuple[float, float] = (0.0, TURN)
@@ -60,7 +68,8 @@ class TrainOptions:
 
 @dataclass(frozen=True)
 class TrainState:
-    """Values of one instant: positions at t_n, velocities at t_(n-1/2), spring states, held spring forces.
+    """Values of one instant: positions at t_n, velocities half of ``last_step`` (s; 0: of the run's own step) before, spring states, held
+    spring forces.
 
     ``law_state``: memory of all laws in one flat array; ``TrainArrays.memory_of`` tells where an interaction's begins.
     """
@@ -71,6 +80,7 @@ class TrainState:
     law_state: Array
     held: Array
     cam_angle: float = 0.0
+    last_step: float = 0.0
 
     def copy(self) -> TrainState:
         """An independent copy."""
@@ -81,6 +91,7 @@ class TrainState:
             self.law_state.copy(),
             self.held.copy(),
             self.cam_angle,
+            self.last_step,
         )
 
 
@@ -172,8 +183,13 @@ class TrainRunner:
             kernels[place], slots[place] = spring.kernel, Slot(parameters, integers, new.springs[place], stretches)
             states[place] = np.zeros((rows, recorded_entries(spring) if self.options.record_springs else 0))
         begin, end = self.options.window
-        clock = np.array([state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step, *new.held, begin, end - begin])
-        counters = np.array([self.steps, self.steps // rows, 0, self.options.exchange, spacing], dtype=np.int64)
+        before, least = state.last_step or self.time_step, LEAST_BLOW * self.rest.reference_force
+        clock = np.array(
+            [
+                state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step, *new.held, begin, end - begin, before, before, least,
+            ]
+        )  # fmt: skip
+        counters = np.array([self.steps, self.steps // rows, 0, self.options.exchange, spacing, self.options.blow_steps], dtype=np.int64)
         addresses = np.array([law_address(kernel) for kernel in self.system.law_kernels], dtype=np.int64)
         motion = Motion(new.q, new.v, new.law_state, addresses, clock, counters, np.zeros(5))
         extremes = np.zeros((interactions, 5))
@@ -193,7 +209,7 @@ class TrainRunner:
             float(motion.totals[4]), extremes[:, PEAK_FORCE_ANGLE], extremes[:, LEAST_FORCE], extremes[:, LEAST_FORCE_ANGLE],
             Transitions.from_log(records.transitions, int(counters[2])), tuple(pressed[:springs]), spacing * self.time_step,
         )  # fmt: skip
-        return replace(new, held=clock[4:9].copy(), cam_angle=angle), record
+        return replace(new, held=clock[4:9].copy(), cam_angle=angle, last_step=float(clock[11])), record
 
     def _status(self, done: int, cam_angle: float, peaks: Array) -> Status:
         if done < self.steps:

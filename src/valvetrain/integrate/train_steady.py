@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from valvetrain.integrate.steady import SteadyState, accelerate, repeat_cycles
 from valvetrain.integrate.train_run import CycleRecord, TrainRunner, TrainState
+from valvetrain.integrate.train_scatter import COMPARED, Scatter, scatter_of
 from valvetrain.solution.status import Status
 
 Array = NDArray[np.float64]
@@ -20,7 +21,7 @@ TOLERANCE = 1e-5
 
 @dataclass(frozen=True)
 class SteadyTrain:
-    """The last cycle of a train with how it settled; ``record`` follows from ``start``."""
+    """The last cycle of a train with how it settled; ``record`` follows from ``start``. ``scatter``: of a train that did not, if asked."""
 
     runner: TrainRunner
     search: SteadyState
@@ -28,32 +29,37 @@ class SteadyTrain:
     record: CycleRecord
     wall_time_per_cycle: float = field(default=0.0, compare=False)
     tolerance: float = TOLERANCE
+    scatter: Scatter | None = None
 
     @property
     def status(self) -> Status:
-        """Completed, diverged, or not converged with the period found."""
+        """Completed, also where parts that are loose rattle while the valve repeats; diverged; not converged with the period found."""
         if not self.record.status.completed:
             return self.record.status
         if self.search.converged:
             return self.record.status
+        spread = "" if self.scatter is None else f"{1e6 * self.scatter.valve:.2g} um over {COMPARED} cycles"
+        if self.scatter is not None and self.scatter.repeats:
+            return Status("completed", f"the valve repeats to {spread}; parts that are loose between events do not, see the scatter")
         period = self.search.period
         words = f"repeats only every {period} cycles (sub-harmonic)" if period > 1 else "does not repeat, not over up to 8 cycles either"
         cycles, last = self.search.cycles, self.search.residuals[-1]
         change = f"after {cycles} cycles it still changes by {last:.1e} of its size (accepted: {self.tolerance:.0e})"
         reached = self.search.cycles * self.runner.steps * self.runner.time_step
         return Status(
-            "not-converged", f"the motion {words}; {change}", reached, "",
+            "not-converged", f"the motion {words}; {change}" + (f", the valve lift by {spread}" if spread else ""), reached, "",
             f"set cycles in [train] above {cycles} (--set train.cycles=...), or lower the speed if the train floats or bounces there",
         )  # fmt: skip
 
 
 def steady_train(
-    runner: TrainRunner, method: str = "anderson", tolerance: float = TOLERANCE, cycles: int = 60, start: TrainState | None = None
-) -> SteadyTrain:
+    runner: TrainRunner, method: str = "anderson", tolerance: float = TOLERANCE, cycles: int = 60, start: TrainState | None = None,
+    compared: bool = True,
+) -> SteadyTrain:  # fmt: skip
     """Search the periodic orbit from ``start`` (static equilibrium by default), then record one more cycle.
 
     ``method``: ``repeat`` (the classical one) or ``anderson``. The record of the last cycle of a train that does not settle is given
-    with its status saying so.
+    with its status saying so, and, where asked for (``compared``), with the scatter of some more cycles.
     """
     template, times = [start or runner.initial_state()], []
     # the springs' inner states and contacts are large; only the last cycle keeps them
@@ -71,8 +77,11 @@ def steady_train(
     # what is no part of the motion (histories, contact memories) is taken from the last cycle run
     finite = bool(np.all(np.isfinite(search.state)))
     first = _unpack(search.state, template[0], runner) if finite else (start or runner.initial_state())
+    scatter = None
+    if compared and finite and not search.converged:
+        scatter, first = scatter_of(runner, first)
     _, record = runner.cycle(first)
-    return SteadyTrain(runner, search, first, record, float(np.median(times)), tolerance)
+    return SteadyTrain(runner, search, first, record, float(np.median(times)), tolerance, scatter)
 
 
 def _split(state: TrainState, runner: TrainRunner) -> list[tuple[Array, int]]:

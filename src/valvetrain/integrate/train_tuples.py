@@ -35,10 +35,11 @@ class Slot(NamedTuple):
 class Motion(NamedTuple):
     """What the loop changes in place.
 
-    ``q``, ``v`` (N,); ``law_state``: memory of all laws; ``law_addresses``: of the kernels of the train's own laws. ``clock`` (11,): cam
+    ``q``, ``v`` (N,); ``law_state``: memory of all laws; ``law_addresses``: of the kernels of the train's own laws. ``clock`` (14,): cam
     angle, cam speed, cam acceleration, step, four spring end forces, displacement of a partitioned spring, begin and width (rad) of the
-    window of least forces. ``counters`` (5,): steps, record every, transitions found, exchange interval (0: all advance together), steps
-    per row of coil contacts.
+    window of least forces, the last part of a step and the one before it, least force (N) of a blow that is resolved. ``counters`` (6,):
+    steps, record every, transitions found, exchange interval (0: all advance together), steps per row of coil contacts, parts of the
+    rise of a blow (0: steps are never divided).
     ``totals`` (5,): work of the cam, of constant and gas forces, dissipated, work on the springs (J), and the share of contact friction
     in what was dissipated.
     """
@@ -80,7 +81,11 @@ class Scratch(NamedTuple):
     ``old`` (N,): velocities before the step. ``gaps`` (n, 4): penetration, gap rate of the cam alone, rate-free force that becomes the
     whole force, damping coefficient. ``gradients``, ``slides`` (n, 4) per coordinate slot; ``rubbing`` (n, 2): friction impulse, sliding
     of the cam. ``matrix`` to ``held``: the damping solve. ``before`` (n, 2): penetrations one and two steps ago. ``track`` (n, 3): largest
-    gap, its cam angle and largest force since the last transition; ``latest`` (n,): its row, -1 for none.
+    gap, its cam angle and largest force since the last transition; ``latest`` (n,): its row, -1 for none. ``guides`` (N, 3): see
+    ``train_damping.guide``. ``rate``, ``bend`` (n,): rate of the penetration before the step, and by how much it exceeds the change of
+    the penetration. ``blows`` (n, 4): see ``train_blows.finest_step``;
+    ``trial``: copy of the memory of all laws. ``share`` (n,): part of the kick in which a contact's damper acts, 1 but in the step of
+    its touch.
     """
 
     old: Array
@@ -98,3 +103,9 @@ class Scratch(NamedTuple):
     before: Array
     track: Array
     latest: Integers
+    guides: Array
+    bend: Array
+    rate: Array
+    blows: Array
+    trial: Array
+    share: Array

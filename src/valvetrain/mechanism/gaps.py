@@ -102,6 +102,20 @@ def penetration_and_gradient(k, kinds, index, geometry, tables, table_of, q, cam
     return upper - lower - (length - geometry[k, 12]) - geometry[k, 13], 0.0
 
 
+@njit(**OPTIONS)
+def gap_rows(kinds, index, geometry, tables, table_of, positions, cam_angles, rows, pens, gradients, slopes):
+    """Fill penetrations (S, n), gradients by every coordinate (S, n, N), which begin as zeros, and slopes (S, n) at ``positions`` (S, N)
+    and ``cam_angles`` (S,); ``rows`` (n, 4) is working space."""
+    for s in range(len(cam_angles)):
+        for k in range(len(kinds)):
+            pens[s, k], slopes[s, k] = penetration_and_gradient(
+                k, kinds, index, geometry, tables, table_of, positions[s], cam_angles[s], rows
+            )
+            for slot in range(4):
+                if index[k, slot] >= 0:
+                    gradients[s, k, index[k, slot]] += rows[k, slot]
+
+
 @njit(forceinline=True, **OPTIONS)
 def _planar_point(k, index, geometry, q):
     """Position X, its derivative by the body coordinate, and the angle the body has turned."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,16 +25,17 @@ class RatioCurve:
     drive: Array
     valve_lift: Array
 
-    def spline(self) -> BSpline:
-        """The interpolating spline lift(s)."""
+    @cached_property
+    def splines(self) -> tuple[BSpline, ...]:
+        """The interpolating spline lift(s) and its first three derivatives."""
         from scipy.interpolate import make_interp_spline
 
-        return make_interp_spline(self.drive, self.valve_lift, k=5)
+        spline = make_interp_spline(self.drive, self.valve_lift, k=5)
+        return spline, *(spline.derivative(order) for order in (1, 2, 3))
 
     def inverse(self, valve_lift: ArrayLike) -> Array:
         """Drive coordinate of a valve lift (m), by Newton on the spline."""
-        spline = self.spline()
-        slope = spline.derivative()
+        spline, slope, *_ = self.splines
         wanted = np.asarray(valve_lift, dtype=float)
         drive: Array = np.interp(wanted, self.valve_lift, self.drive)
         for _ in range(20):
@@ -69,8 +71,7 @@ class RigidKinematics:
         if self.law_of == "valve":
             return law[derivative]
         s = [value / self.drive_scale for value in law]
-        spline = self.ratio.spline()
-        f = [spline(s[0])] + [spline.derivative(n)(s[0]) for n in range(1, derivative + 1)]
+        f = [spline(s[0]) for spline in self.ratio.splines[: derivative + 1]]
         if derivative == 0:
             return np.asarray(f[0])
         if derivative == 1:
@@ -87,9 +88,14 @@ class RigidKinematics:
         value = tight - self.lash if derivative == 0 else self._tight(cam_angle, derivative)
         return np.where(tight > self.lash, value, 0.0)
 
+    def law_lift(self, valve_lift: float) -> float:
+        """What the law lifts (m) when the rigid valve stands at ``valve_lift`` (m), the lash taken up."""
+        tight = valve_lift + self.lash
+        return tight if self.law_of == "valve" else float(self.ratio.inverse(np.array(tight)) * self.drive_scale)
+
     def motion_ratio(self, cam_angle: ArrayLike) -> Array:
         """Valve travel per drive travel d(valve)/d(drive length) (1), from geometry."""
-        return np.asarray(self.ratio.spline().derivative()(self.drive(cam_angle)) / self.drive_scale)
+        return np.asarray(self.ratio.splines[1](self.drive(cam_angle)) / self.drive_scale)
 
     @property
     def maximum_lift(self) -> float:

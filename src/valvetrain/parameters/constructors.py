@@ -5,13 +5,16 @@ Every length is taken as :func:`valvetrain.units.si` takes it: in m, as text wit
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.curve_forms import Parabola
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC, Material
-from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+from valvetrain.parameters.spring import OPEN_END, EndCoil, EndKind, SpringDefinition
+from valvetrain.parameters.wire_ends import is_closed, pitch_with_closed_turns, wind
 from valvetrain.units import Given, si
 
 CLOSED_GROUND = EndCoil()
@@ -26,32 +29,25 @@ def pitch_with_closed_ends(
     np.float64(0.007)
     """
     wire, free = si(wire_diameter, "wire_diameter", "wire_diameter"), si(pitch, "pitch", "pitch")
-    knots = [0.0, closed_lower, closed_lower + ramp, total_coils - closed_upper - ramp, total_coils - closed_upper, total_coils]
-    values = [wire, wire, free, free, wire, wire]
-    if closed_lower == 0:
-        knots, values = knots[2:], values[2:]
-        knots[0] = 0.0
-    if closed_upper == 0:
-        knots, values = knots[:-2], values[:-2]
-        knots[-1] = total_coils
-    if np.any(np.diff(knots) <= 0):
-        raise InputError(f"{total_coils:g} turns leave no room between the closed ends; add turns or shorten the ramps")
-    return PiecewiseLinear(tuple(knots), tuple(values))
+    return pitch_with_closed_turns(total_coils, wire, free, closed_lower, closed_upper, ramp)
 
 
 def cylindrical(
-    wire_diameter: Given, mean_diameter: Given, pitch: Given, total_coils: float, *, material: Material = OTEVA_90_SC,
-    closed_coils: float = 1.0, lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "cylindrical",
+    wire_diameter: Given, mean_diameter: Given, pitch: Given | None = None,
+    total_coils: float | None = None, *, free_length: Given | None = None, ends: EndKind | None = None, material: Material = OTEVA_90_SC,
+    closed_coils: float | None = None, lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "cylindrical",
 ) -> SpringDefinition:  # fmt: skip
     """Cylindrical spring of constant pitch.
 
     Parameters
     ----------
     wire_diameter, mean_diameter : lengths (m, "4 mm" or a pint quantity); the mean diameter is that of the wire's axis
-    pitch : rise of the wire's axis per turn, a length, between the closed turns
+    pitch : rise of the wire's axis per turn, a length, between the closed turns; or give the free length
     total_coils : all turns, tip to tip
+    free_length : length of the unloaded spring, in place of the pitch, which then follows
+    ends : "closed-ground" (the default), "closed", "open" or "open-ground", both ends; made as in textbooks where the free length is given
     material : of the wire, :class:`Material`
-    closed_coils : turns lying closed at either end; 0 for open ends
+    closed_coils : turns lying closed at either end, 1 where a pitch is given and nothing else said; 0 for open ends
     lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and ground, or open where ``closed_coils`` is 0
     name : word for the spring in messages and results
 
@@ -64,14 +60,18 @@ def cylindrical(
     >>> spring = cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
     >>> round(spring.free_length, 6)
     0.0391
+    >>> spring = cylindrical("4 mm", "24 mm", total_coils=8, free_length="52 mm", ends="closed-ground")
+    >>> float(spring.pitch.value(4.0).round(6)), round(spring.solid_height, 6)
+    (0.007333, 0.032)
     """
-    law = _pitch_law(total_coils, wire_diameter, pitch, closed_coils)
-    return _spring(wire_diameter, Constant(_coil(mean_diameter)), law, total_coils, material, lower_end, upper_end, name, closed_coils)
+    wound = _wound(total_coils, wire_diameter, pitch, free_length, ends, closed_coils, lower_end, upper_end)
+    return _spring(wound, Constant(_coil(mean_diameter)), material, name)
 
 
 def conical(
-    wire_diameter: Given, lower_mean_diameter: Given, upper_mean_diameter: Given, pitch: Given, total_coils: float, *,
-    material: Material = OTEVA_90_SC, closed_coils: float = 1.0, lower_end: EndCoil | None = None,
+    wire_diameter: Given, lower_mean_diameter: Given, upper_mean_diameter: Given, pitch: Given | None = None,
+    total_coils: float | None = None, *, free_length: Given | None = None, ends: EndKind | None = None,
+    material: Material = OTEVA_90_SC, closed_coils: float | None = None, lower_end: EndCoil | None = None,
     upper_end: EndCoil | None = None, name: str = "conical",
 ) -> SpringDefinition:  # fmt: skip
     """Conical spring: mean diameter linear from the lower to the upper end.
@@ -79,10 +79,12 @@ def conical(
     Parameters
     ----------
     wire_diameter, lower_mean_diameter, upper_mean_diameter : lengths (m, "4 mm" or a pint quantity)
-    pitch : rise of the wire's axis per turn, a length, between the closed turns
+    pitch : rise of the wire's axis per turn, a length, between the closed turns; or give the free length
     total_coils : all turns, tip to tip
+    free_length : length of the unloaded spring, in place of the pitch, which then follows
+    ends : "closed-ground" (the default), "closed", "open" or "open-ground", both ends; made as in textbooks where the free length is given
     material : of the wire, :class:`Material`
-    closed_coils : turns lying closed at either end; 0 for open ends
+    closed_coils : turns lying closed at either end, 1 where a pitch is given and nothing else said; 0 for open ends
     lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and ground, or open where ``closed_coils`` is 0
     name : word for the spring in messages and results
 
@@ -95,14 +97,15 @@ def conical(
     >>> conical("3 mm", "26 mm", "18 mm", "6 mm", 6).mean_diameter.value(3.0).round(6)
     np.float64(0.022)
     """
-    diameter = PiecewiseLinear((0.0, total_coils), (_coil(lower_mean_diameter), _coil(upper_mean_diameter)))
-    law = _pitch_law(total_coils, wire_diameter, pitch, closed_coils)
-    return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name, closed_coils)
+    wound = _wound(total_coils, wire_diameter, pitch, free_length, ends, closed_coils, lower_end, upper_end)
+    diameter = PiecewiseLinear((0.0, wound.total_coils), (_coil(lower_mean_diameter), _coil(upper_mean_diameter)))
+    return _spring(wound, diameter, material, name)
 
 
 def barrel(
-    wire_diameter: Given, end_mean_diameter: Given, middle_mean_diameter: Given, pitch: Given, total_coils: float, *,
-    material: Material = OTEVA_90_SC, closed_coils: float = 1.0, lower_end: EndCoil | None = None,
+    wire_diameter: Given, end_mean_diameter: Given, middle_mean_diameter: Given, pitch: Given | None = None,
+    total_coils: float | None = None, *, free_length: Given | None = None, ends: EndKind | None = None,
+    material: Material = OTEVA_90_SC, closed_coils: float | None = None, lower_end: EndCoil | None = None,
     upper_end: EndCoil | None = None, name: str = "barrel",
 ) -> SpringDefinition:  # fmt: skip
     """Barrel (or, with a slimmer middle, hourglass) spring: mean diameter parabolic from the ends to the middle.
@@ -110,10 +113,12 @@ def barrel(
     Parameters
     ----------
     wire_diameter, end_mean_diameter, middle_mean_diameter : lengths (m, "4 mm" or a pint quantity)
-    pitch : rise of the wire's axis per turn, a length, between the closed turns
+    pitch : rise of the wire's axis per turn, a length, between the closed turns; or give the free length
     total_coils : all turns, tip to tip
+    free_length : length of the unloaded spring, in place of the pitch, which then follows
+    ends : "closed-ground" (the default), "closed", "open" or "open-ground", both ends; made as in textbooks where the free length is given
     material : of the wire, :class:`Material`
-    closed_coils : turns lying closed at either end; 0 for open ends
+    closed_coils : turns lying closed at either end, 1 where a pitch is given and nothing else said; 0 for open ends
     lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and ground, or open where ``closed_coils`` is 0
     name : word for the spring in messages and results
 
@@ -126,14 +131,15 @@ def barrel(
     >>> barrel("4 mm", "20 mm", "26 mm", "8 mm", 7).mean_diameter.value(3.5).round(6)
     np.float64(0.026)
     """
-    law = _pitch_law(total_coils, wire_diameter, pitch, closed_coils)
-    diameter = Parabola(_coil(end_mean_diameter), _coil(middle_mean_diameter), total_coils)
-    return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name, closed_coils)
+    wound = _wound(total_coils, wire_diameter, pitch, free_length, ends, closed_coils, lower_end, upper_end)
+    diameter = Parabola(_coil(end_mean_diameter), _coil(middle_mean_diameter), wound.total_coils)
+    return _spring(wound, diameter, material, name)
 
 
 def hourglass(
-    wire_diameter: Given, end_mean_diameter: Given, middle_mean_diameter: Given, pitch: Given, total_coils: float, *,
-    material: Material = OTEVA_90_SC, closed_coils: float = 1.0, lower_end: EndCoil | None = None,
+    wire_diameter: Given, end_mean_diameter: Given, middle_mean_diameter: Given, pitch: Given | None = None,
+    total_coils: float | None = None, *, free_length: Given | None = None, ends: EndKind | None = None,
+    material: Material = OTEVA_90_SC, closed_coils: float | None = None, lower_end: EndCoil | None = None,
     upper_end: EndCoil | None = None, name: str = "hourglass",
 ) -> SpringDefinition:  # fmt: skip
     """Hourglass spring: mean diameter parabolic from the ends to a slimmer middle.
@@ -141,10 +147,12 @@ def hourglass(
     Parameters
     ----------
     wire_diameter, end_mean_diameter, middle_mean_diameter : lengths (m, "4 mm" or a pint quantity)
-    pitch : rise of the wire's axis per turn, a length, between the closed turns
+    pitch : rise of the wire's axis per turn, a length, between the closed turns; or give the free length
     total_coils : all turns, tip to tip
+    free_length : length of the unloaded spring, in place of the pitch, which then follows
+    ends : "closed-ground" (the default), "closed", "open" or "open-ground", both ends; made as in textbooks where the free length is given
     material : of the wire, :class:`Material`
-    closed_coils : turns lying closed at either end; 0 for open ends
+    closed_coils : turns lying closed at either end, 1 where a pitch is given and nothing else said; 0 for open ends
     lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and ground, or open where ``closed_coils`` is 0
     name : word for the spring in messages and results
 
@@ -160,14 +168,15 @@ def hourglass(
     if _coil(middle_mean_diameter) >= _coil(end_mean_diameter):
         raise InputError("an hourglass spring is slimmer in the middle than at its ends; use barrel for the other way round")
     return barrel(
-        wire_diameter, end_mean_diameter, middle_mean_diameter, pitch, total_coils, material=material,
+        wire_diameter, end_mean_diameter, middle_mean_diameter, pitch, total_coils, free_length=free_length, ends=ends, material=material,
         closed_coils=closed_coils, lower_end=lower_end, upper_end=upper_end, name=name,
     )  # fmt: skip
 
 
 def beehive(
-    wire_diameter: Given, mean_diameter: Given, top_mean_diameter: Given, taper_from_coil: float, pitch: Curve | Given, total_coils: float,
-    *, material: Material = OTEVA_90_SC, lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "beehive",
+    wire_diameter: Given, mean_diameter: Given, top_mean_diameter: Given, taper_from_coil: float, pitch: Curve | Given | None = None,
+    total_coils: float | None = None, *, free_length: Given | None = None, ends: EndKind | None = None, material: Material = OTEVA_90_SC,
+    lower_end: EndCoil | None = None, upper_end: EndCoil | None = None, name: str = "beehive",
 ) -> SpringDefinition:  # fmt: skip
     """Beehive spring: cylindrical up to a coil number, then tapering linearly.
 
@@ -175,8 +184,10 @@ def beehive(
     ----------
     wire_diameter, mean_diameter, top_mean_diameter : lengths (m, "4 mm" or a pint quantity)
     taper_from_coil : coil number (turns from the lower tip) from which the mean diameter falls to ``top_mean_diameter``
-    pitch : curve over the coil number (m per turn), or a length, which holds between one closed turn at either end
+    pitch : curve over the coil number (m per turn), or a length, which holds between one closed turn at either end; or give the free length
     total_coils : all turns, tip to tip
+    free_length : length of the unloaded spring, in place of the pitch, which then follows
+    ends : "closed-ground" (the default), "closed", "open" or "open-ground", both ends; made as in textbooks where the free length is given
     material : of the wire, :class:`Material`
     lower_end, upper_end : :class:`EndCoil`, how the ends meet their seats; left out, closed and ground
     name : word for the spring in messages and results
@@ -190,9 +201,10 @@ def beehive(
     >>> beehive("3.8 mm", "22 mm", "18 mm", 4, "7 mm", 7).mean_diameter.value(7.0).round(6)
     np.float64(0.018)
     """
-    diameter = PiecewiseLinear((0.0, taper_from_coil, total_coils), (_coil(mean_diameter), _coil(mean_diameter), _coil(top_mean_diameter)))
-    law = _pitch_law(total_coils, wire_diameter, pitch, 1.0)
-    return _spring(wire_diameter, diameter, law, total_coils, material, lower_end, upper_end, name)
+    wound = _wound(total_coils, wire_diameter, pitch, free_length, ends, None, lower_end, upper_end)
+    full, top = _coil(mean_diameter), _coil(top_mean_diameter)
+    diameter = PiecewiseLinear((0.0, taper_from_coil, wound.total_coils), (full, full, top))
+    return _spring(wound, diameter, material, name)
 
 
 def variable_pitch(
@@ -220,30 +232,59 @@ def variable_pitch(
     >>> variable_pitch("3.8 mm", "22 mm", law, 7).total_coils
     7
     """
-    law = _pitch_law(total_coils, wire_diameter, pitch, 1.0)
-    return _spring(wire_diameter, Constant(_coil(mean_diameter)), law, total_coils, material, lower_end, upper_end, name)
+    wound = _wound(total_coils, wire_diameter, pitch, None, None, None, lower_end, upper_end)
+    return _spring(wound, Constant(_coil(mean_diameter)), material, name)
 
 
 def _coil(mean_diameter: Given) -> float:
     return si(mean_diameter, "mean_diameter", "mean diameter")
 
 
-def _pitch_law(total_coils: float, wire_diameter: Given, pitch: Curve | Given, closed_coils: float) -> Curve:
-    if not (np.isfinite(closed_coils) and closed_coils >= 0):
+class _Wound(NamedTuple):
+    """What the turns of a spring come to: wire diameter (m), turns, pitch law (m per turn) and both ends."""
+
+    wire: float
+    total_coils: float
+    pitch: Curve
+    lower: EndCoil
+    upper: EndCoil
+
+
+def _wound(
+    total_coils: float | None, wire_diameter: Given, pitch: Curve | Given | None, free_length: Given | None, ends: EndKind | None,
+    closed_coils: float | None, lower: EndCoil | None, upper: EndCoil | None,
+) -> _Wound:  # fmt: skip
+    if total_coils is None:
+        raise InputError("total_coils is missing; give all turns of the wire, tip to tip")
+    if (pitch is None) == (free_length is None):
+        raise InputError("a spring is wound to a pitch or to a free length; give pitch or free_length, one of them")
+    if closed_coils is not None and not (np.isfinite(closed_coils) and closed_coils >= 0):
         raise InputError(f"closed_coils is {closed_coils:g}; give the turns that lie closed at either end, 0 for open ends")
-    if isinstance(pitch, Curve):
-        return pitch
-    if closed_coils == 0:
-        return Constant(si(pitch, "pitch", "pitch"))
-    return pitch_with_closed_ends(total_coils, wire_diameter, pitch, closed_coils, closed_coils)
+    if ends is not None and (closed_coils is not None or lower is not None or upper is not None):
+        raise InputError(
+            "ends speaks for both ends, so closed_coils, lower_end and upper_end may contradict it; leave one or the other out"
+        )
+    wire = si(wire_diameter, "wire_diameter", "wire_diameter")
+    if free_length is not None:
+        if closed_coils:
+            raise InputError("closed_coils goes with a pitch; with a free length say how the ends are made by ends, lower_end or upper_end")
+        both: EndKind = ends or ("open" if closed_coils == 0 else "closed-ground")
+        length = si(free_length, "spring_length", "free_length")
+        return _Wound(wire, total_coils, *wind(total_coils, Constant(wire), length, lower or both, upper or both))
+    assert pitch is not None
+    if ends is not None:
+        lower = upper = EndCoil(ends)
+        closed_coils = 1.0 if is_closed(ends) else 0.0
+    closed = 1.0 if closed_coils is None else closed_coils
+    usual = CLOSED_GROUND if closed > 0 else OPEN_END
+    law = pitch if isinstance(pitch, Curve) else Constant(si(pitch, "pitch", "pitch")) if closed == 0 else None
+    return _Wound(
+        wire, total_coils, law or pitch_with_closed_ends(total_coils, wire, pitch, closed, closed), lower or usual, upper or usual
+    )
 
 
-def _spring(
-    wire_diameter: Given, diameter: Curve, pitch: Curve, total_coils: float, material: Material,
-    lower_end: EndCoil | None, upper_end: EndCoil | None, name: str, closed_coils: float = 1.0,
-) -> SpringDefinition:  # fmt: skip
-    usual = CLOSED_GROUND if closed_coils > 0 else OPEN_END
+def _spring(wound: _Wound, diameter: Curve, material: Material, name: str) -> SpringDefinition:
     return SpringDefinition(
-        wire_diameter=Constant(si(wire_diameter, "wire_diameter", "wire_diameter")), mean_diameter=diameter, pitch=pitch,
-        total_coils=total_coils, material=material, lower_end=lower_end or usual, upper_end=upper_end or usual, name=name,
+        wire_diameter=Constant(wound.wire), mean_diameter=diameter, pitch=wound.pitch, total_coils=wound.total_coils, material=material,
+        lower_end=wound.lower, upper_end=wound.upper, name=name,
     )  # fmt: skip

@@ -36,10 +36,11 @@ def defaults_page() -> str:
 
 def _sections() -> Iterator[tuple[str, list[str]]]:
     wire = schema_installed.WireBlock
-    kinds = ((kind, EndModel(kind=kind).build()) for kind in ("closed-ground", "closed", "open"))
+    kinds = ((kind, EndModel(kind=kind).build()) for kind in ("closed-ground", "closed", "open", "open-ground"))
     yield "A spring: `[spring]`, `[[train.springs.SET]]`", [*_rows(wire), *(_end_row(kind, end) for kind, end in kinds)]
     yield "`damping` of a spring", _rows(schema_installed.DampingModel)
     yield "`contact` of a spring's coils", _rows(schema_installed.CoilContactModel)
+    yield "`guide` of a wire", _rows(schema_installed.GuideModel)
     for word in registry.BUILT_IN["springs"]:
         yield f"`options.{word}` of a spring", _rows(options_table(word))
     yield "`[rubbing]`, `[train.rubbing]`", _rows(schema_installed.RubbingModel)

@@ -10,10 +10,14 @@ from typing import Any, Literal
 from valvetrain.errors import InputError
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.damping import DampingParameters
+from valvetrain.parameters.guide import Guide
 from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.spring_options import options_problem
 from valvetrain.units import keep_si
+
+#: Ways a retainer stands about the axis.
+ROTATIONS = ("fixed", "free")
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +43,9 @@ class InstalledSpring:
     ``precompression`` (m): shortening from the free length with the valve closed (a wire's; a card's is preload / rate).
     ``seats``: ``planes`` where end coils may touch flat seats beyond their inactive turns, ``clamps`` where nothing but the inactive
     ends is touched. ``options``: spring-model word -> keyword arguments of that model's options. ``tied``: a source's own spring whose
-    ends never leave seat and retainer, so that it also pulls. Raises :class:`InputError` for a spring that would be stretched or solid
+    ends never leave seat and retainer, so that it also pulls. ``guide``: bore or rod that keeps a wire straight; springs that only move
+    along their axis need none and do not feel it. ``retainer_rotation``: whether the retainer may turn about the axis at rest, which a
+    wire alone feels. Raises :class:`InputError` for a spring that would be stretched or solid
     as installed.
     """
 
@@ -51,6 +57,8 @@ class InstalledSpring:
     contact: CoilContact = CoilContact()
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=FrozenMapping)
     tied: bool = False
+    guide: Guide | None = None
+    retainer_rotation: Literal["fixed", "free"] = "fixed"
 
     def __post_init__(self) -> None:
         keep_si(self, "an installed spring", precompression="compression")
@@ -70,6 +78,14 @@ class InstalledSpring:
             object.__setattr__(self, "precompression", self.card.preload / self.card.rate)
         if self.wire is not None:
             self.wire.refuse_solid(self.precompression)
+        if self.retainer_rotation not in ROTATIONS:
+            raise InputError(f"retainer_rotation '{self.retainer_rotation}' of spring '{self.name}' is unknown; use fixed or free")
+        if self.guide is not None:
+            if self.wire is None:
+                raise InputError(
+                    f"spring '{self.name}' is known by its card, so it cannot lean on a guide; remove the guide or give its wire"
+                )
+            self.guide.check_fit(self.wire)
 
     @property
     def name(self) -> str:

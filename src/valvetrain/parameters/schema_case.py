@@ -15,6 +15,7 @@ from valvetrain.parameters.schema_installed import RubbingModel, SpringField
 from valvetrain.parameters.schema_lift import LiftField
 from valvetrain.parameters.schema_published import PublishedModel
 from valvetrain.parameters.schema_types import StrictModel, guarded, placed, problem, quantities, quantity
+from valvetrain.parameters.train_card import with_cam_card
 from valvetrain.parameters.train_schema import TrainModel
 from valvetrain.units import si
 
@@ -83,7 +84,7 @@ class CaseModel(StrictModel):
             rubbing=self.rubbing.build(),
             lift_law=placed("lift_law", self.lift_law.parameters, folder) if self.lift_law else None,
             operation=placed("operation", self.operation.build),
-            train=placed("train", self.train.build) if self.train is not None else None,
+            train=placed("train", with_cam_card(self.train, self.lift_law).build) if self.train is not None else None,
             published=tuple(value for group in published for value in group),
             notes=notes,
             sources=tuple(self.sources),

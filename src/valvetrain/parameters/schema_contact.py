@@ -10,7 +10,7 @@ from pydantic import Field, PlainValidator
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.changes import nearest
-from valvetrain.parameters.schema_types import Force, Length, Ratio, StrictModel, guarded, problem, quantity, validate_as
+from valvetrain.parameters.schema_types import Force, Length, Ratio, StrictModel, guarded, placed, problem, quantity, validate_as
 from valvetrain.parameters.train import ContactParameters
 from valvetrain.units import dimension_powers
 
@@ -19,6 +19,8 @@ ContactStiffness = Annotated[float, quantity(None)]
 ContactDamping = Annotated[float, quantity(None)]
 Velocity = Annotated[float, quantity("velocity")]
 
+#: In place of a table, or of all tables: a contact of steel parts of usual size (:mod:`valvetrain.parameters.steel_contacts`).
+STEEL = "steel"
 #: Of steel on steel, where a law needs a loss and the table gives none.
 RESTITUTION = 0.7
 
@@ -47,8 +49,10 @@ class ContactTable(StrictModel):
 
 
 def _read_contact(raw: Any) -> ContactParameters:
+    if raw == STEEL:
+        return ContactParameters(STEEL)
     if not isinstance(raw, dict) or not isinstance(raw.get("law"), str):
-        raise problem("a contact needs its law, such as law = 'impact'")
+        raise problem(f"a contact needs its law, such as law = 'impact', or the word '{STEEL}'")
     law = raw["law"]
     if law not in registry.words("contacts"):
         raise problem(f"contact law '{law[:40]}' is unknown; {nearest(law, registry.words('contacts'))}", ("law",))
@@ -91,3 +95,20 @@ def written_for(raw: Mapping[str, Any]) -> dict[str, Any]:
 
 
 ContactField = Annotated[ContactParameters, PlainValidator(_read_contact)]
+
+
+def _read_contacts(raw: Any) -> dict[str, ContactParameters]:
+    """Contacts by place; the word alone, or of the place ``others``, stands for every place not named (kept under '')."""
+    if raw == STEEL:
+        return {"": ContactParameters(STEEL)}
+    if not isinstance(raw, dict):
+        raise problem(f"a table of places is needed here, such as [train.contacts.cam], or contacts = '{STEEL}'")
+    found = {place: placed(place, _read_contact, table) for place, table in raw.items()}
+    if (rest := found.pop("others", None)) is not None:
+        if rest.law != STEEL:
+            raise problem(f"others stands for the places not named and can be '{STEEL}' only; name the place", ("others",))
+        found[""] = rest
+    return found
+
+
+ContactsField = Annotated[dict[str, ContactParameters], PlainValidator(_read_contacts)]

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PlainValidator
 
 from valvetrain.parameters.damping import DEFAULT_STIFFNESS_SHARE, DampingParameters
+from valvetrain.parameters.guide import GUIDE_STIFFNESS, Guide
 from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring, Rubbing
 from valvetrain.parameters.schema_spring import SpringCardModel, SpringModel
 from valvetrain.parameters.schema_types import (
@@ -27,9 +28,12 @@ from valvetrain.parameters.schema_types import (
 from valvetrain.parameters.spring_options import options_problem, options_table
 
 _CONTACT, _RUBBING = CoilContact(), Rubbing()
-_CARD_KEYS = set(SpringCardModel.model_fields) - {"name", "installed_height"}
+#: Keys that a card alone has, and a wire alone; a wire_diameter says nothing, for a card may have one for its mass.
+_CARD_KEYS = set(SpringCardModel.model_fields) - set(SpringModel.model_fields) - {"installed_height"}
+_WIRE_KEYS = set(SpringModel.model_fields) - set(SpringCardModel.model_fields)
 
 LineStiffness = Annotated[float, quantity("line stiffness", low=0.0)]
+PositiveLineStiffness = Annotated[float, quantity("line stiffness", low=0.0, open_low=True)]
 NormalForce = Annotated[float, quantity("force", low=0.0)]
 
 
@@ -57,6 +61,19 @@ class CoilContactModel(StrictModel):
         default=_CONTACT.stiffness, description="stiffness per length of wire; 0: coils pass through each other"
     )
     damping_time: Time = Field(default=_CONTACT.damping_time, description="damping over stiffness")
+
+
+class GuideModel(StrictModel):
+    """The ``guide`` of a wire: what keeps it straight."""
+
+    bore: PositiveLength | None = Field(default=None, description="inner diameter of a bore around the spring; without it none")
+    rod: PositiveLength | None = Field(default=None, description="outer diameter of a rod inside the spring; without it none")
+    stiffness: PositiveLineStiffness = Field(default=GUIDE_STIFFNESS, description="stiffness of the contact per length of wire")
+
+    def build(self) -> Guide:
+        """The guide; refuses one without any wall."""
+        made: Guide = guarded(lambda: Guide(**self.model_dump()))
+        return made
 
 
 class RubbingModel(StrictModel):
@@ -89,6 +106,8 @@ class WireBlock(SpringModel):
     seats: Literal["planes", "clamps"] = Field(default="planes", description="flat seats, or nothing but the fixed inactive ends")
     damping: DampingModel = DampingModel()
     contact: CoilContactModel = CoilContactModel()
+    retainer_rotation: Literal["fixed", "free"] = Field(default="fixed", description="whether the retainer may turn about the axis at rest")
+    guide: GuideModel | None = Field(default=None, description="bore or rod that keeps the spring straight")
     options: Options = Field(default_factory=dict)
 
     def installed(self, name: str) -> InstalledSpring:
@@ -104,7 +123,12 @@ class WireBlock(SpringModel):
         room = wire.free_length - wire.solid_height
         if compression >= room:
             raise problem(f"the spring is solid before this compression; it has {room * 1e3:.4g} mm of room: compress it less", (given,))
-        return _assembled(self, wire=wire, precompression=compression, seats=self.seats)
+        guide = None if self.guide is None else placed("guide", self.guide.build)
+        if guide is not None:
+            placed("guide", guarded, lambda: guide.check_fit(wire))
+        return _assembled(
+            self, wire=wire, precompression=compression, seats=self.seats, guide=guide, retainer_rotation=self.retainer_rotation
+        )
 
 
 class CardBlock(SpringCardModel):
@@ -160,7 +184,7 @@ def _read_blocks(raw: Any) -> SpringBlocks:
 def _read_block(entry: Any, path: tuple[int, ...]) -> WireBlock | CardBlock:
     if not isinstance(entry, dict):
         raise problem("a spring is a table: its wire (wire_diameter and so on) or its card (preload, rate)", path)
-    by_card = "wire_diameter" not in entry and any(key in _CARD_KEYS for key in entry)
+    by_card = any(key in _CARD_KEYS for key in entry) and not ("wire_diameter" in entry and any(key in _WIRE_KEYS for key in entry))
     return validate_as(CardBlock, entry, path) if by_card else validate_as(WireBlock, entry, path)
 
 

@@ -8,7 +8,7 @@ from pydantic import PlainValidator
 
 from valvetrain.parameters.schema_types import AngularSpeed, StrictModel, guarded, placed, problem, validate_as
 from valvetrain.solution.definition import definition_of
-from valvetrain.solution.record import PublishedValue
+from valvetrain.solution.record import PublishedValue, Role
 from valvetrain.units import dimension_of, parse_quantity
 
 
@@ -18,12 +18,15 @@ def dimension_of_quantity(name: str) -> str | None:
 
 
 class ValueModel(StrictModel):
-    """One number, with how firmly it is stated and how near a computed one should be."""
+    """One number, with how firmly it is stated, how near a computed one should be, and what it was used for."""
 
     value: Any
     relation: Literal["equal", "about", "at-most", "at-least"] = "equal"
     tolerance: Any = None
     origin: str = ""
+    role: Role | None = None
+    used_for: str = ""
+    doubt: str = ""
 
     def read(self, quantity: str) -> tuple[float, str, float | None]:
         """SI value, the unit it was written in and the SI tolerance (given in percent or in the same dimension)."""
@@ -50,7 +53,7 @@ class PublishedModel(StrictModel):
     """One group of published values."""
 
     model: str
-    role: Literal["calibration", "prediction"]
+    role: Role
     source: str
     origin: str = ""
     engine_speed: AngularSpeed | None = None
@@ -67,12 +70,14 @@ class PublishedModel(StrictModel):
                     value=value,
                     unit=unit,
                     origin=entry.origin or self.origin,
-                    role=self.role,
+                    role=entry.role or self.role,
                     engine_speed=self.engine_speed,
                     model=self.model,
                     source=self.source,
                     tolerance=tolerance,
                     relation=entry.relation,
+                    used_for=entry.used_for,
+                    doubt=entry.doubt,
                 )
             )
         return tuple(values)

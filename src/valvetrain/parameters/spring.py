@@ -12,12 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Array, Constant, Curve
 from valvetrain.parameters.material import Material
-from valvetrain.parameters.spring_checks import check_spring
+from valvetrain.parameters.spring_checks import check_spring, refuse_lost_tip
 from valvetrain.units import si
 
-EndKind = Literal["closed-ground", "closed", "open"]
+EndKind = Literal["closed-ground", "closed", "open", "open-ground"]
 #: Kind -> inactive and ground turns where none are given.
-_USUAL_TURNS: dict[str, tuple[float, float]] = {"closed-ground": (0.75, 0.75), "closed": (0.75, 0.0), "open": (0.0, 0.0)}
+_USUAL_TURNS: dict[str, tuple[float, float]] = {
+    "closed-ground": (0.75, 0.75), "closed": (0.75, 0.0), "open": (0.0, 0.0), "open-ground": (0.5, 0.25),
+}  # fmt: skip
 #: Stands for the usual turns of the kind; told by identity, so that another nan is still refused.
 _AS_USUAL = float("nan")
 
@@ -28,7 +30,7 @@ class EndCoil:
 
     ``inactive_coils``: turns of wire bonded to the seat (they move with it; the rod starts where they end).
     ``ground_coils``: turns over which the wire is ground flat; the seat plane touches the full wire there. Left out, both follow from
-    the kind, as in a case file: 0.75 and 0.75 closed and ground, 0.75 and 0 closed, none open.
+    the kind, as in a case file: 0.75 and 0.75 closed and ground, 0.75 and 0 closed, none open, 0.5 and 0.25 open and ground.
     Raises :class:`InputError` for an unknown kind and turns outside 0 to 3.
 
     >>> EndCoil("open").inactive_coils
@@ -40,8 +42,8 @@ class EndCoil:
     ground_coils: float = _AS_USUAL
 
     def __post_init__(self) -> None:
-        if self.kind not in ("closed-ground", "closed", "open"):
-            raise InputError(f"end coil kind '{self.kind}' is unknown; use closed-ground, closed or open")
+        if self.kind not in _USUAL_TURNS:
+            raise InputError(f"end coil kind '{self.kind}' is unknown; use {', '.join(_USUAL_TURNS)}")
         for name, turns in zip(("inactive_coils", "ground_coils"), _USUAL_TURNS[self.kind], strict=True):
             if getattr(self, name) is _AS_USUAL:
                 object.__setattr__(self, name, turns)
@@ -74,11 +76,14 @@ class SpringDefinition:
     def __post_init__(self) -> None:
         for place in ("lower_end", "upper_end"):
             if not isinstance(getattr(self, place), EndCoil):
-                raise InputError(f"{place} of spring '{self.name}' is no EndCoil; write EndCoil('closed-ground'), 'closed' or 'open'")
+                raise InputError(f"{place} of spring '{self.name}' is no EndCoil; write EndCoil('closed-ground') or another kind")
         for key in ("wire_diameter", "mean_diameter", "pitch"):
             if not isinstance(law := getattr(self, key), Curve):
                 object.__setattr__(self, key, Constant(si(law, key, f"{key} of spring '{self.name}'")))
         check_spring(self)
+        for end, tip in ((self.lower_end, 0.0), (self.upper_end, self.total_coils)):
+            if isinstance(self.pitch, Constant):
+                refuse_lost_tip(self.name, end.kind, end.ground_coils, self.pitch.level, float(self.wire_diameter.value(tip)))
 
     def replace(self, **changes: Any) -> SpringDefinition:
         """A copy with the named fields changed."""
@@ -213,10 +218,15 @@ class SpringDefinition:
                 f"{self.solid_compression * 1e3:.4g} mm; choose a height between solid and free"
             )
 
+    def solid_rise(self, coil: ArrayLike) -> Array:
+        """Rise per turn (m) of the wire axis where every coil lies on the one below, or beside it."""
+        coil = np.asarray(coil, dtype=float)
+        wire, (first, last) = self.wire_diameter.value(coil), (0.0, self.total_coils)
+        low, high = (self.mean_diameter.value(np.clip(coil + away, first, last)) / 2 for away in (-0.5, 0.5))
+        rise = np.sqrt(np.maximum(wire**2 - (high - low) ** 2, 0.0))
+        found: Array = np.minimum(rise, np.maximum(self.pitch.value(coil), 0.0))
+        return found
+
     def _solid_axis(self, coil: Array) -> Array:
-        wire = self.wire_diameter.value(coil)
-        radius = self.mean_diameter.value(coil) / 2
-        shift = np.interp(coil + 0.5, coil, radius) - np.interp(coil - 0.5, coil, radius)
-        rise = np.sqrt(np.maximum(wire**2 - shift**2, 0.0))
-        rise = np.minimum(rise, np.maximum(self.pitch.value(coil), 0.0))
+        rise = self.solid_rise(coil)
         return np.concatenate(([0.0], np.cumsum(np.diff(coil) * (rise[1:] + rise[:-1]) / 2)))

@@ -90,6 +90,15 @@ def check_spring(spring: WireShape) -> None:
     )
 
 
+def refuse_lost_tip(name: str, kind: str, ground_coils: float, pitch: float, wire: float) -> None:
+    """Raise :class:`InputError` where grinding ``ground_coils`` turns at a constant ``pitch`` (m) takes all of the tip's ``wire`` (m)."""
+    if ground_coils * pitch > wire * (1 + 1e-9):
+        raise InputError(
+            f"spring '{name}' has a constant pitch of {pitch * 1e3:.4g} mm, so grinding {ground_coils:g} turns of its {kind} end takes the "
+            f"whole tip of the {wire * 1e3:.4g} mm wire; wind the end closed (pitch_with_closed_ends, or a free length), or grind less"
+        )
+
+
 def _refuse(bad: np.ndarray, coil: np.ndarray, spring: WireShape, reason: str) -> None:
     if np.any(bad):
         raise InputError(f"at coil {coil[np.argmax(bad)]:.2f} of spring '{spring.name}' the {reason}")

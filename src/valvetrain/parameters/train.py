@@ -22,7 +22,7 @@ class ContactParameters:
 
     ``friction_coefficient`` (0: none) of regularised Coulomb friction, which creeps below ``friction_velocity`` (m/s).
     ``stiffness_exponent`` n of the N/m**n and ``damping_unit`` (``N s/m`` or ``s/m``) in which the values are given, so that another law
-    can be named over them; None and empty: the units of the law named.
+    can be named over them; None and empty: the units of the law named. ``origin``: where values come from that the case does not give.
     """
 
     law: str = "linear"
@@ -31,6 +31,7 @@ class ContactParameters:
     friction_velocity: float = 0.01
     stiffness_exponent: float | None = None
     damping_unit: str = ""
+    origin: str = ""
 
     def __post_init__(self) -> None:
         _not_negative(self, "contact", "friction_coefficient")

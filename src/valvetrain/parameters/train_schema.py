@@ -7,7 +7,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from valvetrain.parameters.schema_contact import ContactField
+from valvetrain.parameters.schema_contact import ContactsField
 from valvetrain.parameters.schema_installed import RubbingModel, SpringField
 from valvetrain.parameters.schema_types import (
     Angle,
@@ -23,6 +23,7 @@ from valvetrain.parameters.schema_types import (
     placed,
     problem,
 )
+from valvetrain.parameters.steel_contacts import with_steel
 from valvetrain.parameters.train import (
     CamParameters,
     CrankParameters,
@@ -36,7 +37,7 @@ from valvetrain.parameters.train import (
     ValveParameters,
     check_kind,
 )
-from valvetrain.parameters.train_units import Damping, Forces, Friction, Gravity, Inertia, NotNegativeMass, Pair, Torque
+from valvetrain.parameters.train_units import Damping, Forces, Friction, Gravity, Inertia, LeverRatio, NotNegativeMass, Pair, Torque
 
 
 def _pair(numbers: tuple[float, ...], key: str) -> tuple[float, float]:
@@ -80,7 +81,8 @@ class LeverModel(StrictModel):
 
     pivot: Pair
     drive_arm: PositiveLength
-    valve_arm: PositiveLength
+    valve_arm: PositiveLength | None = Field(default=None, description="without it drive_arm times ratio")
+    ratio: LeverRatio | None = Field(default=None, description="valve_arm over drive_arm, as cards tell it; without it from valve_arm")
     inertia: Inertia
     valve_angle: Angle = Field(default=0.0, description="polar direction from the pivot to the tip, valve closed")
     drive_angle: Angle | None = Field(default=None, description="polar direction of the drive end; without it the base circle decides")
@@ -92,8 +94,16 @@ class LeverModel(StrictModel):
     tip_radius: Length = Field(default=0.0, description="of the arc on the stem, for friction")
 
     def build(self) -> LeverParameters:
-        """The lever of this table."""
-        return LeverParameters(**(self.model_dump() | {"pivot": _pair(self.pivot, "pivot")}))
+        """The lever of this table; refuses arms without a ratio, or with another one."""
+        own = self.model_dump() | {"pivot": _pair(self.pivot, "pivot")}
+        ratio, arm = own.pop("ratio"), self.valve_arm
+        if arm is None and ratio is None:
+            raise problem("the lever needs valve_arm, or ratio (valve_arm over drive_arm); add one", ("valve_arm",))
+        if arm is not None and ratio is not None and abs(arm / self.drive_arm / ratio - 1) > 0.005:
+            made = arm / self.drive_arm
+            raise problem(f"ratio {ratio:g} contradicts the arms, whose ratio is {made:.4g}; drop one of the three", ("ratio",))
+        own["valve_arm"] = self.drive_arm * ratio if arm is None else arm
+        return LeverParameters(**own)
 
 
 class PushrodModel(StrictModel):
@@ -193,7 +203,7 @@ class TrainModel(StrictModel):
     support: SupportModel | None = None
     crank: CrankModel | None = None
     gas: GasModel | None = None
-    contacts: dict[str, ContactField]
+    contacts: ContactsField
     springs: dict[str, SpringField]
     spring_set: str = Field(default="", description="set in use; without it the first")
     spring_model: str = Field(default="multi-mass", description="word of the spring model")
@@ -225,8 +235,9 @@ class TrainModel(StrictModel):
                     f"spring set '{variant.spring_set}' is unknown; the case holds {', '.join(self.springs)}",
                     ("variants", place, "spring_set"),
                 )
+        contacts = placed("contacts", with_steel, self.contacts, self.kind, parts["cam"])
         built: TrainParameters = guarded(
-            lambda: TrainParameters(contacts=self.contacts, springs=springs, variants=variants, **parts, **plain)
+            lambda: TrainParameters(contacts=contacts, springs=springs, variants=variants, **parts, **plain)
         )
         return built
 

@@ -34,13 +34,11 @@ def _pairs_of(solution: Solution, spring: str) -> PairSeries | None:
     name = solution.channel_of(spring, "coil_contact_force")
     if not solution.has(name, solution.channel_of(spring, "coil_gap")) or len(solution.time) < 2:
         return None
-    values = solution.channels[name]
-    label = next((label for label, axis in values.coords.items() if axis.dims == values.dims[1:]), None)
-    if label is None or values.shape[1] == 0:
+    places = solution.arrays.along(name)
+    if places is None or not len(places):
         return None
-    places = np.asarray(values.coords[label].values)
     order = np.argsort(places)
-    force = np.nan_to_num(np.asarray(values.values)[:, order])
+    force = np.nan_to_num(solution.channel(name)[:, order])
     gap = np.nan_to_num(solution.channel(solution.channel_of(spring, "coil_gap"))[:, order], nan=0.0, posinf=0.0)
     energy = 0.5 * force * np.maximum(-gap, 0.0)
     return PairSeries(solution.time, solution.cam_angle, np.arange(len(order)), places[order], force.T, energy.T)

@@ -42,7 +42,7 @@ def compare(
             Comparison(
                 quantity=value.quantity, engine_speed=value.engine_speed, model=label, origin=value.model, unit=value.unit,
                 published=value.value, computed=computed, difference=difference, role=value.role, tolerance=value.tolerance,
-                verdict=verdict(value, difference), source=value.source,
+                verdict=verdict(value, difference), source=value.source, used_for=value.used_for, doubt=value.doubt,
             )
         )  # fmt: skip
     return tuple(rows)
@@ -125,6 +125,8 @@ def verdict(value: PublishedValue, difference: float | None) -> str:
         beyond = difference if value.relation == "at-most" else -difference
         limit = value.relation.replace("-", " ")
         return f"stated as {limit}: " + (f"beyond by {_size(value, beyond)}" if beyond > 0 else _size(value, difference, signed=True))
+    if value.doubt:
+        return f"in doubt, {value.doubt}: differs by {_size(value, difference, signed=True)}"
     if value.tolerance is None:
         return f"differs by {_size(value, difference, signed=True)}"
     if abs(difference) <= value.tolerance * (1 + 1e-12):

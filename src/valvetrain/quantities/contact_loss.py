@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from valvetrain.mechanism.gaps import table_value
 from valvetrain.system.rigid_pose import RigidPoses
-from valvetrain.system.train_forces import gap_state
+from valvetrain.system.train_forces import gap_states
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
@@ -84,14 +85,11 @@ class RigidForces:
         loads[:, arrays.retainer] -= self.static_spring_force(lift)
         loads[:, system.mechanism.index(system.mechanism.valve)] += self.gas(cam_angle)
         inertia = -system.masses * (modes * acceleration[:, None] + self.poses.mode(tight, 1) * velocity[:, None] ** 2)
-        kept = [place for place, k in enumerate(self.active) if arrays.laws[k] >= 0]
-        cam, count = system.mechanism.interaction_index("cam"), len(cam_angle)
-        found, per_lift, per_angle = np.zeros((2, count, len(kept))), np.zeros(count), np.zeros(count)
-        for row, angle in enumerate(cam_angle.tolist()):
-            _, gradients, slopes = gap_state(system, positions[row], angle)
-            forces = np.linalg.lstsq(gradients[self.active].T, np.stack([loads[row], inertia[row]], axis=1), rcond=None)[0]
-            found[:, row], per_lift[row], per_angle[row] = forces[kept].T, -gradients[cam] @ modes[row], slopes[cam]
-        return ContactShares(found[0], found[1], per_lift, per_angle)
+        _, gradients, slopes = gap_states(system, positions, cam_angle)
+        forces = _solved(np.swapaxes(gradients[:, self.active], 1, 2), np.stack([loads, inertia], axis=2))
+        kept, cam = [place for place, k in enumerate(self.active) if arrays.laws[k] >= 0], system.mechanism.interaction_index("cam")
+        per_lift = -np.sum(gradients[:, cam] * modes, axis=1)
+        return ContactShares(forces[:, kept, 0], forces[:, kept, 1], per_lift, slopes[:, cam])
 
     def first_loss(self, cam_angle: Array) -> ContactLoss:
         """The lowest cam speed at which a contact is lost, found to the exact angle from a coarse search over ``cam_angle`` (S,) in rad.
@@ -142,19 +140,26 @@ class RigidForces:
         points = points[~np.isin(points, edges)]
         return points, np.searchsorted(edges, points)
 
-    def _openings(self, cam_angle: Array) -> list[float]:
+    def _openings(self, cam_angle: Array) -> Array:
         """Cam angles (rad) between those given where the valve leaves or meets its seat, by bisection."""
         motion = self.system.mechanism.kinematics
         ring = np.append(cam_angle, cam_angle[0] + 2 * np.pi)
         up = motion.valve_lift(ring) > 0
-        found = []
-        for place in np.flatnonzero(up[1:] != up[:-1]):
-            low, high = ring[place], ring[place + 1]
-            for _ in range(50):
-                middle = (low + high) / 2
-                low, high = (middle, high) if (motion.valve_lift(np.array([middle]))[0] > 0) == up[place] else (low, middle)
-            found.append(float(np.mod(high, 2 * np.pi)))
-        return found
+        places = np.flatnonzero(up[1:] != up[:-1])
+        low, high, before = ring[places], ring[places + 1], up[places]
+        for _ in range(50):
+            middle = (low + high) / 2
+            same = (motion.valve_lift(middle) > 0) == before
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        return np.asarray(np.mod(high, 2 * np.pi))
+
+
+def _solved(matrices: Array, sides: Array) -> Array:
+    """Least-squares answers (S, n, m) of systems (S, N, n): solved at once where they are square and regular, else by singular values."""
+    if matrices.shape[1] == matrices.shape[2]:
+        with suppress(np.linalg.LinAlgError):
+            return np.asarray(np.linalg.solve(matrices, sides), dtype=float)
+    return np.stack([np.linalg.lstsq(matrix, side, rcond=None)[0] for matrix, side in zip(matrices, sides, strict=True)])
 
 
 def _low_points(values: Array, segment: NDArray[np.int64]) -> list[int]:

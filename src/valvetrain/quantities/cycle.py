@@ -63,8 +63,9 @@ class Cycle:
         return bool(self.cam_angle[0] <= first + step and self.cam_angle[-1] >= last - step)
 
     def _places(self, name: str) -> Array:
-        dimension = self.solution.channels[name].dims[1]
-        return np.asarray(self.solution.channels["coil_number" if dimension == "wire_point" else "upper_coil"].values)
+        places = self.solution.arrays.along(name)
+        assert places is not None
+        return places
 
 
 def is_closed(solution: Solution) -> bool:

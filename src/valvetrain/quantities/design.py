@@ -7,6 +7,8 @@ import numpy as np
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.quantities.buckling import formula_compression
+from valvetrain.springs.stress import bergstraesser
 
 _SAMPLES = 4001
 
@@ -18,7 +20,35 @@ def design_quantities(spring: InstalledSpring) -> dict[str, float]:
         return card_quantities(spring.card) | room
     assert spring.wire is not None
     installed = {"installed_compression": spring.precompression, "installed_height": spring.wire.free_length - spring.precompression}
-    return definition_quantities(spring.wire) | installed | room
+    formula = formula_compression(spring.wire)
+    buckling = {} if formula is None else {"formula_buckling_compression": formula}
+    return definition_quantities(spring.wire) | solid_quantities(spring.wire) | installed | room | buckling
+
+
+def closing_quantities(spring: InstalledSpring) -> dict[str, float]:
+    """Of a wire, force and stress with all coils closed; nothing of a card."""
+    return {} if spring.wire is None else solid_quantities(spring.wire)
+
+
+def size_quantities(spring: InstalledSpring) -> dict[str, float]:
+    """Of a wire, the sizes beside which its static curve is read, and what closes it."""
+    if spring.wire is None:
+        return {}
+    names = ("free_length", "solid_height", "largest_pitch")
+    return {name: value for name, value in definition_quantities(spring.wire).items() if name in names} | solid_quantities(spring.wire)
+
+
+def solid_quantities(wire: SpringDefinition) -> dict[str, float]:
+    """Force (N) that closes the last coil, by torsion of the wire, and the largest shear (Pa) along the closed wire, by EN 13906-1.
+
+    A turn closes under (pitch - rise when closed) G d**4 / (8 D**3) and then twists no further; of a cylindrical spring of constant pitch
+    that is the theoretical force at solid, rate times compression to solid.
+    """
+    coil = np.linspace(*wire.free_coils, _SAMPLES)
+    diameter, mean, pitch = (law.value(coil) for law in (wire.wire_diameter, wire.mean_diameter, wire.pitch))
+    force = (pitch - wire.solid_rise(coil)) * wire.material.shear_modulus * diameter**4 / (8 * mean**3)
+    shear = bergstraesser(mean / diameter) * 8 * force * mean / (np.pi * diameter**3)
+    return {"solid_force": float(np.max(force)), "solid_nominal_shear_stress": float(np.max(shear))}
 
 
 def definition_quantities(spring: SpringDefinition) -> dict[str, float]:
@@ -29,6 +59,7 @@ def definition_quantities(spring: SpringDefinition) -> dict[str, float]:
     return {
         "total_coil_count": spring.total_coils, "active_coil_count": spring.active_coils, "free_length": spring.free_length,
         "solid_height": spring.solid_height, "solid_compression": spring.free_length - spring.solid_height,
+        "largest_pitch": float(np.max(spring.pitch.value(coil))),
         "wire_length": spring.wire_length, "wire_mass": spring.mass, "smallest_index_ratio": float(np.min(index)),
         "largest_index_ratio": float(np.max(index)), "largest_outer_diameter": float(np.max(spring.outer_diameter(coil))),
         "smallest_inner_diameter": float(np.min(spring.mean_diameter.value(coil) - spring.wire_diameter.value(coil))),

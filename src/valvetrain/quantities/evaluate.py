@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from valvetrain import registry
@@ -16,7 +14,9 @@ from valvetrain.quantities.main_clash import find_clash_window, main_clash_quant
 from valvetrain.quantities.spectrum import surge_quantities
 from valvetrain.quantities.stress import stress_quantities, with_wire_stress
 from valvetrain.quantities.train_events import LOGGED, RigidCycle, rigid_cycle, train_events
-from valvetrain.quantities.train_numbers import counted_quantities, train_quantities
+from valvetrain.quantities.train_numbers import counted_quantities, margin_quantities, train_quantities
+from valvetrain.quantities.valve_events import run_events
+from valvetrain.solution.arrays import Variable
 from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
 
@@ -43,7 +43,8 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
     found = _whole_cycle(cycle, frame, events) if cycle.whole else {}
     found |= energy_quantities(solution) | counted_quantities(solution)
     if rigid is not None:
-        found |= train_quantities(solution, rigid, events)
+        assert frame.rigid is not None
+        found |= train_quantities(solution, rigid, events) | run_events(solution, events) | margin_quantities(frame.rigid)
     done = _with_rigid(solution, rigid).with_found(events, found)
     if not frame.source:
         return done
@@ -83,7 +84,7 @@ def _with_rigid(solution: Solution, rigid: RigidCycle | None) -> Solution:
     if rigid is None:
         return solution
     added = {
-        name: (("sample",), getattr(rigid, column), {"units": unit, "long_name": words})
+        name: Variable(("sample",), getattr(rigid, column), {"units": unit, "long_name": words})
         for name, (column, unit, words) in RIGID_CHANNELS.items()
     }
-    return replace(solution, channels=solution.channels.assign(added))
+    return solution.with_channels(added)

@@ -70,6 +70,16 @@ def fine_series(solution: Solution, channel: str = "seat_force") -> tuple[Array,
     return time.ravel(), angle.ravel(), fine.ravel()
 
 
+def extreme_series(solution: Solution, channel: str, kind: str) -> tuple[Array, Array]:
+    """Cam angle (rad, unwrapped) and value of the ``kind`` (``highest`` or ``lowest``) force on every step, one per sample interval, or
+    :func:`fine_series` where the run does not tell."""
+    name = f"{channel}_{kind}"
+    if not solution.has(name):
+        return fine_series(solution, channel)[1:]
+    time, angle = solution.time, solution.cam_angle
+    return np.interp(solution.channel(f"{name}_time")[:-1], time, angle), solution.channel(name)[:-1]
+
+
 def fine_filtered(solution: Solution, cutoff_frequency: float, channel: str = "seat_force") -> Array | None:
     """Values of :func:`fine_series` below ``cutoff_frequency`` (Hz); None when the samples do not allow it."""
     time, _, values = fine_series(solution, channel)

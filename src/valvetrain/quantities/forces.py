@@ -6,7 +6,7 @@ import numpy as np
 
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Array, Cycle
-from valvetrain.quantities.filters import BANDWIDTHS, fine_filtered, fine_series
+from valvetrain.quantities.filters import BANDWIDTHS, extreme_series, fine_filtered, fine_series
 
 #: Channel of an end force -> the word of it in a quantity's name.
 END_FORCES = {"seat_force": "spring_force", "retainer_force": "retainer_force"}
@@ -17,6 +17,14 @@ def fine_of_cycle(cycle: Cycle, channel: str) -> tuple[Array, Array]:
     _, angle, values = fine_series(cycle.solution, channel)
     mine, begin = within_cycle(cycle, angle)
     return angle[mine] - begin, values[mine]
+
+
+def extreme_of_cycle(cycle: Cycle, channel: str, kind: str) -> tuple[float, float]:
+    """The ``highest`` or ``lowest`` value of a force over the cycle, on every step where the run tells, and its cam angle (rad, from 0)."""
+    angle, values = extreme_series(cycle.solution, channel, kind)
+    mine, begin = within_cycle(cycle, angle)
+    place = int(np.argmax(values[mine]) if kind == "highest" else np.argmin(values[mine]))
+    return float(values[mine][place]), float(angle[mine][place] - begin)
 
 
 def within_cycle(cycle: Cycle, cam_angle: Array) -> tuple[slice, float]:
@@ -32,11 +40,10 @@ def force_quantities(cycle: Cycle) -> dict[str, float]:
     for channel, word in END_FORCES.items():
         if not solution.has(channel):
             continue
-        angle, force = fine_of_cycle(cycle, channel)
-        for kind, place in (("peak", int(np.argmax(force))), ("minimum", int(np.argmin(force)))):
-            found[f"{kind}_{word}"] = float(force[place])
+        for kind, side in (("peak", "highest"), ("minimum", "lowest")):
+            found[f"{kind}_{word}"], angle = extreme_of_cycle(cycle, channel, side)
             if channel == "seat_force":
-                found[f"{kind}_{word}_cam_angle"] = float(angle[place])
+                found[f"{kind}_{word}_cam_angle"] = angle
     if solution.has("seat_force"):
         mine, _ = within_cycle(cycle, fine_series(solution)[1])
         for bandwidth in BANDWIDTHS:
@@ -51,8 +58,7 @@ def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:
     name = cycle.solution.channel_of(spring, "seat_force")
     if not cycle.solution.has(name):
         return None
-    _, force = fine_of_cycle(cycle, name)
-    return float(np.min(force)), float(np.max(force))
+    return extreme_of_cycle(cycle, name, "lowest")[0], extreme_of_cycle(cycle, name, "highest")[0]
 
 
 def lift_quantities(cycle: Cycle, springs: tuple[InstalledSpring, ...]) -> dict[str, float]:

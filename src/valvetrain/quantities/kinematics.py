@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from valvetrain.mechanism.contour import curvature_radius_flat, curvature_radius_round
 from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_ROUND
+from valvetrain.mechanism.rigid import RigidKinematics
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.quantities.contact_loss import ContactLoss, ContactShares, RigidForces
 from valvetrain.system.rigid_pose import RigidPoses, rigid_poses
@@ -46,6 +47,7 @@ class RigidMotion:
     ``spring_force``, ``weight`` (N): of the springs at rest and of gravity, at the valve. ``inertia``: inertia force at the valve per cam
     speed squared. ``gas`` (N): its force on the valve, opening positive. ``forces``: of every contact, ``shares`` at the cam angles.
     ``geometry``: columns of the cam contact, with ``sliding_velocity`` per cam speed and ``pressure_root`` (Pa per sqrt N).
+    ``kinematics``: the rigid chain itself.
     """
 
     cam_angle: Array
@@ -59,6 +61,7 @@ class RigidMotion:
     forces: RigidForces
     shares: ContactShares
     geometry: Mapping[str, Array]
+    kinematics: RigidKinematics
 
     def table(self, cam_speed: float) -> RigidTable:
         """Kinematics and quasi-statics at ``cam_speed`` (rad/s)."""
@@ -109,7 +112,7 @@ def rigid_motion(
     inertia = _inertia(poses, tight, derivatives[1], derivatives[2])
     return RigidMotion(
         angle, float(motion.maximum_lift), derivatives, poses.mass(tight), static(lift), poses.weight(tight), forces.gas(angle), inertia,
-        forces, forces.shares(angle), geometry,
+        forces, forces.shares(angle), geometry, motion,
     )  # fmt: skip
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from valvetrain.quantities.cycle import Array, Cycle
-from valvetrain.quantities.filters import BANDWIDTHS, fine_filtered, fine_series
+from valvetrain.quantities.filters import BANDWIDTHS, extreme_series, fine_filtered, fine_series
 from valvetrain.quantities.forces import within_cycle
 from valvetrain.quantities.peaks import Index, prominent_peaks
 from valvetrain.solution.study import LiftEvent
@@ -88,7 +88,7 @@ def main_clash_quantities(cycle: Cycle, window: ClashWindow) -> dict[str, float]
     inside = np.flatnonzero((force.cam_angle >= window.first) & (force.cam_angle <= window.last))
     if len(inside) < 5:
         return {}
-    found = {"main_clash_peak_force": float(np.max(force.raw[inside]))}
+    found = {"main_clash_peak_force": max(float(np.max(force.raw[inside])), _on_every_step(cycle, window))}
     for bandwidth, values in force.filtered.items():
         found[f"main_clash_below_{bandwidth / 1e3:.0f}_khz_peak_force"] = float(np.max(values[inside]))
     found["main_clash_cam_angle"] = _vertex(force.cam_angle, force.filtered[FINDING_BANDWIDTH], inside)
@@ -112,6 +112,14 @@ def _force(cycle: Cycle) -> _Force | None:
     if not np.any(closed):  # a valve that never comes to its seat has no force to count a spike from
         return None
     return _Force(time[mine], within, raw[mine], parts, float(np.mean(raw[mine][closed])))
+
+
+def _on_every_step(cycle: Cycle, window: ClashWindow) -> float:
+    """Largest seat force (N) of every step within ``window``."""
+    angle, values = extreme_series(cycle.solution, "seat_force", "highest")
+    mine, begin = within_cycle(cycle, angle)
+    inside = (angle[mine] - begin >= window.first) & (angle[mine] - begin <= window.last)
+    return float(np.max(values[mine][inside], initial=-np.inf))
 
 
 def _vertex(angle: Array, values: Array, inside: Index) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from inspect import getdoc
 
-from valvetrain.quantities.table import AT_REST, RUNS, SWEEP, TRAINS
+from valvetrain.quantities.table import AT_REST, EVENTS, RUNS, SCATTER, SWEEP, TRAINS
 from valvetrain.registry import BUILT_IN
 from valvetrain.solution.definition import QuantityRow, tables
 
@@ -31,6 +31,8 @@ _GROUPS: tuple[tuple[str, str, tuple[QuantityRow, ...]], ...] = (
     ("At rest", "Of springs and lift before anything runs; estimates hold for the free state.", AT_REST),
     ("Runs", "Of a run, for a spring under prescribed motion and for springs in a train.", RUNS),
     ("Trains", 'Of one steady cycle of a train. "Open" means that the rigid lift is above a tenth of its maximum.', TRAINS),
+    ("Valve events", "Of a train: opening and closing, in cam angle, and the crank angle between them.", EVENTS),
+    ("Scatter of a train", "Of a train whose motion does not repeat: over 8 cycles.", SCATTER),
     ("Sweeps", "Of a sweep over engine speeds.", SWEEP),
 )
 _SYSTEMS = {("spring", "train"): "both", ("spring",): "spring", ("train",): "train"}
@@ -51,11 +53,12 @@ object from the names above to such numbers.
 | `springs_at_rest` | per spring and model `spring`, `model`, `precompression`, and what was found of `static_curve` and `modes` |
 | `static_curve` | `status`; `compression`, `force`, `stiffness`, each with `values` and `unit` |
 | `modes` | `status`, `compression`, and per mode `mode`, `natural_frequency`, `axial_transmission_ratio`, `axial` (number among the axial modes, or null) |
+| `train_modes` | of `modes` of a train: per variant and `state` (`closed`, `full_lift`) `label`, `cam_angle`, `valve_lift`, `closed` and `open` contacts, and per mode `natural_frequency`, `shape` by body, `energy_share` by body and spring |
 | `runs` | per run `label`, `model`, `spring_set`, `engine_speed`, `status`, `quantities`, `clash_count`, `events`, `options`, `statistics` |
-| `status` | `code` (`completed`, `not-converged`, `diverged`, `coil-bind`, `solid`, `refused`, `interrupted`); unless completed also `message`, `time`, `where`, `remedy` |
+| `status` | `code` (`completed`, `not-converged`, `diverged`, `coil-bind`, `solid`, `buckled`, `refused`, `interrupted`); unless completed also `message`, `time`, `where`, `remedy` |
 | `events` | per event `kind`, `cam_angle`, `time`, `duration`, `size`, `where`, `details`; of a clash `lower_coil`, `upper_coil`, `impulse`, `energy`, `peak_cam_angle` |
 | `options`, `statistics` | of a run: options of its model, and step, counts, residuals; numbers as value and unit, unit `1` for counts and shares |
-| `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `published`, `computed`, `difference`, `tolerance`, `verdict`, `source` |
+| `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `used_for`, `doubt`, `published`, `computed`, `difference`, `tolerance`, `verdict`, `source` |
 | `findings`, `notes` | findings of the source beside what was computed; sentences on what must be known of the numbers |
 | `cite` | references behind the results |
 | `created_at`, `command_line`, `versions`, `choices` | of a kept run: when, by what, with which packages; engine speeds, models and sets that were run |

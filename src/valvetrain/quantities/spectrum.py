@@ -35,7 +35,7 @@ def order_spectrum(cycle: Cycle, channel: str = "seat_force", largest_order: int
     """
     amplitude = order_amplitudes(cycle.cam_angle, cycle.channel(channel))
     keep = len(amplitude) if largest_order is None else min(largest_order + 1, len(amplitude))
-    unit = str(cycle.solution.channels[channel].attrs.get("units", "1"))
+    unit = cycle.solution.unit(channel)
     return OrderSpectrum(np.arange(keep, dtype=float), amplitude[:keep], unit)
 
 

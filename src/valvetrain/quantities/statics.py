@@ -7,8 +7,14 @@ from collections.abc import Iterable
 import numpy as np
 
 from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.rest_point import named
 from valvetrain.solution.static import Array, SpringAtRest, StaticCurve
 
+#: What is named of the installed state beside its force and rate; the nominal stress is that of every model, the rest of a rod's.
+POINT_NAMES = tuple(
+    f"installed_{name}" for name in ("nominal_shear_stress", "shear_stress", "equivalent_stress", "retainer_torque", "retainer_moment",
+                                     "retainer_side_force", "retainer_rotation_angle")
+)  # fmt: skip
 #: Slopes that differ by less than this share are one slope: no stiffness change is reported. Large deflection alone bends the curve of
 #: an evenly wound spring by about 1 % up to the installed height; one coil of six that closes raises the slope by some 20 %.
 SLOPE_SHARE = 0.02
@@ -17,17 +23,27 @@ SLOPE_SHARE = 0.02
 def rest_quantities(rest: SpringAtRest, wanted: Iterable[str] = ()) -> dict[str, float]:
     """All named numbers (SI) of one spring at rest; ``wanted``: names such as ``natural_3_frequency`` that a publication numbers so."""
     found = {} if rest.curve is None else static_quantities(rest.curve, rest.precompression)
+    if rest.installed is not None:
+        told = named(rest.installed, "installed_")
+        found |= {name: told[name] for name in POINT_NAMES if name in told}
     return found if rest.modes is None else found | modal_quantities(rest.modes) | natural_quantities(rest.modes, wanted)
 
 
 def static_quantities(curve: StaticCurve, precompression: float) -> dict[str, float]:
-    """Preload (N), compression at which the stiffness changes (m) and smallest gap of coils 1 and 2 (m) when installed."""
+    """Preload (N), compression at which the stiffness changes (m) and smallest gap of coils 1 and 2 (m) when installed.
+
+    Read from the curve's own path, so that they do not depend on the points it shows.
+    """
     found: dict[str, float] = {}
+    curve = curve.path or curve
     if not curve.compression[0] - 1e-12 <= precompression <= curve.compression[-1] + 1e-12:
         return found
     found["preload"] = curve.force_at(precompression)
     found["installed_rate"] = curve.stiffness_at(precompression)
     inside = curve.compression <= precompression * (1 + 1e-9)
+    loose = inside & (curve.force <= 0.0)
+    if np.count_nonzero(loose) > 1:  # a model of one rate that is loose near the free state changes no stiffness there
+        inside &= ~loose
     knee = slope_change(curve.compression[inside], curve.force[inside])
     if knee is not None:
         found["stiffness_change_compression"] = knee
@@ -57,8 +73,9 @@ def slope_change(compression: Array, force: Array) -> float | None:
 
 
 def modal_quantities(result: ModalResult) -> dict[str, float]:
-    """Axial natural frequencies (Hz) by number."""
-    return {f"mode_{number}_frequency": float(value) for number, value in enumerate(result.axial_frequencies, start=1)}
+    """Axial natural frequencies (Hz) by number, under a name of their own where the retainer moves."""
+    name = "mode" if result.attached_mass is None else "moving_retainer_mode"
+    return {f"{name}_{number}_frequency": float(value) for number, value in enumerate(result.axial_frequencies, start=1)}
 
 
 def natural_quantities(result: ModalResult, wanted: Iterable[str]) -> dict[str, float]:

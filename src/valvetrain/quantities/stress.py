@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,12 +11,12 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.quantities.forces import spring_extremes
 from valvetrain.quantities.frame import Frame
+from valvetrain.solution.arrays import Variable
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticStress
-from valvetrain.springs.stress import LOADS, STRESS_CHANNELS, bergstraesser, wire_stress
+from valvetrain.springs.stress import LOADS, STRESS_CHANNELS, nominal_stress_per_force, wire_stress
 
 SHEAR, EQUIVALENT = "inner_fibre_shear_stress", "inner_fibre_equivalent_stress"
-_SAMPLES = 4001
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +68,6 @@ def _nominal(cycle: Cycle, name: str, spring: InstalledSpring) -> dict[str, floa
     return {"nominal_peak_shear_stress": factor * extremes[1], "nominal_minimum_shear_stress": factor * extremes[0]}
 
 
-def nominal_stress_per_force(wire: SpringDefinition) -> float:
-    """Largest of k 8 D / (pi d**3) (Pa per N) over the free turns, k = (w + 0.5) / (w - 0.75), w = D / d (EN 13906-1)."""
-    coil = np.linspace(*wire.free_coils, _SAMPLES)
-    diameter, mean = wire.wire_diameter.value(coil), wire.mean_diameter.value(coil)
-    return float(np.max(bergstraesser(mean / diameter) * 8 * mean / (np.pi * diameter**3)))
-
-
 def _extremes(coil: Array, shear: Array, equivalent: Array) -> WireStress:
     return WireStress(coil, shear.min(axis=0), shear.max(axis=0), equivalent.max(axis=0))
 
@@ -95,25 +88,26 @@ def _traces(cycle: Cycle, spring: str, wire: SpringDefinition | None) -> tuple[A
 
 def with_wire_stress(solution: Solution, frame: Frame) -> Solution:
     """The run with the stresses (Pa) at the inner fibre as channels, of every spring whose section loads were kept."""
-    found = solution.channels
+    added: dict[str, Variable] = {}
     for spring, place in zip(solution.springs, frame.springs, strict=False):
         names, loads = ([solution.channel_of(spring, name) for name in known] for known in ((SHEAR, EQUIVALENT), LOADS))
         if place.wire is None or solution.has(names[0]) or not solution.has(*loads):
             continue
         values = wire_stress({load: solution.channel(name) for load, name in zip(LOADS, loads, strict=True)}, place.wire,
                              _coils(solution, loads[0]))  # fmt: skip
-        dims = solution.channels[loads[0]].dims
-        found = found.assign({
-            name: (dims, values[known], {"units": "Pa", "long_name": STRESS_CHANNELS[known]})
+        dims = solution.arrays[loads[0]].dims
+        added |= {
+            name: Variable(dims, values[known], {"units": "Pa", "long_name": STRESS_CHANNELS[known]})
             for name, known in zip(names, (SHEAR, EQUIVALENT), strict=True)
-        })  # fmt: skip
-    return solution if found is solution.channels else replace(solution, channels=found)
+        }
+    return solution.with_channels(added) if added else solution
 
 
 def _coils(solution: Solution, name: str) -> Array:
     """Coil numbers along the wire of one channel."""
-    channel = solution.channels[name]
-    return next(np.asarray(axis.values) for axis in channel.coords.values() if axis.dims == channel.dims[1:])
+    coils = solution.arrays.along(name)
+    assert coils is not None
+    return coils
 
 
 def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> dict[str, float]:

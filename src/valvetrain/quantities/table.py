@@ -23,6 +23,31 @@ def with_angle(one: QuantityRow) -> tuple[QuantityRow, QuantityRow]:
 AT_REST: tuple[QuantityRow, ...] = (
     row("preload", "preload", "Static force at the installed precompression.", systems=BOTH),
     row("installed_rate", "installed rate", "Slope of the static curve at the installed precompression.", systems=BOTH),
+    row("installed_nominal_shear_stress", "installed nominal shear stress",
+        "Shear by EN 13906-1 under the preload, k 8 F D / (pi d^3) with k = (w + 0.5) / (w - 0.75), at the worst place of the wire.",
+        systems=BOTH),
+    row("installed_shear_stress", "installed shear stress",
+        "Largest shear at the inner fibre along the wire under the preload, from its section loads.", systems=BOTH),
+    row("installed_equivalent_stress", "installed equivalent stress",
+        "Largest von Mises stress at the inner fibre along the wire under the preload.", systems=BOTH),
+    row("installed_retainer_torque", "installed torque on the retainer",
+        "Torque of the wire on the retainer about the axis, positive the way the wire rises; none where the retainer may turn.",
+        systems=BOTH),
+    row("installed_retainer_moment", "installed moment on the retainer",
+        "Moment of the wire on the retainer across the axis, about the middle of its plane.", dimension="moment", shown_unit="N m",
+        systems=BOTH),
+    row("installed_retainer_side_force", "installed side force on the retainer", "Force of the wire on the retainer across the axis.",
+        systems=BOTH),
+    row("installed_retainer_rotation_angle", "installed rotation of the retainer",
+        "Angle by which a retainer that may turn has turned from the free state, positive the way the wire rises.", systems=BOTH),
+    row("solid_force", "force at solid",
+        "Force that closes the last coil, by torsion of the wire; rate times compression to solid of a cylindrical spring of even pitch.",
+        systems=BOTH),
+    row("solid_nominal_shear_stress", "nominal shear stress at solid",
+        "Largest shear by EN 13906-1 along the wire with all coils closed, each turn under the force that closes it.", systems=BOTH),
+    row("moving_retainer_mode_{n}_frequency", "mode {n} frequency, retainer moving",
+        "Axial natural frequency {n} about the installed state, the retainer free along the axis with the mass attached to it.",
+        systems=BOTH),
     row("installed_compression", "installed compression", "Compression from the free length to the installed height.", systems=BOTH),
     row("installed_height", "installed height", "Free length less the installed compression.", systems=BOTH),
     row("stiffness_change_compression", "compression at the change of stiffness",
@@ -32,6 +57,19 @@ AT_REST: tuple[QuantityRow, ...] = (
     row("coil_bind_clearance", "clearance to coil bind", "Length left until the coils are solid at the largest lift.", sense=MORE,
         systems=BOTH),
     row("coil_bind_lift", "lift at coil bind", "Lift at which the coils of the installed spring are solid.", sense=MORE, systems=BOTH),
+    row("buckling_compression", "compression at which it buckles",
+        "Compression at which the spring buckles by the finite-element rod: its rate falls below half of that as wound, or its tangent "
+        "loses a sign.", sense=MORE, systems=BOTH),
+    row("buckling_height", "height at which it buckles", "Free length less the compression at which the spring buckles.", systems=BOTH),
+    row("buckling_clearance", "clearance to buckling",
+        "Compression left until the spring buckles at the largest lift; negative where it buckles at work.", sense=MORE, systems=BOTH),
+    row("formula_buckling_compression", "compression at which it buckles, by formula",
+        "Compression at which a cylindrical spring between parallel seats buckles by EN 13906-1 (Haringx).", sense=MORE, systems=BOTH),
+    row("guide_contact_compression", "compression at which it meets its guide",
+        "Compression at which the wire first touches the bore or rod that guides it, at rest.", systems=BOTH),
+    row("guide_force", "force on its guide",
+        "Sum of the normal forces between wire and guide at the end of the static curve, a little beyond the largest lift.", sense=LESS,
+        systems=BOTH),
     row("surge_frequency", "surge frequency", "First axial natural frequency of the installed spring, both ends fixed.", sense=MORE,
         systems=BOTH),
     row("mode_{n}_frequency", "mode {n} frequency",
@@ -42,6 +80,9 @@ AT_REST: tuple[QuantityRow, ...] = (
     row("free_length", "free length", "Length between the seat planes unloaded.", systems=BOTH),
     row("solid_height", "solid height", "Length between the seat planes with all coils closed.", systems=BOTH),
     row("solid_compression", "compression to solid", "Free length less the solid height.", systems=BOTH),
+    row("largest_pitch", "largest pitch",
+        "Largest rise of the wire's axis per turn: of a spring given by its free length, the pitch between its ends.", systems=BOTH,
+        dimension="length", shown_unit="mm"),
     row("wire_length", "wire length", "Length of the whole wire, tip to tip, the ground-off part included.", systems=BOTH),
     row("wire_mass", "wire mass", "Mass of the whole wire, tip to tip, the ground-off part included.", systems=BOTH),
     row("smallest_index_ratio", "smallest spring index", "Smallest mean coil diameter over wire diameter along the wire.", systems=BOTH),
@@ -160,7 +201,15 @@ TRAINS: tuple[QuantityRow, ...] = (
     row("peak_cam_torque", "peak cam torque", "Largest torque that drives the cam.", systems=TRAIN),
     row("minimum_cam_torque", "least cam torque", "Smallest torque that drives the cam, negative where the springs drive it.",
         systems=TRAIN),
+    row("mean_cam_torque", "mean cam torque", "Work of the cam per cycle over the angle of a turn: what contacts, links and springs lose.",
+        sense=LESS, systems=TRAIN),
     row("mean_cam_power", "mean cam power", "Work of the cam per cycle over the time of the cycle.", sense=LESS, systems=TRAIN),
+    row("minimum_spring_margin_force", "least spring margin",
+        "Smallest surplus at the valve, by rigid theory, of the springs at rest over inertia, weight and gas where the valve is slowed.",
+        sense=MORE, systems=TRAIN),
+    row("minimum_spring_margin_ratio", "least spring margin, ratio",
+        "Spring force less weight and gas over the inertia force where the valve is slowed, by rigid theory, where that is least; 1 where "
+        "contact is lost.", sense=MORE, systems=TRAIN),
     row("peak_rigid_valve_lift", "peak rigid valve lift", "Largest valve lift of rigid parts.", systems=TRAIN),
     row("lift_loss_displacement", "lift lost", "Largest rigid lift less the largest computed one.", sense=LESS, systems=TRAIN),
     row("valve_open_duration", "time open", "Time per cycle in which the valve stands off its seat.", systems=TRAIN),
@@ -196,13 +245,60 @@ TRAINS: tuple[QuantityRow, ...] = (
     row("motion_period_count", "cycles per repetition", "Period of the motion in cycles; 0 where none was found.", systems=TRAIN),
 )  # fmt: skip
 
-#: Of a sweep over engine speeds.
-SWEEP: tuple[QuantityRow, ...] = (
-    row("float_engine_speed", "engine speed of float",
-        "Lowest speed from which a gap in the drive, or lift above the rigid one, exceeds 50 µm at that speed and the next.", sense=MORE,
-        systems=TRAIN),
-    row("contact_loss_engine_speed", "engine speed of the first loss of contact",
-        "Lowest speed at which the cam contact opens for a moment while the valve is open.", sense=MORE, systems=TRAIN),
+#: Lifts at which valve events are told -> words.
+EVENT_LIFTS = {"lash": "at lash", "1_mm": "at 1 mm", "50_thou": "at 0.050 in"}
+#: What opens -> words, and the lifts of its events.
+OPENERS = {
+    "lobe": ("lobe", ("1_mm", "50_thou"), "of the lobe by its lift law"),
+    "rigid_valve": ("rigid valve", tuple(EVENT_LIFTS), "of the valve with rigid parts"),
+    "valve": ("valve", tuple(EVENT_LIFTS), "of the valve in the run"),
+}  # fmt: skip
+
+
+def event_rows() -> tuple[QuantityRow, ...]:
+    """Opening, closing and duration of everything that opens, at every lift at which it is told."""
+    rows = []
+    for word, (label, lifts, whose) in OPENERS.items():
+        for lift in lifts:
+            where = EVENT_LIFTS[lift]
+            what = "the seat is left and first touched again" if lift == "lash" else f"the lift passes {where.removeprefix('at ')}"
+            for end in ("opening", "closing"):
+                told = f"Cam angle of the {end} {whose}: where {what}."
+                rows.append(row(f"{word}_{lift}_{end}_cam_angle", f"{label} {end} {where}, cam angle", told, systems=TRAIN))
+            told = f"Crank angle from opening to closing {whose}, {where}."
+            rows.append(row(f"{word}_{lift}_open_crank_angle_range", f"{label} open {where}", told, systems=TRAIN))
+    return tuple(rows)
+
+
+#: Opening and closing of lobe and valve.
+EVENTS: tuple[QuantityRow, ...] = event_rows()
+
+#: Numbers of a train whose scatter from cycle to cycle is told where its motion does not repeat -> plain words.
+SCATTERED = {
+    "valve_lift": "the valve lift at one cam angle", "peak_valve_lift": "the peak valve lift", "peak_spring_force": "the peak spring force",
+    "minimum_spring_force": "the least spring force", "peak_retainer_force": "the peak retainer force",
+    "minimum_retainer_force": "the least retainer force", "peak_{place}_contact_force": "the peak {place} contact force",
+    "loft_gap": "the loft", "seating_velocity": "the seating velocity", "bounce_count": "the bounces", "bounce_height": "the bounce height",
+    "cycle_work_energy": "the work of the cam",
+}  # fmt: skip
+SCATTER: tuple[QuantityRow, ...] = tuple(
+    row(f"cycle_scatter_{name}", f"scatter of {words}",
+        f"Largest less least value of {words} over 8 cycles of a motion that does not repeat; absent where it does.", sense=LESS,
+        systems=TRAIN, shown_unit="J" if name.endswith("energy") else None)
+    for name, words in SCATTERED.items()
 )  # fmt: skip
 
-ROWS: tuple[QuantityRow, ...] = (*AT_REST, *RUNS, *TRAINS, *SWEEP)
+#: Of a sweep over engine speeds.
+SWEEP: tuple[QuantityRow, ...] = (
+    row("contact_loss_engine_speed", "loss of contact from",
+        "Lowest engine speed found at which a contact of the drive opens while the valve is open by more than a tenth of its lift; "
+        "upper end of a bracket of 10 rpm, every speed from rest.", sense=MORE, systems=TRAIN),
+    row("float_engine_speed", "float from",
+        "Lowest engine speed found at which the valve runs above its rigid lift by more than a limit (50 µm) with a contact of the drive "
+        "open; upper end of a bracket of 10 rpm, every speed from rest.", sense=MORE, systems=TRAIN),
+    row("bounce_engine_speed", "bounce from",
+        "Lowest engine speed found at which the valve leaves its seat again by more than a limit (0.1 mm); upper end of a bracket of "
+        "10 rpm, every speed from rest.", sense=MORE, systems=TRAIN),
+)  # fmt: skip
+
+ROWS: tuple[QuantityRow, ...] = (*AT_REST, *RUNS, *TRAINS, *EVENTS, *SCATTER, *SWEEP)

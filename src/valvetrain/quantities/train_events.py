@@ -102,6 +102,7 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
     for turn in range(len(openings)):
         one = openings[(main + turn) % len(openings)]
         touch: dict[str, Detail] = {"touch": turn + 1, "cause": "end of the closing flank" if turn == 0 else "end of a bounce"}
+        touch["release_cam_angle"] = one.release
         found.append(Event("seating", one.touch, _time_at(solution, one.touch), 0.0, one.velocity, "m/s", "seat", touch))
         if turn > 0:
             length = (one.touch - one.release) % TURN

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.train_events import PLACES, SMALLEST_GAP, RigidCycle
 from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
@@ -16,6 +17,8 @@ COUNTED = (
     "steady_cycles_count", "steady_residual_ratio", "steady_tolerance_ratio", "motion_period_count", "time_step_duration",
     "steps_per_cycle_count",
 )  # fmt: skip
+#: Front of the names of what differs from cycle to cycle.
+SCATTER = "cycle_scatter_"
 #: Contacts that drive the valve, whose least force while it is open is told.
 DRIVING = ("cam", "valve_tip")
 
@@ -24,7 +27,7 @@ def counted_quantities(solution: Solution) -> dict[str, float]:
     """Numbers that only the integrator could see: every step's peaks, work and losses, the way to the steady state."""
     return {
         name: float(value) for name, value in solution.statistics.items()
-        if isinstance(value, (int, float)) and (name in COUNTED or (name.startswith("peak_") and name.endswith("_force")))
+        if isinstance(value, (int, float)) and (name in COUNTED or name.startswith(SCATTER) or (name.startswith("peak_") and name.endswith("_force")))
     }  # fmt: skip
 
 
@@ -43,7 +46,8 @@ def train_quantities(solution: Solution, rigid: RigidCycle, events: Sequence[Eve
         torque = solution.channel("cam_torque")
         values |= {"peak_cam_torque": float(torque.max()), "minimum_cam_torque": float(torque.min())}
     if "cycle_work_energy" in solution.statistics:
-        values["mean_cam_power"] = float(solution.statistics["cycle_work_energy"]) * solution.engine_speed / 2 / (2 * np.pi)
+        values["mean_cam_torque"] = float(solution.statistics["cycle_work_energy"]) / (2 * np.pi)
+        values["mean_cam_power"] = values["mean_cam_torque"] * solution.engine_speed / 2
     opened = rigid.valve_lift > 0.1 * np.max(rigid.valve_lift)
     for place in DRIVING:
         name = f"{place}_contact_force"
@@ -62,6 +66,20 @@ def train_quantities(solution: Solution, rigid: RigidCycle, events: Sequence[Eve
         if solution.has(moved) and solution.channel(moved).size:
             values[f"{spring}_mean_peak_section_displacement"] = float(np.mean(np.max(-solution.channel(moved), axis=0)))
     return values | _event_numbers(events)
+
+
+def margin_quantities(rigid: RigidTable) -> dict[str, float]:
+    """Least surplus of the spring over what inertia, weight and gas ask for at the valve by rigid theory, and as a ratio; none from a
+    table without these columns."""
+    if not {"spring_margin", "inertia_force"} <= set(rigid.columns):
+        return {}
+    margin, inertia = rigid["spring_margin"], rigid["inertia_force"]
+    slowing = (rigid["valve_lift"] > 0) & (inertia < 0)
+    if not np.any(slowing):
+        return {}
+    surplus = margin[slowing]
+    ratio = np.min(surplus / -inertia[slowing]) + 1
+    return {"minimum_spring_margin_force": float(np.min(surplus)), "minimum_spring_margin_ratio": float(ratio)}
 
 
 def _event_numbers(events: Sequence[Event]) -> dict[str, float]:

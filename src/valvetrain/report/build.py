@@ -11,7 +11,7 @@ from valvetrain.report.words import rpm
 from valvetrain.solution.study import Study
 
 #: Command -> word above the title.
-_KICKERS = {"run": "Run", "compare": "Comparison of models", "sweep": "Sweep over engine speed"}
+_KICKERS = {"run": "Run", "compare": "Comparison of models", "sweep": "Sweep over engine speed", "run-up": "Run-up"}
 #: Sentences of a case's description that stand on top of its page.
 _LEAD_SENTENCES = 2
 _MOST_SPEEDS = 6
@@ -69,7 +69,7 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     if len(speeds) > _MOST_SPEEDS:
         listed = f"{len(speeds)} from {rpm(speeds[0]):.10g} to {rpm(speeds[-1]):.10g}"
     ended = sum(run.status.completed for run in study.solutions)
-    word = "settled" if study.command == "sweep" else "completed"
+    word = "turns of a run-up" if study.command == "run-up" else "settled" if study.command == "sweep" else "completed"
     facts = {
         "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
         "springs by": mark.join(names), "changed": ", ".join(study.record.changed),

@@ -36,6 +36,7 @@ def comparison_table(rows: Sequence[Comparison]) -> Table:
         ("relative difference", "", words([row.relative_difference for row in rows])),
         ("tolerance", "", words([shown(row.tolerance, row.unit) for row in rows])), ("role", "", words([row.role for row in rows])),
         ("verdict", "", words([row.verdict for row in rows])), ("source", "", words([row.source for row in rows])),
+        ("used for", "", words([row.used_for for row in rows])),
     )  # fmt: skip
 
 
@@ -67,7 +68,7 @@ def _cells(row: Comparison) -> tuple[Cell, ...]:
         Cell(difference, "number"),
         Cell(share, "number quiet"),
         Cell(unit_words(row.unit), "quiet"),
-        Cell(row.role, "quiet"),
+        Cell(row.role, "quiet", row.used_for),
         Cell("no tolerance stated" if row.verdict.startswith("differs") else row.verdict.replace(" -", " −"), tone(row), row.source),
     )
 

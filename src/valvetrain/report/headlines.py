@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from valvetrain.report.critical_words import critical_rows, searched
 from valvetrain.report.words import number, speed_words
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.event import Event
@@ -26,7 +27,15 @@ TOPICS: dict[str, tuple[str, ...]] = {
     "Seating and contact": (
         "seating_velocity", "bounce_height", "bounce_count", "loft_gap", "loss_of_contact_duration", "lift_loss_displacement",
     ),
-    "Loss of control": ("contact_loss_engine_speed", "float_engine_speed", "rigid_contact_loss_engine_speed"),
+    "Scatter from cycle to cycle": tuple(
+        f"cycle_scatter_{name}" for name in (
+            "valve_lift", "peak_spring_force", "minimum_spring_force", "peak_cam_contact_force", "peak_seat_contact_force", "seating_velocity",
+            "bounce_height", "bounce_count", "loft_gap",
+        )
+    ),
+    "Loss of control": (
+        "contact_loss_engine_speed", "float_engine_speed", "bounce_engine_speed", "rigid_contact_loss_engine_speed",
+    ),
     "Wire stress": ("peak_shear_stress", "minimum_shear_stress", "nominal_peak_shear_stress", "nominal_minimum_shear_stress"),
 }  # fmt: skip
 #: Numbers that belong to one engine speed and have no worst value over several.
@@ -54,7 +63,8 @@ class HeadlineColumn:
 class HeadlineRow:
     """One quantity over the columns: ``values`` in ``unit`` (None where not given).
 
-    ``engine_speeds`` (rad/s): where a sweep has the worst value of each column, None where that does not apply.
+    ``engine_speeds`` (rad/s): where a sweep has the worst value of each column, None where that does not apply. ``cells``: what is shown
+    where a number alone does not tell it (a bracket, "never up to 9000"), empty elsewhere.
     """
 
     topic: str
@@ -63,13 +73,14 @@ class HeadlineRow:
     unit: str
     values: tuple[float | None, ...]
     engine_speeds: tuple[float | None, ...]
+    cells: tuple[str, ...] = ()
 
 
 def headline_columns(study: Study) -> tuple[HeadlineColumn, ...]:
     """Runs by label and engine speed; in a sweep labels only; without runs the labels of what was found at rest."""
     if not study.solutions:
         return tuple(HeadlineColumn(label) for label in study.still)
-    if study.command == "sweep":
+    if study.over_speed:
         return tuple(HeadlineColumn(label) for label in study.labels)
     return tuple(HeadlineColumn(label, run.engine_speed) for label in study.labels for run in study.runs(label))
 
@@ -77,16 +88,18 @@ def headline_columns(study: Study) -> tuple[HeadlineColumn, ...]:
 def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
     """What a user asks first, topic by topic; a sweep gives the worst value of each label and the engine speed where it stands."""
     columns = headline_columns(study)
+    told = [row for row in critical_rows(study, [one.label for one in columns]) if row.main] if searched(study) else []
+    cells = {row.name: row.cells for row in told}
     rows = []
     for topic, names in TOPICS.items():
         for name in names:
             found = [_value(study, column, name) for column in columns]
             if name == "surge_frequency" and any(_value(study, column, "outer_surge_frequency")[0] is not None for column in columns):
                 continue  # said of each spring of the pair
-            if any(value is not None for value, _ in found):
+            if name in cells or any(value is not None for value, _ in found):
                 values, speeds = zip(*found, strict=True)
                 words, unit = label_of(name), definition_of(name).shown_unit
-                rows.append(HeadlineRow(topic, name, words[:1].upper() + words[1:], unit, values, speeds))
+                rows.append(HeadlineRow(topic, name, words[:1].upper() + words[1:], unit, values, speeds, cells.get(name, ())))
     return tuple(rows)
 
 

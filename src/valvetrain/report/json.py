@@ -11,9 +11,11 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.report.words import rpm
 from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.critical import CriticalSpeed, Crossing, SpeedBracket
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.event import Event
 from valvetrain.solution.quantity import unit_of
+from valvetrain.solution.rest_point import named
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
@@ -44,7 +46,7 @@ def engine_speed_object(engine_speed: float | None) -> dict[str, Any] | None:
 def status_object(status: Status) -> dict[str, Any]:
     """How something ended."""
     if status.completed:
-        return {"code": status.code}
+        return {"code": status.code} | ({"message": status.message} if status.message else {})
     words = {"message": status.message, "where": status.where, "remedy": status.remedy}
     return {"code": status.code, "time": measured(status.time, "s"), **words}
 
@@ -56,7 +58,7 @@ def comparison_object(row: Comparison) -> dict[str, Any]:
     return {
         "quantity": row.quantity, "engine_speed": engine_speed_object(row.engine_speed), "model": row.model, "published_by": row.origin,
         "role": row.role, **{name: None if value is None else measured(value, unit) for name, value in values.items()},
-        "verdict": row.verdict, "source": row.source,
+        "verdict": row.verdict, "source": row.source, "used_for": row.used_for, "doubt": row.doubt,
     }  # fmt: skip
 
 
@@ -85,7 +87,8 @@ def study_json(study: Study) -> dict[str, Any]:
         "command": study.command, "case": study.record.name, "title": study.record.title, "digest": study.record.digest,
         "changed": list(study.record.changed), "completed": not study.failures, "failures": list(study.failures),
         "quantities": still.pop("", {}), "quantities_by_label": still, "springs_at_rest": [_rest_object(one) for one in study.rest],
-        "runs": [_run_object(run) for run in study.solutions], "comparisons": [comparison_object(row) for row in study.comparisons],
+        "runs": [_run_object(run) for run in study.solutions], "critical_speeds": [_critical_object(one) for one in study.critical_speeds],
+        "comparisons": [comparison_object(row) for row in study.comparisons],
         "findings": [{name: getattr(one, name) for name in ("place", "statement", "computed", "verdict")} for one in study.findings],
         "notes": list(study.notes), "cite": list(dict.fromkeys((*study.record.citations, *study.provenance.citations, *_cited(study)))),
     }  # fmt: skip
@@ -114,6 +117,26 @@ def _event_object(event: Event) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
+    """An answer of the search; ``engine_speed`` is null where control is never lost between ``searched``."""
+
+    def bracket(found: SpeedBracket | None) -> dict[str, Any] | None:
+        if found is None:
+            return None
+        return {"lower": measured(rpm(found.lower_engine_speed), "rpm"), "upper": measured(rpm(found.upper_engine_speed), "rpm")}
+
+    def crossing(found: Crossing | None) -> dict[str, Any] | None:
+        return None if found is None else {name: bracket(getattr(found, name)) for name in ("from_rest", "rising", "falling")}
+
+    return {
+        "label": one.label, "kind": one.kind, "place": one.place, "limit": measured(one.limit, "N" if one.kind == "contact-loss" else "m"),
+        "searched": bracket(SpeedBracket(one.first_engine_speed, one.last_engine_speed)),
+        "resolution": engine_speed_object(one.resolution),
+        "engine_speed": engine_speed_object(one.engine_speed) if one.found else None, "begins": crossing(one.begins),
+        "ends": crossing(one.ends), "again": [bracket(each) for each in one.again], "runs_count": measured(one.runs_count, "1"),
+    }  # fmt: skip
+
+
 def _rest_object(one: SpringAtRest) -> dict[str, Any]:
     found: dict[str, Any] = {"spring": one.spring, "model": one.model, "precompression": measured(one.precompression, "m")}
     if one.curve is not None:
@@ -121,9 +144,14 @@ def _rest_object(one: SpringAtRest) -> dict[str, Any]:
         found["static_curve"] = {"status": status_object(one.curve.status)} | {
             name: {"values": np.asarray(values, dtype=float).tolist(), "unit": unit} for name, (values, unit) in curve.items()
         }
+    if one.installed is not None:
+        found["installed"] = quantities_object(named(one.installed))
+    if one.points:
+        found["points"] = [quantities_object(named(point)) for point in one.points]
     if one.modes is not None:
         axial = {mode: place for place, mode in enumerate(one.modes.axial_modes, start=1)}
-        found["modes"] = {"status": status_object(one.modes.status), "compression": measured(one.modes.compression, "m")} | {
+        found["modes"] = {"status": status_object(one.modes.status), "compression": measured(one.modes.compression, "m"),
+                          "attached_mass": None if one.modes.attached_mass is None else measured(one.modes.attached_mass, "kg")} | {
             "modes": [
                 {"mode": place + 1, "natural_frequency": measured(float(value), "Hz"), "axial": axial.get(place),
                  "axial_transmission_ratio": measured(float(one.modes.axial_transmission[place]), "1")}

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, text
 from valvetrain.report.table import Table, table
 from valvetrain.report.words import number, rpm, speed_words
 from valvetrain.solution.definition import label_of
-from valvetrain.solution.quantity import Quantity, same_speed
+from valvetrain.solution.quantity import Quantity
 from valvetrain.studies.uncertainty import Range, Uncertainty, UncertaintyStudy
 
 #: SI unit -> unit shown and factor; the rest is shown as it is.
@@ -16,8 +16,6 @@ _SHOWN = {"rad": ("deg", 57.29577951308232), "N s": ("mN s", 1e3), "Pa": ("MPa",
 _HEADERS = (
     "quantity", "value", "± numerical", "", "unit", "order", "extrapolated", "contact stiffness × 0.35 to 2.5", "contact damping × 0 to 2",
 )  # fmt: skip
-#: A stored row belongs to a computed value that differs from it by less than this share, or by less than its own uncertainty.
-SAME = 1e-3
 
 
 def lead(meshes: Sequence[int]) -> str:
@@ -65,14 +63,6 @@ def uncertainty_page(study: UncertaintyStudy) -> Page:
     footer = "Angles are cam degrees. Engine speed is crank speed."
     section = Section("uncertainty", "Numbers with error bars", blocks)
     return Page(f"{case.title or case.name}: uncertainty", "Refinement study", case.description, facts, (section,), footer)
-
-
-def belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
-    """Whether a stored row is about a number of this study: the same within its own uncertainty."""
-    for key, value in quantities.items():
-        if key.name == row.quantity and same_speed(key.engine_speed, row.engine_speed) and key.label in ("", "finite-element"):
-            return abs(value - row.value) <= max(SAME * abs(row.value), row.numerical)
-    return False
 
 
 def _cells(row: Uncertainty) -> tuple[Cell, ...]:

@@ -83,7 +83,7 @@ def write_study(study: Study, folder: str | os.PathLike[str], page: bool = True,
     target, names = Path(folder), _Names()
     data: list[Path] = []
     for run in study.solutions:
-        if run.channels.data_vars and run.channels.sizes.get("sample", 0):
+        if run.arrays.variables and len(run.time):
             stem = names.free(f"{run.label}-{rpm(run.engine_speed):.10g}rpm")
             data.append(save_netcdf(run, target / f"{stem}.nc"))
             data.append(save_csv(at_wire_points(run, CSV_SPACING), target / f"{stem}.csv"))
@@ -91,7 +91,7 @@ def write_study(study: Study, folder: str | os.PathLike[str], page: bool = True,
     tables = {"quantities": quantity_table(study), "events": event_table(study)}
     if study.comparisons:
         tables["comparison"] = comparison_table(study.comparisons)
-    if study.command == "sweep":
+    if study.over_speed:
         for label in study.labels:
             tables[names.free(f"sweep-{label}")] = sweep_table(study, label)
             speeds, orders, sizes = order_table(study, label)

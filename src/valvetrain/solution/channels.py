@@ -1,17 +1,14 @@
-"""Names, dimensions, units and words of the channels of a spring run, and the one way to build the dataset."""
+"""Names, dimensions, units and words of the channels of a spring run, and the one way to put them together."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
-
-if TYPE_CHECKING:
-    import xarray
+from valvetrain.solution.arrays import ChannelArrays, Variable
 
 #: channel -> (dimension after ``sample`` or None, SI unit, words)
 SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
@@ -31,6 +28,7 @@ SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
     "shear_force": ("wire_point", "N", "shear force of the wire"),
     "coil_gap": ("coil_pair", "m", "gap between a coil and the one below, negative when pressed together"),
     "coil_contact_force": ("coil_pair", "N", "contact force between a coil and the one below"),
+    "guide_force": (None, "N", "sum of the normal forces between the wire and its guide"),
     "contact_status": ("coil_pair", "1", "0 open, 1 near, 2 touching, 3 sliding"),
     "kinetic_energy": (None, "J", "kinetic energy of the wire"),
     "elastic_energy": (None, "J", "elastic energy of the wire"),
@@ -40,26 +38,35 @@ SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
 }
 
 
-#: Channels on substeps of the samples: what the integrator saw.
+#: Channels between the samples: what the integrator saw.
 FINE: dict[str, tuple[tuple[str, ...], str, str]] = {
     "seat_force_fine": (("subsample",), "N", "seat force at even substeps after each sample"),
     "retainer_force_fine": (("subsample",), "N", "retainer force at even substeps after each sample"),
+    "seat_force_highest": ((), "N", "largest seat force on any step up to the next sample"),
+    "seat_force_highest_time": ((), "s", "time of the largest seat force up to the next sample"),
+    "seat_force_lowest": ((), "N", "least seat force on any step up to the next sample"),
+    "seat_force_lowest_time": ((), "s", "time of the least seat force up to the next sample"),
+    "retainer_force_highest": ((), "N", "largest retainer force on any step up to the next sample"),
+    "retainer_force_highest_time": ((), "s", "time of the largest retainer force up to the next sample"),
+    "retainer_force_lowest": ((), "N", "least retainer force on any step up to the next sample"),
+    "retainer_force_lowest_time": ((), "s", "time of the least retainer force up to the next sample"),
     "coil_contact_peak_force": (("coil_pair",), "N", "largest contact force since the last sample"),
 }
+
+#: Suffixes of the channels of an end force on every step: value and time of the largest and of the least up to the next sample.
+EXTREMES = ("highest", "highest_time", "lowest", "lowest_time")
 
 
 def spring_channels(
     time: ArrayLike, cam_angle: ArrayLike, values: Mapping[str, ArrayLike], *,
     coil_number: ArrayLike | None = None, upper_coil: ArrayLike | None = None,
     extra: Mapping[str, tuple[tuple[str, ...], str, str]] | None = None,
-) -> xarray.Dataset:  # fmt: skip
-    """The channels dataset of a spring run from plain arrays.
+) -> ChannelArrays:  # fmt: skip
+    """The channels of a spring run from plain arrays.
 
     ``values``: channel name -> array (sample,) or (sample, wire_point / coil_pair), SI. ``extra`` declares further channels
     as name -> (dims after ``sample``, unit, words). Raises :class:`InputError` for a name that is not declared.
     """
-    import xarray
-
     declared: dict[str, tuple[tuple[str, ...], str, str]] = {
         name: ((second,) if second else (), unit, words) for name, (second, unit, words) in SPRING_CHANNELS.items()
     }
@@ -70,15 +77,15 @@ def spring_channels(
             raise InputError(f"channel '{name}' is not declared; name it in SPRING_CHANNELS or pass it in extra")
         dims, unit, long_name = declared[name]
         kind = np.int64 if name == "contact_status" else np.float64
-        variables[name] = (("sample", *dims), np.asarray(array, dtype=kind), {"units": unit, "long_name": long_name})
-    coords: dict[str, tuple[object, ...]] = {
-        "time": (("sample",), np.asarray(time, dtype=float), {"units": "s", "long_name": "time"}),
-        "cam_angle": (("sample",), np.asarray(cam_angle, dtype=float), {"units": "rad", "long_name": "cam angle, unwrapped"}),
+        variables[name] = Variable(("sample", *dims), np.asarray(array, dtype=kind), {"units": unit, "long_name": long_name})
+    coords = {
+        "time": Variable(("sample",), np.asarray(time, dtype=float), {"units": "s", "long_name": "time"}),
+        "cam_angle": Variable(("sample",), np.asarray(cam_angle, dtype=float), {"units": "rad", "long_name": "cam angle, unwrapped"}),
     }
     if coil_number is not None:
         words = {"units": "1", "long_name": "turns from the lower wire tip"}
-        coords["coil_number"] = (("wire_point",), np.asarray(coil_number, dtype=float), words)
+        coords["coil_number"] = Variable(("wire_point",), np.asarray(coil_number, dtype=float), words)
     if upper_coil is not None:
         words = {"units": "1", "long_name": "coil number of the upper partner"}
-        coords["upper_coil"] = (("coil_pair",), np.asarray(upper_coil, dtype=float), words)
-    return xarray.Dataset(variables, coords=coords)
+        coords["upper_coil"] = Variable(("coil_pair",), np.asarray(upper_coil, dtype=float), words)
+    return ChannelArrays(variables, coords)

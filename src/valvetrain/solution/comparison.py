@@ -11,7 +11,8 @@ class Comparison:
 
     ``engine_speed`` in rad/s of the crank (None where none applies); ``published``, ``computed``, ``difference`` and
     ``tolerance`` in ``unit``; ``computed`` None when no run gave the quantity; ``tolerance`` None when the source or
-    the task names none. ``origin`` is the published value's (FE, AN, EX), ``role`` calibration or prediction.
+    the task names none. ``origin`` is the published value's (FE, AN, EX), ``role`` calibration, check or prediction; ``used_for`` says
+    what the published value was used for, ``doubt`` why it cannot be right.
     """
 
     quantity: str
@@ -26,6 +27,8 @@ class Comparison:
     tolerance: float | None
     verdict: str
     source: str = ""
+    used_for: str = ""
+    doubt: str = ""
 
     @property
     def relative_difference(self) -> float | None:

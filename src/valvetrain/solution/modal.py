@@ -25,6 +25,7 @@ class ModalResult:
     ``natural_frequency`` (mode) Hz, ascending; ``shape`` (mode, wire_point, 3), largest component 1, z along the spring;
     ``coil_number`` (wire_point); ``axial_transmission`` (mode): force-transmission residue, how much of an axial push at
     one end each mode carries to the other; ``axial_modes``: indices of the axial modes, ascending in frequency.
+    ``attached_mass`` (kg) moves along the axis with the retainer, 0 for a free end; None: both ends are fixed.
     """
 
     compression: float
@@ -34,6 +35,7 @@ class ModalResult:
     axial_transmission: Array
     axial_modes: tuple[int, ...]
     status: Status = COMPLETED
+    attached_mass: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "axial_modes", tuple(int(index) for index in self.axial_modes))

@@ -14,7 +14,7 @@ from valvetrain.solution.atomic import atomic_path
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
-from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.static import Buckling, Leaning, StaticCurve
 
 if TYPE_CHECKING:
     import xarray
@@ -83,21 +83,33 @@ def load_netcdf(path: _PathLike) -> Solution:
 
 def save_static_curve(curve: StaticCurve, path: _PathLike, provenance: Provenance | None = None) -> Path:
     """Write a static curve; whole or not at all."""
-    return _write(static_dataset(curve), metadata.pack("static-curve", status=curve.status, provenance=provenance), path)
+    buckling = None if curve.buckling is None else (curve.buckling.compression, curve.buckling.height, curve.buckling.force)
+    leaning = None if curve.leaning is None else (curve.leaning.compression, curve.leaning.force)
+    text = metadata.pack("static-curve", status=curve.status, provenance=provenance, buckling=buckling, leaning=leaning)
+    return _write(static_dataset(curve), text, path)
 
 
 def load_static_curve(path: _PathLike) -> StaticCurve:
     """Read what :func:`save_static_curve` wrote; :class:`InputError` for any other file."""
     dataset, content = _read(path, "static-curve")
     names = ("compression", "force", "stiffness", "coil_gap", "coil_contact_force", "upper_coil", "axial_position", "coil_number")
-    arrays = {name: np.asarray(dataset[name].values) for name in names}
-    return StaticCurve(**arrays, status=content["status"])
+    arrays: dict[str, Any] = {name: np.asarray(dataset[name].values) for name in names}
+    buckling, leaning = content.get("buckling"), content.get("leaning")
+    return StaticCurve(
+        **arrays, status=content["status"], buckling=None if buckling is None else Buckling(*buckling),
+        leaning=None if leaning is None else Leaning(*leaning),
+    )  # fmt: skip
 
 
 def save_modal_result(result: ModalResult, path: _PathLike, provenance: Provenance | None = None) -> Path:
     """Write a modal result; whole or not at all."""
     text = metadata.pack(
-        "modal-result", status=result.status, provenance=provenance, compression=result.compression, axial_modes=result.axial_modes
+        "modal-result",
+        status=result.status,
+        provenance=provenance,
+        compression=result.compression,
+        axial_modes=result.axial_modes,
+        attached_mass=result.attached_mass,
     )
     return _write(modal_dataset(result), text, path)
 
@@ -107,7 +119,9 @@ def load_modal_result(path: _PathLike) -> ModalResult:
     dataset, content = _read(path, "modal-result")
     names = ("natural_frequency", "shape", "coil_number", "axial_transmission")
     arrays = {name: np.asarray(dataset[name].values) for name in names}
-    return ModalResult(compression=content["compression"], **arrays, axial_modes=tuple(content["axial_modes"]), status=content["status"])
+    return ModalResult(compression=content["compression"], **arrays, axial_modes=tuple(content["axial_modes"]), status=content["status"],
+        attached_mass=content.get("attached_mass"),
+    )  # fmt: skip
 
 
 def static_dataset(curve: StaticCurve) -> xarray.Dataset:

@@ -6,14 +6,18 @@ import hashlib
 from dataclasses import dataclass
 from typing import Literal
 
+Role = Literal["calibration", "check", "prediction"]
+
 
 @dataclass(frozen=True, slots=True)
 class PublishedValue:
     """One published number to compare with.
 
     ``quantity``: name from docs/quantities.md. ``value``: SI. ``unit``: the unit to show it in. ``model``: what produced it
-    in the source (such as ``solid finite elements``). ``origin``: the place in the source. ``role``: ``calibration`` when it may be used
-    for identification, ``prediction`` when it must not. ``engine_speed`` in rad/s of the crank, None for statics and modes.
+    in the source (such as ``solid finite elements``). ``origin``: the place in the source. ``role``: ``calibration`` for a value that
+    unknown numbers of the case were found or chosen by, ``check`` for one that was known then and not used, ``prediction`` for one that
+    must not be used; ``used_for``: what it was used for, in words; ``doubt``: why the number
+    cannot be right, where its source contradicts it. ``engine_speed`` in rad/s of the crank, None for statics and modes.
     ``tolerance``: allowed absolute difference (SI), None where none is stated. ``relation``: how firmly the source states it.
     """
 
@@ -21,12 +25,14 @@ class PublishedValue:
     value: float
     unit: str
     origin: str = ""
-    role: Literal["calibration", "prediction"] = "prediction"
+    role: Role = "prediction"
     engine_speed: float | None = None
     model: str = ""
     source: str = ""
     tolerance: float | None = None
     relation: Literal["equal", "about", "at-most", "at-least"] = "equal"
+    used_for: str = ""
+    doubt: str = ""
 
 
 @dataclass(frozen=True, slots=True)

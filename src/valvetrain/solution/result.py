@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.solution.arrays import ChannelArrays, DatasetField, Variable, empty_channels
 from valvetrain.solution.display import Figure, frame, plotted, span, table, words
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
@@ -20,7 +21,6 @@ from valvetrain.solution.status import COMPLETED, Status
 
 if TYPE_CHECKING:
     import pandas
-    import xarray
 
 Array = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ class Solution:
     ['cam_angle', 'seat_force']
     """
 
-    channels: xarray.Dataset
+    channels: DatasetField = DatasetField()
     events: tuple[Event, ...] = ()
     status: Status = COMPLETED
     statistics: Mapping[str, float | int | str | bool] = field(default_factory=dict)
@@ -51,13 +51,18 @@ class Solution:
     quantities: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        _check_channels(self.channels)
         object.__setattr__(self, "events", tuple(self.events))
         object.__setattr__(self, "quantities", MappingProxyType(dict(self.quantities)))
         object.__setattr__(self, "statistics", MappingProxyType(dict(self.statistics)))
 
     def __reduce__(self) -> tuple[object, ...]:
-        return Solution, (self.channels, self.events, self.status, dict(self.statistics), self.provenance, dict(self.quantities))
+        return Solution, (self.arrays, self.events, self.status, dict(self.statistics), self.provenance, dict(self.quantities))
+
+    @property
+    def arrays(self) -> ChannelArrays:
+        """The channels as plain arrays, without the labels that need xarray."""
+        found: ChannelArrays = self.__dict__["_arrays"]
+        return found
 
     @property
     def model(self) -> str:
@@ -91,23 +96,27 @@ class Solution:
     @property
     def cam_angle(self) -> Array:
         """Cam angle (rad, unwrapped) of every sample."""
-        return np.asarray(self.channels.variables["cam_angle"].values)
+        return np.asarray(self.arrays.coords["cam_angle"].values)
 
     @property
     def time(self) -> Array:
         """Time (s) of every sample."""
-        return np.asarray(self.channels.variables["time"].values)
+        return np.asarray(self.arrays.coords["time"].values)
 
     def has(self, *names: str) -> bool:
         """True when every named channel was computed."""
-        return all(name in self.channels.data_vars for name in names)
+        return all(name in self.arrays.variables for name in names)
 
     def channel(self, name: str) -> Array:
         """Values of one channel, first axis ``sample``, SI; :class:`InputError` names those that exist."""
-        if name not in self.channels.data_vars:
-            known = ", ".join(map(str, self.channels.data_vars))
+        if name not in self.arrays.variables:
+            known = ", ".join(self.arrays.variables)
             raise InputError(f"this {self.model or 'unnamed'} run has no channel '{name}'; it has {known}")
-        return np.asarray(self.channels.variables[name].values)
+        return np.asarray(self.arrays.variables[name].values)
+
+    def unit(self, name: str) -> str:
+        """Unit (SI) of one channel."""
+        return str(self.arrays.variables[name].attrs["units"])
 
     def identical(self, other: Solution) -> bool:
         """True when every value, label, attribute, event and word of ``other`` is the same."""
@@ -116,19 +125,23 @@ class Solution:
 
     def with_found(self, events: Iterable[Event], quantities: Mapping[str, float]) -> Solution:
         """A copy with events and named quantities."""
-        return replace(self, events=tuple(events), quantities=dict(quantities), statistics=dict(self.statistics))
+        return Solution(self.arrays, tuple(events), self.status, self.statistics, self.provenance, quantities)
+
+    def with_channels(self, added: Mapping[str, Variable]) -> Solution:
+        """A copy with further channels."""
+        return Solution(self.arrays.assign(added), self.events, self.status, self.statistics, self.provenance, self.quantities)
 
     def reduced(self) -> Solution:
         """The same run without its channels: events, quantities, status, statistics and provenance stay."""
-        return replace(self, channels=empty_channels(), quantities=dict(self.quantities), statistics=dict(self.statistics))
+        return Solution(empty_channels(), self.events, self.status, self.statistics, self.provenance, self.quantities)
 
     def __repr__(self) -> str:
         lines = [self._head()]
-        if self.channels.sizes["sample"]:
+        if len(self.time):
             angle = span(self.cam_angle, "rad").replace("deg", "deg of the cam")
-            lines.append(f"{self.channels.sizes['sample']} samples, {angle}; {len(self.channels.data_vars)} channels")
+            lines.append(f"{len(self.time)} samples, {angle}; {len(self.arrays.variables)} channels")
         for name in [one for one in ("seat_force", "retainer_force", "valve_lift") if self.has(one)][:2]:
-            lines.append(f"{name} {span(self.channel(name), self.channels[name].attrs['units'])}")
+            lines.append(f"{name} {span(self.channel(name), self.unit(name))}")
         if self.events:
             kinds = Counter(event.kind for event in self.events)
             lines.append(f"events: {', '.join(f'{count} {kind}' for kind, count in kinds.items())}")
@@ -152,11 +165,10 @@ class Solution:
         """
         columns: dict[str, Array] = {"time": self.time, "cam_angle": self.cam_angle}
         units = {"time": "s", "cam_angle": "rad"}
-        for label, channel in self.channels.data_vars.items():
-            values = np.asarray(channel.values).reshape(len(self.time), -1)
-            coils = [coord for coord in channel.coords.values() if channel.ndim == 2 and coord.dims == channel.dims[1:]]
-            places = np.asarray(coils[0].values) if coils else np.arange(values.shape[1])
-            names = [f"{label}[{place:g}]" for place in places] if channel.ndim > 1 else [str(label)]
+        for label, channel in self.arrays.variables.items():
+            values, coils = np.asarray(channel.values).reshape(len(self.time), -1), self.arrays.along(label)
+            places = coils if coils is not None else np.arange(values.shape[1])
+            names = [f"{label}[{place:g}]" for place in places] if len(channel.dims) > 1 else [label]
             columns |= dict(zip(names, values.T, strict=True))
             units |= dict.fromkeys(names, channel.attrs["units"])
         return frame(columns, "time", units)
@@ -168,23 +180,3 @@ class Solution:
     def cite(self) -> tuple[str, ...]:
         """References behind this run, the papers to cite with it."""
         return self.provenance.citations
-
-
-def empty_channels() -> xarray.Dataset:
-    """Channels of a run that kept none."""
-    import xarray
-
-    return xarray.Dataset(coords={name: (("sample",), np.zeros(0)) for name in ("time", "cam_angle")})
-
-
-def _check_channels(channels: xarray.Dataset) -> None:
-    for name in ("time", "cam_angle"):
-        if name not in channels.coords or channels.variables[name].dims != ("sample",):
-            raise InputError(f"a solution needs the coordinate '{name}' along its dimension 'sample'; add it")
-    for label in channels.data_vars:
-        values = channels.variables[label]  # the bare variable: an array with its coordinates is ten times as dear
-        if not values.dims or values.dims[0] != "sample":
-            raise InputError(f"channel '{label}' of a solution must have 'sample' as its first dimension; it has {values.dims}")
-        for key in ("units", "long_name"):
-            if key not in values.attrs:
-                raise InputError(f"channel '{label}' of a solution lacks the attribute '{key}'; give it")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.solution.display import Figure, frame, plotted, span, table, words
 from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.rest_point import RestPoint
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import Given, si
 
@@ -21,13 +22,33 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True, slots=True)
+class Buckling:
+    """Where a spring under rising compression buckles: ``compression`` from the free length and ``height`` (m), ``force`` (N)."""
+
+    compression: float
+    height: float
+    force: float
+
+
+@dataclass(frozen=True, slots=True)
+class Leaning:
+    """A spring in a guide: ``compression`` from the free length (m) at which its wire first touches a wall, and ``force``, the sum of the
+    normal forces there (N) at the end of the curve."""
+
+    compression: float
+    force: float
+
+
 @dataclass(frozen=True, eq=False)
 class StaticCurve:
     """Static curve from the free state; SI, shapes beside the names.
 
     ``compression`` (step) m, ``force`` (step) N, ``stiffness`` (step) N/m tangent; ``coil_gap`` (step, coil_pair) m and
     ``coil_contact_force`` (step, coil_pair) N with ``upper_coil`` (coil_pair); ``axial_position`` (step, wire_point) m
-    with ``coil_number`` (wire_point). Arrays that a model does not compute have zero pairs or points.
+    with ``coil_number`` (wire_point). Arrays that a model does not compute have zero pairs or points. ``path``: the same curve on
+    points that do not depend on the number of steps, the installed state among them; what is asked between the points is read there.
+    ``buckling``: None where the spring stands all the way, or the model cannot tell; ``leaning``: None where it touches no guide.
 
     >>> import numpy as np
     >>> steps, none = np.linspace(0, 8e-3, 9), np.zeros((9, 0))
@@ -48,6 +69,9 @@ class StaticCurve:
     axial_position: Array
     coil_number: Array
     status: Status = COMPLETED
+    path: StaticCurve | None = None
+    buckling: Buckling | None = None
+    leaning: Leaning | None = None
 
     def __post_init__(self) -> None:
         steps, pairs, points = len(self.compression), len(self.upper_coil), len(self.coil_number)
@@ -89,20 +113,33 @@ class StaticCurve:
         return plotted("plot_static_curve", self)
 
     def force_at(self, compression: Given) -> float:
-        """Force (N) at a compression (m, "7.5 mm" or a pint quantity), straight between steps; :class:`InputError` outside the curve."""
-        return self._interpolate(compression, self.force)
+        """Force (N) at a compression (m, "7.5 mm" or a pint quantity), a cubic of force and slope between the points of ``path``.
+
+        Raises :class:`InputError` outside the curve.
+        """
+        known, place = self._place(compression)
+        low = min(max(int(np.searchsorted(known.compression, place)) - 1, 0), max(len(known.compression) - 2, 0))
+        pair = slice(low, low + 2)
+        ends, force, slope = known.compression[pair], known.force[pair], known.stiffness[pair]
+        if len(ends) < 2 or not np.all(np.isfinite(slope)):
+            return float(np.interp(place, known.compression, known.force))
+        span = float(ends[1] - ends[0])
+        t = (place - float(ends[0])) / span
+        bend = span * (slope - (force[1] - force[0]) / span)
+        return float(force[0] + t * (force[1] - force[0]) + t * (1 - t) * ((1 - t) * bend[0] - t * bend[1]))
 
     def stiffness_at(self, compression: Given) -> float:
-        """Tangent stiffness (N/m) at a compression, as :meth:`force_at`."""
-        return self._interpolate(compression, self.stiffness)
+        """Tangent stiffness (N/m) at a compression, as :meth:`force_at`, straight between the points of ``path``."""
+        known, place = self._place(compression)
+        return float(np.interp(place, known.compression, known.stiffness))
 
-    def _interpolate(self, given: Given, values: Array) -> float:
+    def _place(self, given: Given) -> tuple[StaticCurve, float]:
         compression = si(given, "compression", "compression")
         first, last = float(self.compression[0]), float(self.compression[-1])
         if not first - 1e-12 <= compression <= last + 1e-12:
             reach = f"{first * 1e3:g} to {last * 1e3:g} mm"
             raise InputError(f"compression {compression * 1e3:g} mm lies outside the static curve ({reach}); compute it further")
-        return float(np.interp(compression, self.compression, values))
+        return self.path or self, compression
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +162,7 @@ class SpringAtRest:
 
     ``curve``: static curve from the free state; ``modes``: natural frequencies about the installed state; ``stress``: stress over
     compression; each None where the model does not give it. ``facts``: mesh and cost in words; ``wall_time`` (s).
+    ``installed``: the installed state; ``points``: those asked for. ``stress_per_force``: nominal shear by EN 13906-1 (Pa per N).
     """
 
     spring: str
@@ -135,3 +173,6 @@ class SpringAtRest:
     stress: StaticStress | None = None
     facts: Mapping[str, float | int | str] = field(default_factory=dict)
     wall_time: float = 0.0
+    installed: RestPoint | None = None
+    points: tuple[RestPoint, ...] = ()
+    stress_per_force: float | None = None

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.solution.comparison import Comparison, Finding
+from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.display import Figure, plotted, table, words
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import Quantities, Quantity, known_speed, named, same_speed, unit_of
@@ -39,7 +40,8 @@ class Study:
 
     ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep. ``rest``: springs at rest.
     ``still``: quantities that belong to no run, by label (empty: of the case). ``comparisons``, ``findings`` and ``notes`` speak of
-    published numbers and are empty for a case of one's own. ``lift_event``: None without lift or where it spans the cam's zero.
+    published numbers and are empty for a case of one's own. ``critical_speeds``: what a sweep of a train searched. ``lift_event``: None
+    without lift or where it spans the cam's zero.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
     >>> study.quantities["preload"]
@@ -60,6 +62,7 @@ class Study:
     lift_event: LiftEvent | None = None
     provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
     wall_time: float = field(default=0.0, compare=False)
+    critical_speeds: CriticalSpeeds = field(default_factory=CriticalSpeeds)
 
     def __repr__(self) -> str:
         found = self.quantities
@@ -143,9 +146,14 @@ class Study:
         return next((one for one in self.rest if model in ("", one.model) and spring in ("", one.spring)), None)
 
     @property
+    def over_speed(self) -> bool:
+        """Whether its runs are points of curves over engine speed: a sweep, or the turns of a run-up."""
+        return self.command in ("sweep", "run-up")
+
+    @property
     def failures(self) -> tuple[str, ...]:
         """A sentence per part that did not complete; in a sweep motion that does not settle is a finding, not a failure."""
-        accepted = ("completed", "not-converged") if self.command == "sweep" else ("completed",)
+        accepted = ("completed", "not-converged") if self.over_speed else ("completed",)
         found = []
         for one in self.rest:
             for word, part in (("static curve", one.curve), ("modes", one.modes)):

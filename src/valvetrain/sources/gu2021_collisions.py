@@ -47,7 +47,7 @@ def _meeting_gaps(cycle: Cycle) -> Array | None:
     """Gaps (m; sample, pair) over the meeting stretch, or None where a model has none there."""
     if not cycle.solution.has("coil_gap"):
         return None
-    places = np.asarray(cycle.solution.channels["upper_coil"].values)
+    places = cycle.solution.arrays.coords["upper_coil"].values
     mine = (places > MEETING[0] + 1e-9) & (places <= MEETING[1] + 1e-9)
     return cycle.channel("coil_gap")[:, mine] if np.any(mine) else None
 

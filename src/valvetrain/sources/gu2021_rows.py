@@ -30,6 +30,7 @@ def _force(place: str, label: str, definition: str) -> tuple[QuantityRow, Quanti
 _STAGES = (
     _row("stage_1_minimum_force", "Stage I least force", "Smallest force in Stage I."),
     _row("stage_1_maximum_force", "Stage I largest force", "Largest force in Stage I."),
+    _row("stage_1_force_range", "Stage I range of the force", "Largest less smallest force in Stage I."),
     _row("stage_1_peak_{n}_cam_angle", "Stage I peak {n}, cam angle",
          "Cam angle of local force maximum {n} in Stage I that stands out of the oscillation."),
     *_force("stage_2_peak", "Stage II peak", "Largest force in Stage II."),

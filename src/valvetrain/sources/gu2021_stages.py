@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.quantities.cycle import Array, Cycle
-from valvetrain.quantities.filters import BANDWIDTHS, filtered_force
+from valvetrain.errors import InputError
+from valvetrain.quantities.cycle import Array, Cycle, reported_cycle
+from valvetrain.quantities.filters import BANDWIDTHS, filtered_force, low_pass
 from valvetrain.quantities.peaks import prominences, prominent_peaks
 from valvetrain.quantities.windows import WINDOWS, is_covered, window_bounds
+from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent
 
 #: A peak of Stage I stands out by this share of the stage's force range.
@@ -21,6 +23,8 @@ STAGE_2_SHARE = 0.02
 STAGE_3_SHARE = 0.01
 #: A second spike stands out by this share of the main one's height over the median force after it.
 SECOND_SPIKE_SHARE = 0.15
+#: Above this frequency (Hz), four times the first mode's, nothing but contact of coils moves the force.
+RATTLE = 2500.0
 
 
 def in_stage(cycle: Cycle, event: LiftEvent, stage: int) -> np.ndarray:
@@ -55,7 +59,7 @@ def stage_1(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
     """Range of the force in Stage I and the angles of the peaks that stand out of it."""
     inside = in_stage(cycle, event, 1)
     low, high = float(np.min(force[inside])), float(np.max(force[inside]))
-    found = {"stage_1_minimum_force": low, "stage_1_maximum_force": high}
+    found = {"stage_1_minimum_force": low, "stage_1_maximum_force": high, "stage_1_force_range": high - low}
     # The cycle is periodic: seen twice, a peak next to 0 degrees has a left side as well.
     count = len(force)
     twice = np.concatenate((force, force)) if cycle.whole else force
@@ -123,11 +127,30 @@ def stage_3(cycle: Cycle, force: Array, separation: float, event: LiftEvent) -> 
     return found
 
 
+def rattle(solution: Solution, event: LiftEvent) -> tuple[float, float] | None:
+    """Largest size (N) in Stage III of the seat force above :data:`RATTLE`, and its cam angle (rad); None for too few or uneven samples."""
+    if len(solution.time) < 3 or not solution.has("seat_force"):
+        return None
+    cycle, force = reported_cycle(solution), solution.channel("seat_force")
+    if not covers_stage(cycle, event, 3):
+        return None
+    try:
+        slow = low_pass(solution.time, force, RATTLE)
+    except InputError:
+        return None
+    # at the end of the record the filter sees one side only
+    inside = in_stage(cycle, event, 3) & (cycle.time < cycle.time[-1] - 1 / RATTLE)
+    sharp = np.where(inside, np.abs(force - slow)[cycle.samples], 0.0)
+    top = int(np.argmax(sharp))
+    return float(sharp[top]), float(cycle.cam_angle[top])
+
+
 def _stage_3_in_bandwidths(cycle: Cycle, event: LiftEvent) -> dict[str, float]:
-    """Height (N) of the Stage III spike at the highest instant recorded and below 10 and 20 kHz, where the run's samples allow it."""
+    """Height (N) of the Stage III spike at the highest instant known and below 10 and 20 kHz, where the run's samples allow it."""
     found: dict[str, float] = {}
     if cycle.solution.has("seat_force_fine"):
-        highest = cycle.channel("seat_force_fine").max(axis=1)
+        told = cycle.solution.has("seat_force_highest")
+        highest = cycle.channel("seat_force_highest") if told else cycle.channel("seat_force_fine").max(axis=1)
         found["stage_3_every_instant_peak_force"] = float(highest[spike_index(cycle, highest, event)])
     for cutoff in BANDWIDTHS:
         force = filtered_force(cycle.solution, cutoff, seat_force_name(cycle))

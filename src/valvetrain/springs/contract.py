@@ -113,6 +113,20 @@ class WatchedSpring(Protocol):
     def contact_watch(self) -> ContactWatch | None: ...
 
 
+@runtime_checkable
+class LargeSpring(Protocol):
+    """A spring model whose inner state is too large for many samples and for an accelerated search of the periodic state."""
+
+    def prepare(self) -> None:
+        """Find once what all runs of this model share, before threads do."""
+        ...
+
+    def place_retainer(self, state: Array, retainer_displacement: float, travel_since: float) -> None:
+        """Say in a recorded ``state`` where the retainer stood when its positions were taken: ``travel_since`` (m) before
+        ``retainer_displacement`` (m)."""
+        ...
+
+
 def contact_watch_of(spring: object) -> ContactWatch | None:
     """The watch of a spring model, None where its kind or this spring has no coil contacts to record."""
     return spring.contact_watch() if isinstance(spring, WatchedSpring) else None

@@ -12,21 +12,26 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
+from valvetrain.cosserat.guide import walls
 from valvetrain.cosserat.layout import ROW, STRIDE, row
 from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
+from valvetrain.cosserat.turning import TurningStatics
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.guide import Guide
+from valvetrain.parameters.installed_spring import ROTATIONS, InstalledSpring
 from valvetrain.parameters.schema_types import Length, PositiveTime
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.spring_options import SpringOptions
-from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.rest_point import RestPoint
+from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.springs import finite_element_kernel as stepping
 from valvetrain.springs.contract import WATCH_INTERVAL, Array, ContactWatch, EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.springs.wire_from_card import wire_from_card
-from valvetrain.units import keep_si
+from valvetrain.units import Given, keep_si, si
 
 _SCRATCH = threading.local()
 #: Wire points and coil pairs are reported at every eighth of a turn.
@@ -38,7 +43,8 @@ class FiniteElementRod:
     """Rod model of ``definition`` installed at ``precompression`` (m from the free state).
 
     ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step. Where it does not pull (``pulls``) its end forces in a
-    train stop at zero; its inactive coils stay on their seats.
+    train stop at zero; its inactive coils stay on their seats. ``guide``: bore or rod that the wire may lean on.
+    ``retainer_rotation``: ``fixed``, or ``free`` about the axis at rest; in motion the retainer keeps the angle at which it is installed.
     """
 
     definition: SpringDefinition
@@ -50,6 +56,8 @@ class FiniteElementRod:
     time_step: float | None = None
     name: str = "finite-element"
     pulls: bool = True
+    guide: Guide | None = None
+    retainer_rotation: str = "fixed"
 
     def __post_init__(self) -> None:
         keep_si(self, f"spring '{self.name}'", precompression="compression", time_step="time")
@@ -59,6 +67,12 @@ class FiniteElementRod:
             raise InputError(f"seats '{self.seats}' of spring '{self.definition.name}' is unknown; use planes or clamps")
         if self.dynamics.contact_stiffness > 0:
             self.definition.refuse_solid(self.precompression)
+        if self.guide is not None:
+            self.guide.check_fit(self.definition)
+        if self.retainer_rotation not in ROTATIONS:
+            raise InputError(
+                f"retainer_rotation '{self.retainer_rotation}' of spring '{self.definition.name}' is unknown; use fixed or free"
+            )
 
     @cached_property
     def mesh(self) -> RodMesh:
@@ -68,12 +82,20 @@ class FiniteElementRod:
         if self.seats == "clamps":
             nothing = np.full(mesh.vertices, np.inf)
             mesh = replace(mesh, lower_seat_limit=-nothing, upper_seat_limit=nothing)
+        if self.guide is not None:
+            mesh = replace(mesh, guide=walls(mesh.wire_diameter, self.guide.bore, self.guide.rod, self.guide.stiffness))
         return mesh
 
     @cached_property
     def statics(self) -> RodStatics:
         """Residual, tangent and Newton solver of the mesh."""
-        return RodStatics(self.mesh, self.dynamics.contact_stiffness)
+        kind = TurningStatics if self.retainer_rotation == "free" else RodStatics
+        return kind(self.mesh, self.dynamics.contact_stiffness)
+
+    @cached_property
+    def _turned(self) -> RodStatics:
+        """As ``statics``, the retainer at the angle that it has."""
+        return RodStatics(self.mesh, self.dynamics.contact_stiffness) if self.statics.turns else self.statics
 
     @cached_property
     def installed(self) -> Equilibrium:
@@ -85,8 +107,9 @@ class FiniteElementRod:
         if compression == 0.0:
             return self.statics.solve(RodState(self.mesh.position, self.mesh.frame), 0.0)
         # Every other state is reached from the installed one, so that the answer does not depend on what was asked before.
-        start = None if retainer_displacement == 0.0 else self.installed.state
-        result = compress(self.statics, [compression], start)[-1]
+        away = retainer_displacement != 0.0
+        start, statics = (self.installed.state, self._turned) if away else (None, self.statics)
+        result = compress(statics, [compression], start)[-1]
         if not result.converged:
             raise InputError(
                 f"spring '{self.definition.name}' finds no equilibrium at {compression * 1e3:.3g} mm compression "
@@ -134,7 +157,7 @@ class FiniteElementRod:
         """Retainer force (N) at rest at each displacement (m), each from its neighbour's equilibrium: a third of the Newton steps."""
         found, start = np.zeros(len(retainer_displacements)), self.installed.state
         for place, displacement in enumerate(retainer_displacements.tolist()):
-            result = compress(self.statics, [self.precompression + displacement], start)[-1]
+            result = compress(self._turned, [self.precompression + displacement], start)[-1]
             if not result.converged:
                 result = self._equilibrium(displacement)
             start = result.state
@@ -153,6 +176,13 @@ class FiniteElementRod:
 
     def stable_time_step(self) -> float:
         return self._stable
+
+    def prepare(self) -> None:
+        """Solve the installed state and the stable step."""
+        _ = self.installed, self._stable
+
+    def place_retainer(self, state: Array, retainer_displacement: float, travel_since: float) -> None:
+        state[stepping.TRAVEL] = self.precompression + retainer_displacement - travel_since
 
     def rod_state(self, state: Array, retainer_displacement: float) -> RodState:
         """Positions and frames in a flat ``state``, the retainer moved to ``retainer_displacement`` (m)."""
@@ -247,6 +277,37 @@ class FiniteElementRod:
 
         return ContactWatch(np.array([[place, count] for place in rows], dtype=np.int64), 2 * WATCH_INTERVAL, read)
 
+    def static_curve(self, largest_compression: Given, steps: int = 64) -> StaticCurve:
+        """Force and tangent stiffness from the free state to ``largest_compression`` (m, "8 mm"), in even ``steps``, coils closing.
+
+        Raises :class:`InputError` for a compression at which the coils are solid.
+        """
+        from valvetrain.springs.finite_element_rest import curve_over
+
+        reach = si(largest_compression, "compression", "largest_compression")
+        if self.dynamics.contact_stiffness > 0:
+            self.definition.refuse_solid(reach)
+        return curve_over(self, np.linspace(0.0, reach, steps + 1))[0]
+
+    def static_point(self, compression: Given) -> RestPoint:
+        """Force, stiffness, stress and what acts on the retainer at a ``compression`` (m, "8 mm"); errors as :meth:`static_curve`."""
+        from valvetrain.springs.finite_element_rest import equilibrium_at, rest_point
+
+        return rest_point(self, equilibrium_at(self, si(compression, "compression", "compression")))
+
+    def modes(self, count: int = 24, attached_mass: Given | None = None) -> ModalResult:
+        """The lowest ``count`` modes about the installed state: both ends fixed, or with ``attached_mass`` (kg, "50 g"; 0 for a free end)
+        on a retainer that moves along the axis.
+
+        Raises :class:`InputError` for a negative mass.
+        """
+        from valvetrain.springs.finite_element_rest import modal_result
+
+        mass = None if attached_mass is None else si(attached_mass, "mass", "attached_mass")
+        if mass is not None and mass < 0:
+            raise InputError(f"an attached mass is zero or more; it is {mass:g} kg", "attached_mass")
+        return modal_result(self, count, mass)
+
     def retainer_mass(self) -> float:
         """Inactive wire on the retainer and half the last element (kg)."""
         upper = self.definition.free_coils[1]
@@ -276,12 +337,12 @@ def _make(spring: InstalledSpring, options: FiniteElementOptions, rest: SpringAt
     )  # fmt: skip
     return FiniteElementRod(
         wire, precompression, options.elements_per_coil, dynamics, options.curvature_correction, seats, options.time_step,
-        pulls=spring.pulls,
+        pulls=spring.pulls, guide=spring.guide, retainer_rotation=spring.retainer_rotation,
     )  # fmt: skip
 
 
 SPEC = SpringModelSpec(
     "finite-element", "finite-element rod", "#1f5aa6", FiniteElementOptions, _make, shows=("sections", "clash", "stress"),
-    processor_time=12.0, knows="geometrically exact wire, all coils in contact, seats, stress",
-    leaves_out="contact patches across the wire",
+    processor_time=12.0, knows="geometrically exact wire, all coils in contact, seats, stress, buckling, guides",
+    leaves_out="contact patches across the wire, friction on guides",
 )  # fmt: skip

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +11,9 @@ from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.transient import RodTransient
-from valvetrain.solution.channels import FINE, spring_channels
+from valvetrain.solution.arrays import ChannelArrays
+from valvetrain.solution.channels import EXTREMES, FINE, spring_channels
 from valvetrain.springs.finite_element import POINTS_PER_COIL, FiniteElementRod
-
-if TYPE_CHECKING:
-    import xarray
 
 Array = NDArray[np.float64]
 
@@ -69,17 +66,17 @@ def static_section_loads(model: FiniteElementRod, states: Sequence[RodState]) ->
     return {name: strains[name] @ at.T for name in SECTION_LOADS}
 
 
-def rod_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> xarray.Dataset:
+def rod_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> ChannelArrays:
     """All channels of docs/architecture.md for a rod run; cam angle is cam_speed (rad/s) times time."""
     return _channels(model, run, cam_speed, True)
 
 
-def end_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> xarray.Dataset:
+def end_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> ChannelArrays:
     """End forces and contacts of a rod run, without sections and energies: what a sweep needs."""
     return _channels(model, run, cam_speed, False)
 
 
-def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whole: bool) -> xarray.Dataset:
+def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whole: bool) -> ChannelArrays:
     mesh, installed = model.mesh, model.installed.state
     coil = wire_points(model.definition.total_coils)
     height, speed = run.position[..., 2], run.velocity[..., 2]
@@ -96,6 +93,8 @@ def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whol
         "work_done": run.work_done,
         "energy_dissipated": run.energy_dissipated + run.contact_loss,
     }
+    if mesh.guide is not None:
+        values["guide_force"] = mesh.guide.pressed(run.position, mesh.node_length)
     if whole:
         at, strains = interpolation(mesh, coil), _strains(mesh, run.position, run.frame)
         interval = run.time[1] - run.time[0] if len(run.time) > 1 else 1.0
@@ -114,6 +113,8 @@ def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whol
     for name, series in (("seat_force_fine", run.dense_seat_force), ("retainer_force_fine", run.dense_retainer_force)):
         padded = np.concatenate([series, np.repeat(series[-1:], dense - 1)])
         values[name] = padded[: len(run.time) * dense].reshape(len(run.time), dense)
+    for column, name in enumerate(f"{end}_force_{kind}" for end in ("seat", "retainer") for kind in EXTREMES):
+        values[name] = run.extremes[:, column]
     return spring_channels(run.time, cam_speed * run.time, values, coil_number=coil if whole else None, upper_coil=upper_coil, extra=FINE)
 
 
@@ -169,6 +170,8 @@ def _energies(model: FiniteElementRod, strains: dict[str, Array], gaps: Array, r
     contact = 0.5 * stiffness * np.sum(mesh.contact.length * overlap**2, axis=(1, 2))
     height = run.position[..., 2]
     depth = np.maximum(mesh.lower_seat_limit - height, 0.0) + np.maximum(height - (mesh.upper_seat_limit - run.displacement[:, None]), 0.0)
+    if mesh.guide is not None:
+        contact = contact + mesh.guide.energy(run.position, mesh.node_length)
     return strains["energy"], contact + 0.5 * stiffness * (depth**2 @ mesh.node_length)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -112,11 +113,16 @@ class NestedSprings:
         return replace(self, outer=self.outer.with_time_step(time_step), inner=self.inner.with_time_step(time_step))
 
     def initial_state(self, retainer_displacement: float) -> Array:
-        buffers = [member.initial_state(retainer_displacement) for member in self.members]
-        positions = [b[: member.unknowns] for b, member in zip(buffers, self.members, strict=True)]
-        return np.concatenate((*positions, np.zeros(self.unknowns + 1), *buffers))
+        return self.joined([member.initial_state(retainer_displacement) for member in self.members])
 
-    def _split(self, state: Array) -> tuple[Array, Array]:
+    def joined(self, buffers: Sequence[Array]) -> Array:
+        """The state of the pair from those of its members, outer first; what rubbing dissipated counts from zero."""
+        pairs = list(zip(buffers, self.members, strict=True))
+        positions = [buffer[: member.unknowns] for buffer, member in pairs]
+        velocities = [buffer[member.unknowns : 2 * member.unknowns] for buffer, member in pairs]
+        return np.concatenate((*positions, *velocities, np.zeros(1), *buffers))
+
+    def split(self, state: Array) -> tuple[Array, Array]:
         """Copies of the members' buffers with the current positions and velocities."""
         n, m = self.outer.unknowns, self.inner.unknowns
         start = 2 * (n + m) + 1
@@ -131,19 +137,19 @@ class NestedSprings:
     def energy(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0, time_step: float = 0.0) -> SpringEnergy:
         parts = [
             member.energy(own, retainer_displacement, retainer_velocity, time_step)
-            for member, own in zip(self.members, self._split(state), strict=True)
+            for member, own in zip(self.members, self.split(state), strict=True)
         ]
         kinetic, elastic, contact, dissipated = (sum(column) for column in zip(*parts, strict=True))
         return SpringEnergy(kinetic, elastic, contact, dissipated + float(state[2 * self.unknowns]))
 
     def force(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> EndForces:
-        outer, inner = self._split(state)
+        outer, inner = self.split(state)
         first = self.outer.force(outer, retainer_displacement, retainer_velocity)
         second = self.inner.force(inner, retainer_displacement, retainer_velocity)
         return EndForces(first.retainer + second.retainer, first.seat + second.seat)
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
-        return sum(member.tangent(own, retainer_displacement) for member, own in zip(self.members, self._split(state), strict=True))
+        return sum(member.tangent(own, retainer_displacement) for member, own in zip(self.members, self.split(state), strict=True))
 
     def outputs(self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0) -> SpringOutputs:
         """Sections of the outer spring with the forces of both; :meth:`member_outputs` gives each alone."""
@@ -155,7 +161,7 @@ class NestedSprings:
         self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
     ) -> tuple[SpringOutputs, SpringOutputs]:
         """Outputs of the outer and of the inner spring."""
-        outer, inner = self._split(state)
+        outer, inner = self.split(state)
         return (
             self.outer.outputs(outer, retainer_displacement, retainer_velocity),
             self.inner.outputs(inner, retainer_displacement, retainer_velocity),

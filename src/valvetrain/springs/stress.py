@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.arrays import Variable
 from valvetrain.solution.result import Solution
 
 Array = NDArray[np.float64]
@@ -51,6 +52,8 @@ def wahl(index: Array) -> Array:
 #: Word -> factor at the inner fibre over the index; the outer fibre is the same law at minus the index, with the centre on its far side.
 CURVATURE_FACTORS: Mapping[str, Callable[[Array], Array]] = {"bergstraesser": bergstraesser, "goehner": goehner, "wahl": wahl}
 DEFAULT_FACTOR = "bergstraesser"
+#: Places along the free turns at which the nominal stress is looked for.
+NOMINAL_SAMPLES = 4001
 
 
 def shear_stress_factor(curvature: str, index: ArrayLike, fibre: str = "inner") -> Array:
@@ -121,6 +124,13 @@ def wire_stress(
     return {name: found[name] for name in STRESS_CHANNELS}
 
 
+def nominal_stress_per_force(wire: SpringDefinition) -> float:
+    """Largest of k 8 D / (pi d**3) (Pa per N) over the free turns, k = (w + 0.5) / (w - 0.75), w = D / d (EN 13906-1)."""
+    coil = np.linspace(*wire.free_coils, NOMINAL_SAMPLES)
+    diameter, mean = wire.wire_diameter.value(coil), wire.mean_diameter.value(coil)
+    return float(np.max(bergstraesser(mean / diameter) * 8 * mean / (np.pi * diameter**3)))
+
+
 def with_stress(solution: Solution, definition: SpringDefinition, curvature: str | None = DEFAULT_FACTOR) -> Solution:
     """The solution with the channels of :data:`STRESS_CHANNELS`; what it has is kept, an earlier stress replaced.
 
@@ -128,11 +138,11 @@ def with_stress(solution: Solution, definition: SpringDefinition, curvature: str
     """
     if not solution.has(*LOADS):
         raise InputError(f"a {solution.model or 'nameless'} run holds no section loads of the wire; run the finite-element model")
-    coil = np.asarray(solution.channels["coil_number"].values)
+    coil = solution.arrays.coords["coil_number"].values
     values = wire_stress({name: solution.channel(name) for name in LOADS}, definition, coil, curvature)
     factor = curvature or "none"
     added = {
-        name: (("sample", "wire_point"), array, {"units": "Pa", "long_name": STRESS_CHANNELS[name], "curvature_factor": factor})
+        name: Variable(("sample", "wire_point"), array, {"units": "Pa", "long_name": STRESS_CHANNELS[name], "curvature_factor": factor})
         for name, array in values.items()
     }
-    return Solution(solution.channels.assign(added), solution.events, solution.status, solution.statistics, solution.provenance)
+    return Solution(solution.arrays.assign(added), solution.events, solution.status, solution.statistics, solution.provenance)

@@ -8,9 +8,11 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
 from valvetrain.studies.compare import compare_study
+from valvetrain.studies.critical_speeds import read_options
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.rest import STEPS
 from valvetrain.studies.rest_study import curve_by_model, largest_lift
@@ -93,19 +95,22 @@ def compare(
 
 def sweep(
     case: AnyCase, engine_speeds: Speeds = "1000:9000:100 rpm", *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
-    whole: bool = False, workers: int | None = None, progress: Progress | None = None,
+    whole: bool = False, workers: int | None = None, progress: Progress | None = None, critical_speeds: bool = True,
+    resolution: Given = "10 rpm", float_lift: Given = "50 um", bounce_height: Given = "100 um",
 ) -> Study:  # fmt: skip
-    """A case over engine speed: numbers per speed and, of a train, where it loses contact and floats.
+    """A case over engine speed: numbers per speed and, of a train, where it loses contact, floats and bounces.
 
     Parameters
     ----------
     case, spring_models, spring_sets, workers, progress : as for :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:100 rpm" (first:last:step), rad/s or pint quantities
     whole : keep the channels of every solution (megabytes each); without it solutions hold their events and named quantities only
+    critical_speeds : search a train's critical speeds between the lowest and the highest speed, as :func:`critical_speeds` does
+    resolution, float_lift, bounce_height : as for :func:`critical_speeds`
 
     Returns
     -------
-    Study whose ``series(label, name)`` gives speeds (n,) in rad/s and values (n,) in SI
+    Study whose ``series(label, name)`` gives speeds (n,) in rad/s and values (n,) in SI, and whose ``critical_speeds`` what was found
 
     Raises
     ------
@@ -121,9 +126,52 @@ def sweep(
     """
     speeds = _speeds(engine_speeds)
     assert speeds is not None
+    critical = read_options(resolution, float_lift, bounce_height) if critical_speeds else None
     return sweep_study(
-        case_of(case), speeds, spring_models=spring_models, spring_sets=spring_sets, whole=whole, workers=workers, progress=progress
+        case_of(case), speeds, spring_models=spring_models, spring_sets=spring_sets, whole=whole, workers=workers, progress=progress,
+        critical=critical,
     )  # fmt: skip
+
+
+def critical_speeds(
+    case: AnyCase, engine_speeds: Speeds = "1000:9000:100 rpm", *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
+    resolution: Given = "10 rpm", float_lift: Given = "50 um", bounce_height: Given = "100 um", workers: int | None = None,
+    progress: Progress | None = None,
+) -> CriticalSpeeds:  # fmt: skip
+    """The engine speeds at which a train first loses contact, floats and bounces, each as a bracket with a run at either end.
+
+    Parameters
+    ----------
+    case, spring_models, spring_sets, workers, progress : as for :func:`simulate`
+    engine_speeds : speeds of the crank at which the search begins; it goes on between them where control may be lost
+    resolution : width of a bracket, "10 rpm", rad/s or a pint quantity
+    float_lift : lift above the rigid one beyond which the valve floats, "50 um", m or a pint quantity
+    bounce_height : height above the seat beyond which a bounce counts, likewise
+
+    Returns
+    -------
+    CriticalSpeeds, a row per label and kind: brackets from rest, with rising and with falling speed, in rad/s
+
+    Raises
+    ------
+    InputError : as :func:`simulate`, and for a case without a train
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> vt.critical_speeds("tdi-pushrod", "6800:7600:200 rpm", spring_models=["massless"], spring_sets=["stock"], resolution="50 rpm")
+    critical engine speeds (rpm)
+      massless, contact-loss: 7150–7200 (cam)
+      massless, float: never up to 7600
+      massless, bounce: never up to 7600
+    """
+    found = sweep(
+        case, engine_speeds, spring_models=spring_models, spring_sets=spring_sets, workers=workers, progress=progress,
+        resolution=resolution, float_lift=float_lift, bounce_height=bounce_height,
+    )  # fmt: skip
+    if not len(found.critical_speeds):
+        raise InputError(f"case '{found.record.name}' has no train that runs, so nothing loses contact; give a case with a [train] table")
+    return found.critical_speeds
 
 
 def static_curve(

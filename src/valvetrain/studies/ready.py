@@ -3,27 +3,36 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.integrate.clash import runs
 from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions
-from valvetrain.integrate.run import run
+from valvetrain.integrate.run import run_to_orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
+from valvetrain.solution.arrays import empty_channels
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
-from valvetrain.solution.result import Solution, empty_channels
+from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
+from valvetrain.springs.contract import LargeSpring
 from valvetrain.springs.equivalent import EquivalentSpring
-from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.system.prescribed import PrescribedSpring, names_of
 from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_rest import TrainRest, rest_of
 from valvetrain.system.train_system import TrainSystem
 
+if TYPE_CHECKING:
+    from valvetrain.integrate.train_orbit import Orbit
+
+#: Share of the rigid lift beyond which the valve counts as open.
+OPEN = 0.1
 #: What a run can meet that is its own failure and not the study's.
 FAILURES = (InputError, ArithmeticError, ValueError)
 
@@ -52,6 +61,18 @@ class Ready:
     motion: RigidMotion | None = None
     refusal: str = ""
 
+    @cached_property
+    def window(self) -> tuple[float, float] | None:
+        """Begin and end (cam rad) of the longest stretch in which a rigid valve is open by more than :data:`OPEN` of its lift; the end may
+        pass the turn. None of prescribed motion."""
+        if self.motion is None:
+            return None
+        angle, lift = self.motion.cam_angle, self.motion.derivatives[0]
+        stretches = runs(lift > OPEN * float(np.max(lift)), ring=True)
+        first, last = max(stretches, key=lambda one: one[1] - one[0])
+        step = float(angle[1] - angle[0])
+        return float(angle[0]) + first * step, float(angle[0]) + last * step
+
 
 def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Ready:
     """The member assembled; what its parts refuse is kept as its ``refusal``."""
@@ -64,8 +85,8 @@ def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Rea
         system = member.system(rest, problem.built)
         if isinstance(system, PrescribedSpring):
             for spring in system.springs:
-                if isinstance(spring, FiniteElementRod):  # found once, before the runs share the model
-                    spring.installed, spring.stable_time_step()
+                if isinstance(spring, LargeSpring):
+                    spring.prepare()
             return Ready(member, frame, system)
         assert member.gear is not None
         still = rest_of(system)
@@ -106,16 +127,24 @@ def provenance_of(problem: Problem, member: Member, engine_speed: float, created
 
 def integrate_point(ready: Ready, engine_speed: float, plan: Plan, provenance: Provenance) -> Solution:
     """One run in time (rad/s of the crank); a failure of any kind is its status."""
+    return integrate_from(ready, engine_speed, plan, provenance)[0]
+
+
+def integrate_from(
+    ready: Ready, engine_speed: float, plan: Plan, provenance: Provenance, start: Orbit | None = None
+) -> tuple[Solution, Orbit | None]:
+    """As :func:`integrate_point`, of a train from the motion ``start`` of another speed, and the motion it ended on (None for none)."""
     if ready.system is None:
         remedy = "choose another model, or tell more of the spring"
-        return Solution(empty_channels(), (), Status("refused", ready.refusal, remedy=remedy), {}, provenance)
+        return Solution(empty_channels(), (), Status("refused", ready.refusal, remedy=remedy), {}, provenance), None
     prescribed = isinstance(ready.system, PrescribedSpring)
     until = Cycles(plan.cycles) if prescribed else Periodic(plan.cycles_to_settle)
+    options = RunOptions(plan.samples, keep=plan.keep, rest=ready.rest, window=ready.window, start=start)
     try:
-        return run(ready.system, engine_speed / 2, until, RunOptions(plan.samples, keep=plan.keep, rest=ready.rest), provenance)
+        return run_to_orbit(ready.system, engine_speed / 2, until, options, provenance)
     except FAILURES as error:
         words = " ".join(str(error).split())
-        return Solution(empty_channels(), (), Status("diverged", words, remedy="look at this run alone"), {}, provenance)
+        return Solution(empty_channels(), (), Status("diverged", words, remedy="look at this run alone"), {}, provenance), None
 
 
 def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:

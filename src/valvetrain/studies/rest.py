@@ -4,29 +4,30 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.cosserat.modes import natural_modes
-from valvetrain.cosserat.state import free_state
-from valvetrain.cosserat.static import Equilibrium, compress
+from valvetrain.cosserat.static import Equilibrium
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.stress import EQUIVALENT, SHEAR
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.static import SpringAtRest, StaticCurve, StaticStress
-from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.springs.finite_element_channels import interpolation, pair_values, static_section_loads, wire_points
+from valvetrain.springs.finite_element_channels import static_section_loads, wire_points
+from valvetrain.springs.finite_element_rest import curve_over, modal_result, rest_point
 from valvetrain.springs.multi_mass import MultiMassSpring
-from valvetrain.springs.stress import wire_stress
+from valvetrain.springs.stress import nominal_stress_per_force, wire_stress
+from valvetrain.studies.buckling import find_buckling, find_leaning, path_status
+from valvetrain.studies.rest_points import force_of, point_of, slope_of
 
 Array = NDArray[np.float64]
 #: Steps of a static curve, modes about the installed state.
 STEPS, MODES = 64, 24
-#: A force below this share of the curve's largest is what rounding leaves of zero, as in the free state.
-ROUND_OFF_SHARE = 1e-11
+#: Even steps of the path that named numbers are read from: up to the installed state, and from there to the end.
+APPROACH, BEYOND = 24, 28
 
 
 def reach_of(spring: InstalledSpring, maximum_lift: float) -> float:
@@ -37,65 +38,62 @@ def reach_of(spring: InstalledSpring, maximum_lift: float) -> float:
     return float(min(spring.precompression + 1.06 * top, 0.98 * travel))
 
 
+def path_points(precompression: float, reach: float) -> Array:
+    """Compressions (m) of a path from the free state through the installed one to ``reach`` (m), the same whatever output is asked for."""
+    if precompression <= 0:
+        return np.linspace(0.0, reach, APPROACH + BEYOND + 1)
+    approach = np.linspace(0.0, precompression, APPROACH + 1)
+    return approach if reach <= precompression * (1 + 1e-9) else np.append(approach, np.linspace(precompression, reach, BEYOND + 1)[1:])
+
+
 def at_rest(
-    rod: FiniteElementRod, largest_compression: float, steps: int = STEPS, modes: int = MODES,
-    visit: Callable[[Equilibrium], None] | None = None,
+    rod: FiniteElementRod, largest_compression: float, steps: int | None = None, modes: int = MODES,
+    visit: Callable[[Equilibrium], None] | None = None, attached_mass: float | None = None,
 ) -> SpringAtRest:  # fmt: skip
-    """Static curve, modes and stress of a wire by the finite-element rod; ``visit`` is told each equilibrium as it is found."""
+    """Static curve, modes and stress of a wire by the finite-element rod; ``visit`` is told each equilibrium as it is found.
+
+    ``steps``: even steps of the curve, None for the points of its path. ``attached_mass`` (kg): moves with the retainer in the modes, 0 for
+    a free end, None for both ends fixed.
+    """
     begun = time.perf_counter()
     curve, stress = static_curve(rod, largest_compression, steps, visit)
     facts = {"elements per coil": rod.elements_per_coil, "elements": rod.mesh.elements}
-    found = modal_result(rod, modes) if modes else None
-    return SpringAtRest(rod.definition.name, rod.name, rod.precompression, curve, found, stress, facts, time.perf_counter() - begun)
+    found = modal_result(rod, modes, attached_mass) if modes else None
+    if found is not None and curve.buckling is not None and rod.precompression >= curve.buckling.compression:
+        found = replace(found, status=path_status(rod, curve.buckling, None) or found.status)
+    return SpringAtRest(
+        rod.definition.name, rod.name, rod.precompression, curve, found, stress, facts, time.perf_counter() - begun,
+        rest_point(rod, rod.installed), stress_per_force=nominal_stress_per_force(rod.definition),
+    )  # fmt: skip
 
 
 def static_curve(
-    rod: FiniteElementRod, largest_compression: float, steps: int = STEPS, visit: Callable[[Equilibrium], None] | None = None
+    rod: FiniteElementRod, largest_compression: float, steps: int | None = None, visit: Callable[[Equilibrium], None] | None = None
 ) -> tuple[StaticCurve, StaticStress | None]:
-    """Static curve (SI) from the free state to ``largest_compression`` (m) in even steps, and the stress of the wire over it.
+    """Static curve (SI) from the free state to ``largest_compression`` (m) in even ``steps``, and the stress of the wire over its path.
 
-    Ends early with a status when no equilibrium is found. Raises :class:`InputError` for a compression at which the coils are solid.
+    Both rest on one path of equilibria that does not depend on ``steps`` (None: the curve has the points of the path). Ends early with a
+    status when no equilibrium is found. Raises :class:`InputError` for a compression at which the coils are solid.
     """
     if rod.dynamics.contact_stiffness > 0:
         rod.definition.refuse_solid(largest_compression)
-    compressions = np.linspace(0.0, largest_compression, steps + 1)
-    path = [rod.statics.solve(free_state(rod.mesh), 0.0), *compress(rod.statics, compressions[1:].tolist(), visit=visit)]
-    reached = [point for point in path if point.converged]
-    status = COMPLETED
-    if len(reached) < len(path):
-        stuck = path[-1].state.compression
-        status = Status(
-            "not-converged", f"no equilibrium beyond {reached[-1].state.compression * 1e3:.3f} mm compression", 0.0,
-            f"{stuck * 1e3:.3f} mm", "the coils are solid or the spring buckles; compress less or refine the mesh",
-        )  # fmt: skip
-    compression = np.array([point.state.compression for point in reached])
-    force = np.array([point.retainer_force for point in reached])
-    force[np.abs(force) < ROUND_OFF_SHARE * np.max(np.abs(force))] = 0.0
-    coil = wire_points(rod.definition.total_coils)
-    heights = np.stack([point.state.position[:, 2] for point in reached]) @ interpolation(rod.mesh, coil).T
-    upper, gap, pressed = pair_values(rod, np.stack([rod.statics.gaps(point.state.position) for point in reached]))
-    curve = StaticCurve(
-        compression=compression, force=force,
-        stiffness=np.gradient(force, compression) if len(reached) > 2 else np.full(len(reached), np.nan),
-        coil_gap=gap, coil_contact_force=pressed, upper_coil=upper,
-        axial_position=heights - rod.definition.lower_seat_height, coil_number=coil, status=status,
-    )  # fmt: skip
-    if len(reached) < 2:
-        return curve, None
-    stress = wire_stress(static_section_loads(rod, [point.state for point in reached]), rod.definition, coil)
-    return curve, StaticStress(compression, coil, stress[SHEAR], stress[EQUIVALENT])
-
-
-def modal_result(rod: FiniteElementRod, count: int = MODES) -> ModalResult:
-    """Modes about the installed state with both ends fixed and touching coils kept together."""
-    modes = natural_modes(rod.statics, rod.installed.state, count)
-    coil = wire_points(rod.definition.total_coils)
-    shape = np.einsum("mvc,pv->mpc", modes.shape, interpolation(rod.mesh, coil))
-    largest = np.abs(shape).max(axis=(1, 2), keepdims=True)
-    return ModalResult(
-        compression=rod.precompression, natural_frequency=modes.natural_frequency, shape=shape / np.where(largest > 0, largest, 1.0),
-        coil_number=coil, axial_transmission=modes.axial_transmission, axial_modes=tuple(modes.axial_modes(3).tolist()),
-    )  # fmt: skip
+    path, reached = curve_over(rod, path_points(rod.precompression, largest_compression), visit)
+    states = [point.state for point in reached]
+    buckling, leaning = find_buckling(rod, states, path.stiffness), find_leaning(rod, states)
+    told = path_status(rod, buckling, leaning)
+    if told is not None and (path.status.completed or not told.completed):
+        path = replace(path, status=told)
+    path = replace(path, buckling=buckling, leaning=leaning)
+    stress = None
+    if len(states) > 1:
+        coil = wire_points(rod.definition.total_coils)
+        found = wire_stress(static_section_loads(rod, states), rod.definition, coil)
+        stress = StaticStress(path.compression, coil, found[SHEAR], found[EQUIVALENT])
+    if steps is None:
+        return path, stress
+    curve, _ = curve_over(rod, np.linspace(0.0, largest_compression, steps + 1), visit)
+    status = path.status if curve.status.completed or buckling is not None else curve.status
+    return replace(curve, path=path, status=status, buckling=buckling, leaning=leaning), stress
 
 
 def rest_by_model(spring: InstalledSpring, word: str, model: SpringModel, compressions: Array, modes: int = 12) -> SpringAtRest:
@@ -109,11 +107,8 @@ def rest_by_model(spring: InstalledSpring, word: str, model: SpringModel, compre
     begun = time.perf_counter()
     if isinstance(model, FiniteElementRod):
         return at_rest(model, float(compressions[-1]), len(compressions) - 1, modes)
-    lifts = compressions - spring.precompression
-    force = np.array([model.force(model.initial_state(float(lift)), float(lift)).retainer for lift in lifts])
-    none = np.zeros((len(compressions), 0))
-    stiffness = np.gradient(force, compressions) if len(force) > 2 else np.full(len(force), np.nan)
-    curve = StaticCurve(compressions, force, stiffness, none, none, np.zeros(0), none, np.zeros(0))
+    path = _curve_of(spring, model, path_points(spring.precompression, float(compressions[-1])))
+    curve = replace(_curve_of(spring, model, compressions), path=path)
     frequencies = axial_frequencies(model, modes)
     found = None
     if len(frequencies):
@@ -121,7 +116,19 @@ def rest_by_model(spring: InstalledSpring, word: str, model: SpringModel, compre
         found = ModalResult(
             spring.precompression, frequencies, shape, np.zeros(1), np.ones(len(frequencies)), tuple(range(len(frequencies)))
         )
-    return SpringAtRest(spring.name, word, spring.precompression, curve, found, None, facts_of(model), time.perf_counter() - begun)
+    return SpringAtRest(
+        spring.name, word, spring.precompression, curve, found, None, facts_of(model), time.perf_counter() - begun,
+        point_of(spring, model, spring.precompression),
+        stress_per_force=None if spring.wire is None else nominal_stress_per_force(spring.wire),
+    )  # fmt: skip
+
+
+def _curve_of(spring: InstalledSpring, model: SpringModel, compressions: Array) -> StaticCurve:
+    """Force and slope by a model at ``compressions`` (m from the free state)."""
+    none, places = np.zeros((len(compressions), 0)), compressions.tolist()
+    forces = np.array([force_of(spring, model, place) for place in places])
+    slopes = np.array([slope_of(spring, model, place) for place in places])
+    return StaticCurve(compressions, forces, slopes, none, none, np.zeros(0), none, np.zeros(0))
 
 
 def axial_frequencies(model: SpringModel, count: int) -> Array:

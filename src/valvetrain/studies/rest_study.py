@@ -11,6 +11,8 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.buckling import buckling_quantities
+from valvetrain.quantities.design import size_quantities
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.static import SpringAtRest, StaticCurve
@@ -20,6 +22,7 @@ from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
+from valvetrain.studies.rest_points import points_asked
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 
@@ -30,18 +33,20 @@ WIRE, CARD, BARE = "finite-element", "modal-uniform", "massless"
 def rest_study(
     case: Case, spring_models: Sequence[str] = (), *, spring_sets: Sequence[str] = (), command: str = "static",
     largest_compression: float | None = None, compression: float | None = None, steps: int = 24, modes: int = 0,
-    progress: Progress | None = None,
+    heights: Sequence[float] = (), loads: Sequence[float] = (), attached_mass: float | None = None, progress: Progress | None = None,
 ) -> Study:  # fmt: skip
     """Static curve and natural frequencies of every spring of a case by each of ``spring_models`` (empty: the one that knows it best).
 
     ``largest_compression`` (m from the free state): end of the curve, None for a little beyond full lift. ``compression`` (m): state that
-    the ``modes`` lowest modes are about, None for the installed one. Raises :class:`InputError` for a compression beyond coil bind and
-    for a model that cannot stand for a spring.
+    the ``modes`` lowest modes are about, None for the installed one. ``heights`` (m), ``loads`` (N): states to solve as well.
+    ``attached_mass`` (kg): moves with the retainer in the modes of a wire, 0 for a free end, None for both ends fixed. Raises
+    :class:`InputError` for a compression beyond coil bind and for a model that cannot stand for a spring.
     """
     begun = time.perf_counter()
     problem = build(case, spring_sets=spring_sets)
     lift = largest_lift(problem)
     found: list[SpringAtRest] = []
+    still: dict[str, dict[str, float]] = {}
     for installed in problem.springs:
         spring = installed if compression is None else _compressed(installed, compression)
         reach = _reach(spring, lift, largest_compression)
@@ -52,14 +57,23 @@ def rest_study(
             if reason := spec.why_not(spring):
                 raise InputError(reason, "--spring")
             if spec.needs_rest and rest is None:
-                rest = _by_rod(problem.model_of(WIRE, spring), reach, steps, max(modes, 8))
-            one = _by_rod(problem.model_of(WIRE, spring), reach, steps, modes) if word == WIRE else rest_by_model(
-                spring, word, problem.model_of(word, spring, rest), np.linspace(0.0, reach, steps + 1), modes
+                rest = _by_rod(problem.model_of(WIRE, spring), reach, None, max(modes, 8))
+            if attached_mass is not None and word != WIRE:
+                raise InputError(f"modes with a mass on the retainer are those of {WIRE}; leave {word} out", "--spring")
+            model = problem.model_of(word, spring, rest)
+            one = _by_rod(model, reach, steps, modes, attached_mass) if word == WIRE else rest_by_model(
+                spring, word, model, np.linspace(0.0, reach, steps + 1), modes
             )  # fmt: skip
-            found.append(one)
+            found.append(replace(one, points=points_asked(spring, model, one, heights, loads)))
+            label = f"{one.spring}, {one.model}"
+            again = sum(other == label or other.startswith(f"{label}, ") for other in still)
+            still[f"{label}, {again + 1}" if again else label] = (
+                size_quantities(spring) | rest_quantities(one) | buckling_quantities(installed, one, lift)
+            )
             if progress is not None:
                 progress(len(found) / (len(problem.springs) * len(words)), f"{spring.name} by {word}")
-    still = {"" if len(found) == 1 else f"{one.spring}, {one.model}": rest_quantities(one) for one in found}
+    if len(found) == 1:
+        still = {"": next(iter(still.values()))}
     record = problem.record
     origin = collect_provenance(record.name, ", ".join(dict.fromkeys(one.model for one in found)), citations=record.citations)
     return Study(record, command, (), tuple(found), still, provenance=origin, wall_time=time.perf_counter() - begun)
@@ -75,15 +89,15 @@ def curve_by_model(spring: InstalledSpring, word: str, valve_lift: float, wanted
         raise InputError(reason, "spring_model")
     if spec.no_motion:
         raise InputError(f"{word} is asked for by compare, or by SolidSpring.static_curve; choose another model", "spring_model")
-    rest = _by_rod(spring_model(WIRE).build(spring), reach, steps, 8) if spec.needs_rest else None
+    rest = _by_rod(spring_model(WIRE).build(spring), reach, None, 8) if spec.needs_rest else None
     curve = rest_by_model(spring, word, spec.build(spring, rest), np.linspace(0.0, reach, steps + 1), 0).curve
     assert curve is not None
     return curve
 
 
-def _by_rod(rod: SpringModel, reach: float, steps: int, modes: int) -> SpringAtRest:
+def _by_rod(rod: SpringModel, reach: float, steps: int | None, modes: int, attached_mass: float | None = None) -> SpringAtRest:
     assert isinstance(rod, FiniteElementRod)
-    return at_rest(rod, reach, steps, modes)
+    return at_rest(rod, reach, steps, modes, attached_mass=attached_mass)
 
 
 def largest_lift(problem: Problem) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 
@@ -13,19 +13,23 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.steel_contacts import usual_contacts
+from valvetrain.quantities.buckling import buckling_quantities
+from valvetrain.quantities.design import closing_quantities
 from valvetrain.quantities.statics import rest_quantities
+from valvetrain.quantities.valve_events import rigid_events
+from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
 from valvetrain.sources.contract import against_source
-from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.batch import available_cores
+from valvetrain.studies.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.studies.engine import Progress, map_points
 from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
-from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
 from valvetrain.studies.spread import spread_sentences
 from valvetrain.studies.uncertainty_file import uncertainty_sentences
 from valvetrain.system.build import build
@@ -37,6 +41,8 @@ CARD_WIRE_NOTE = (
     "wide gaps are assumed. Its clashes and stresses are not those of the real spring."
 )
 ReadyPoint = tuple[int, float]
+#: Share of the work of a sweep, as progress shows it, that its own speeds are; the search for critical speeds is the rest.
+GRID_SHARE = 0.5
 
 
 def run_study(
@@ -55,9 +61,10 @@ def run_study(
 
 def run_problem(
     problem: Problem, engine_speeds: Sequence[float], *, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
-    command: str = "run", whole: bool = True,
+    command: str = "run", whole: bool = True, critical: CriticalOptions | None = None,
 ) -> Study:  # fmt: skip
-    """The study of a problem at ``engine_speeds`` (rad/s of the crank); see :func:`run_study`."""
+    """The study of a problem at ``engine_speeds`` (rad/s of the crank); see :func:`run_study`. ``critical``: search a train's critical
+    speeds between the lowest and the highest of them."""
     begun = time.perf_counter()
     speeds = tuple(float(speed) for speed in engine_speeds)
     if any(not (np.isfinite(speed) and speed > 0) for speed in speeds):
@@ -74,16 +81,25 @@ def run_problem(
     count = available_cores() if workers is None else workers
     if count < 1:
         raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
-    runner = _run_trains if problem.kind == TRAIN else _run_springs
-    solutions, rest, still = runner(problem, speeds, plan, count, progress)
+    found = CriticalSpeeds()
+    if problem.kind == TRAIN:
+        ready, rest = ready_trains(problem, speeds)
+        part = (lambda done, text: progress(GRID_SHARE * done, text)) if progress is not None and critical is not None else progress
+        solutions = _run_trains(problem, ready, speeds, plan, count, part)
+        still = _rigid(problem, ready)
+        if critical is not None:
+            found = find_critical_speeds(problem, ready, plan, solutions, critical, count, _search_progress(progress))
+    else:
+        solutions, rest, still = _run_springs(problem, speeds, plan, count, progress)
     provenance = collect_provenance(
         problem.record.name, ", ".join(dict.fromkeys(member.model.word for member in problem.members)), case_digest=problem.record.digest,
         created_at=created_at, citations=problem.record.citations,
     )  # fmt: skip
-    notes = (CARD_WIRE_NOTE,) if any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members) else ()
+    notes: tuple[str, ...] = (CARD_WIRE_NOTE,) if any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members) else ()
+    notes += tuple(dict.fromkeys(said for m in problem.members if m.gear and (said := usual_contacts(m.gear.parameters.contacts))))
     study = Study(
         problem.record, command, solutions, rest, still, notes=notes, lift_event=problem.lift_event, provenance=provenance,
-        wall_time=time.perf_counter() - begun,
+        wall_time=time.perf_counter() - begun, critical_speeds=found,
     )  # fmt: skip
     return beside_published(study, problem)
 
@@ -103,7 +119,8 @@ def beside_published(study: Study, problem: Problem) -> Study:
         return study
     compared = against_source(study)
     rows = tuple(row for row in compared.comparisons if row.engine_speed is None or any(same_speed(row.engine_speed, s) for s in ran))
-    firm = (*uncertainty_sentences(study.record, ran), *spread_sentences(study.record, ran))
+    found = compared.quantities
+    firm = (*uncertainty_sentences(study.record, ran, found), *spread_sentences(study.record, ran, found))
     notes = (*compared.notes, *study.record.remarks, *firm) if rows or compared.findings else compared.notes
     return replace(compared, comparisons=rows, notes=notes)
 
@@ -143,12 +160,18 @@ def _run_springs(
                 tell(f"{member.label} at {speed * 30 / np.pi:.6g} rpm")
     wanted = [value.quantity for value in problem.record.published]
     names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
-    still = {name: rest_quantities(rest[spring], wanted) for name, spring in zip(names, problem.springs, strict=True)}
+    still = {
+        name: closing_quantities(spring) | rest_quantities(rest[spring], wanted) | buckling_quantities(spring, rest[spring], lift)
+        for name, spring in zip(names, problem.springs, strict=True)
+    }
     return tuple(solutions), tuple(rest.values()), still
 
 
 def _rest(problem: Problem, spring: InstalledSpring, maximum_lift: float) -> SpringAtRest:
     """A spring at rest by the finite-element rod (the one that runs, where one does), or from its card."""
+    from valvetrain.springs.finite_element import FiniteElementRod
+    from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
+
     if spring.wire is None:
         assert spring.card is not None
         word = "modal-uniform" if spring.card.mass is not None else "massless"
@@ -159,25 +182,32 @@ def _rest(problem: Problem, spring: InstalledSpring, maximum_lift: float) -> Spr
     return at_rest(rod, reach_of(spring, maximum_lift))
 
 
-def _run_trains(
-    problem: Problem, speeds: tuple[float, ...], plan: Plan, workers: int, progress: Progress | None
-) -> tuple[tuple[Solution, ...], tuple[SpringAtRest, ...], dict[str, dict[str, float]]]:
-    """Trains to their periodic state, over processes; what a member's runs share is found once and handed to every worker."""
-    if not speeds:
+def ready_trains(problem: Problem, engine_speeds: Sequence[float]) -> tuple[tuple[Ready, ...], tuple[SpringAtRest, ...]]:
+    """Every member of a train made ready, what their runs share found once, with the springs at rest that their models need.
+
+    Raises :class:`InputError` where there is no engine speed.
+    """
+    if not engine_speeds:
         raise InputError(f"case '{problem.record.name}' names no engine speed; add engine_speeds or cam_speeds to [operation]")
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
     needed = [spring for member in problem.members if member.model.needs_rest for spring in member.springs if spring.wire is not None]
     rest: Rest = {spring: _rest(problem, spring, 1.05 * _largest_lift(problem, lift)) for spring in dict.fromkeys(needed)}
     made: dict[Hashable, Ready] = {}
+    return tuple(_prepared(problem, member, rest, made) for member in problem.members), tuple(rest.values())
 
-    def prepared(member: Member) -> Ready:
-        """Members whose train and springs agree share system, rest and rigid motion."""
-        key = (member.gear, member.model.word, member.springs, member.rubbing)
-        if key not in made:
-            made[key] = make_ready(problem, member, rest, problem.record.study)
-        return replace(made[key], member=member)
 
-    ready = tuple(prepared(member) for member in problem.members)
+def _prepared(problem: Problem, member: Member, rest: Rest, made: dict[Hashable, Ready]) -> Ready:
+    """Members whose train and springs agree share system, rest and rigid motion."""
+    key = (member.gear, member.model.word, member.springs, member.rubbing)
+    if key not in made:
+        made[key] = make_ready(problem, member, rest, problem.record.study)
+    return replace(made[key], member=member)
+
+
+def _run_trains(
+    problem: Problem, ready: tuple[Ready, ...], speeds: tuple[float, ...], plan: Plan, workers: int, progress: Progress | None
+) -> tuple[Solution, ...]:
+    """Trains to their periodic state, over processes; what a member's runs share is handed to every worker."""
     points = [(place, speed) for speed in speeds for place in range(len(ready))]
     shared = (problem, ready, plan)
 
@@ -186,17 +216,36 @@ def _run_trains(
             place, speed = points[count - 1]
             progress(count / total, f"{ready[place].member.label} at {speed * 30 / np.pi:.6g} rpm")
 
-    solutions = map_points(train_point, shared, points, workers, processes=True, tell=tell)
+    return map_points(train_point, shared, points, workers, processes=True, tell=tell)
+
+
+def _rigid(problem: Problem, ready: tuple[Ready, ...]) -> dict[str, dict[str, float]]:
+    """What rigid theory says of each spring set."""
     still: dict[str, dict[str, float]] = {}
+    made: dict[Hashable, Ready] = {(m.gear, m.model.word, m.springs, m.rubbing): one for one in ready for m in (one.member,)}
     for one in ready:
         if one.motion is not None and one.member.spring_set not in still:
             # rigid theory knows no surge: the springs count with the Rayleigh share of their mass, whatever model runs
-            plain = prepared(replace(one.member, model=spring_model("massless"), rubbing=None))
+            plain = _prepared(problem, replace(one.member, model=spring_model("massless"), rubbing=None), {}, made)
             cam_speed, angle = (plain.motion or one.motion).contact_loss()
             values = {"rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle}
             values["rigid_maximum_valve_lift"] = float(np.max(one.motion.derivatives[0]))
+            values |= rigid_events(one.motion.kinematics)
             still[one.member.spring_set] = {name: float(value) for name, value in values.items() if np.isfinite(value)}
-    return solutions, tuple(rest.values()), still
+    return still
+
+
+def _search_progress(progress: Progress | None) -> Callable[[int, int], None] | None:
+    if progress is None:
+        return None
+    progress(GRID_SHARE, "critical speeds")
+    return lambda count, total: progress(GRID_SHARE + (1 - GRID_SHARE) * count / total, "critical speeds")
+
+
+def member_rest(problem: Problem, member: Member) -> Rest:
+    """Springs at rest where the model of a member of a train needs them."""
+    lift = 1.05 * _largest_lift(problem, 0.0)
+    return {spring: _rest(problem, spring, lift) for spring in member.springs if member.model.needs_rest and spring.wire is not None}
 
 
 def _largest_lift(problem: Problem, cam_lift: float) -> float:

@@ -76,10 +76,13 @@ def collect_inputs(case: str, text: str, folder: Path, choices: Mapping[str, Any
 
     Raises :class:`InputError` when one of them can no longer be read.
     """
-    import tomlkit
-
-    if "name" not in tomllib.loads(text):  # read again, the case keeps its name
+    plain = tomllib.loads(text)
+    if "name" not in plain:  # read again, the case keeps its name
         text = f"name = {json.dumps(case)}\n{text}"
+    if not any("file" in table for table in _tables(plain)):
+        return Inputs(case, text, {}, choices)
+    import tomlkit  # keeps comments and order where a name is to be changed
+
     document = tomlkit.parse(text)
     side_files: dict[str, bytes] = {}
     for table in _tables(document):

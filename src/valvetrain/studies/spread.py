@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 
 import numpy as np
 
-from valvetrain.solution.quantity import unit_of
+from valvetrain.solution.quantity import Quantity, unit_of
 from valvetrain.solution.record import CaseRecord, PublishedValue
+from valvetrain.studies.uncertainty_file import rows_that_hold
 
 #: The quantities that are told in words on the page, with how people call them.
 TOLD = {
@@ -48,10 +49,14 @@ def load_spread(record: CaseRecord) -> tuple[Spread, ...]:
     )
 
 
-def spread_sentences(record: CaseRecord, engine_speeds: Sequence[float]) -> tuple[str, ...]:
-    """One sentence per engine speed that was run (rad/s): range of the told quantities, and whether the published value lies inside."""
+def spread_sentences(record: CaseRecord, engine_speeds: Sequence[float], quantities: Mapping[Quantity, float]) -> tuple[str, ...]:
+    """One sentence per engine speed that was run (rad/s): range of the told quantities, and whether the published value lies inside.
+
+    Nothing of a speed at which this version computes other values (``quantities``) than the one that the spread was found with.
+    """
     spread, sentences = load_spread(record), []
-    for rpm in sorted({one.engine_rpm for one in spread} & {round(speed * 30 / np.pi) for speed in engine_speeds}):
+    held = {round(row.engine_speed * 30 / np.pi) for row in rows_that_hold(record, quantities) if row.engine_speed is not None}
+    for rpm in sorted({one.engine_rpm for one in spread} & {round(speed * 30 / np.pi) for speed in engine_speeds} & held):
         parts = [_part(one, record.published) for one in spread if one.engine_rpm == rpm and one.quantity in TOLD]
         if parts:
             sentences.append(f"{rpm} rpm, what the calibration data leave open (5 to 95 %): {'; '.join(parts)}.")

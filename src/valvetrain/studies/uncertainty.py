@@ -17,10 +17,11 @@ from valvetrain.solution.definition import pattern_of, tables
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.finite_element_rest import modal_result
 from valvetrain.studies.engine import Progress, map_points
 from valvetrain.studies.grid_convergence import TRUSTED, grid_convergence
 from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
-from valvetrain.studies.rest import modal_result
+from valvetrain.studies.rest import MODES
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import names_of
 from valvetrain.system.problem import Problem
@@ -137,7 +138,7 @@ def _prepare(shared: tuple[Problem, tuple[float, ...]], springs: tuple[Installed
     rods = _rods(one)
     if one.refusal or len(rods) != len(springs):
         raise InputError(one.refusal or "springs that rub on each other cannot be refined; leave the rubbing out of the case")
-    found = [{"preload": float(rod.installed.retainer_force)} | modal_quantities(modal_result(rod)) for rod in rods]
+    found = [{"preload": float(rod.installed.retainer_force)} | modal_quantities(modal_result(rod, MODES)) for rod in rods]
     surge = surge or tuple(numbers["mode_1_frequency"] for numbers in found if "mode_1_frequency" in numbers)
     names = [f"{name}_" if len(rods) > 1 else "" for name in names_of(rods)]
     still = {name + key: value for name, numbers in zip(names, found, strict=True) for key, value in numbers.items()}

@@ -6,13 +6,18 @@ import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from valvetrain.solution.definition import shown
+from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.record import CaseRecord
-from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
+
+if TYPE_CHECKING:
+    from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
 
 _STILL = "statics"
+#: A stored row belongs to a computed value that differs from it by less than this share, or by less than its own uncertainty.
+SAME = 1e-3
 
 
 def load_uncertainty(record: CaseRecord) -> tuple[Uncertainty, ...]:
@@ -54,9 +59,28 @@ def uncertainty_text(study: UncertaintyStudy) -> str:
     return "\n".join(lines) + "\n"
 
 
-def uncertainty_sentences(record: CaseRecord, engine_speeds: Sequence[float]) -> tuple[str, ...]:
-    """One sentence per engine speed that was run (rad/s): how firm its main clash is, numerically and by its contact constants."""
-    rows, sentences = load_uncertainty(record), []
+def belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
+    """Whether a stored row is about a number of this study: the same within its own uncertainty."""
+    for key, value in quantities.items():
+        if key.name == row.quantity and same_speed(key.engine_speed, row.engine_speed) and key.label in ("", "finite-element"):
+            return abs(value - row.value) <= max(SAME * abs(row.value), row.numerical)
+    return False
+
+
+def rows_that_hold(record: CaseRecord, quantities: Mapping[Quantity, float]) -> tuple[Uncertainty, ...]:
+    """Rows of :func:`load_uncertainty` of every engine speed at which all stored numbers come out again among ``quantities``."""
+    rows = load_uncertainty(record)
+    computed = {key.name for key in quantities}
+    lost = {row.engine_speed for row in rows if row.quantity in computed and not belongs(row, quantities)}
+    return tuple(row for row in rows if row.engine_speed not in lost)
+
+
+def uncertainty_sentences(record: CaseRecord, engine_speeds: Sequence[float], quantities: Mapping[Quantity, float]) -> tuple[str, ...]:
+    """One sentence per engine speed that was run (rad/s): how firm its main clash is, numerically and by its contact constants.
+
+    Nothing of a speed at which other values came out (``quantities``) than those that were refined.
+    """
+    rows, sentences = rows_that_hold(record, quantities), []
     meshes = ", ".join(map(str, meshes_of(record)))
     run = {round(speed * 30 / math.pi) for speed in engine_speeds}
     for speed in dict.fromkeys(row.engine_speed for row in rows):
@@ -80,6 +104,8 @@ def uncertainty_sentences(record: CaseRecord, engine_speeds: Sequence[float]) ->
 
 
 def _row(name: str, label: str, numbers: list[float]) -> Uncertainty:
+    from valvetrain.studies.uncertainty import Uncertainty  # brings the rod, which a train on other springs does not need
+
     speed = None if label == _STILL else float(label.split()[0]) * math.pi / 30
     value, numerical, order, extrapolated, step, *ranges = map(float, numbers)
     stiffness, damping = (ranges[0], ranges[1]), (ranges[2], ranges[3])

@@ -7,25 +7,28 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.mechanism.gaps import penetration_and_gradient, table_value
+from valvetrain.mechanism.gaps import gap_rows, table_value
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
 
 
+def gap_states(system: TrainSystem, positions: Array, cam_angles: Array) -> tuple[Array, Array, Array]:
+    """Penetrations (S, n) in m, their gradients (S, n, N) and derivatives by the cam angle (S, n) in m/rad at ``positions`` (S, N) and
+    ``cam_angles`` (S,) in rad."""
+    arrays, shape = system.arrays, (len(cam_angles), len(system.arrays.kinds))
+    pens, slopes, gradients = np.zeros(shape), np.zeros(shape), np.zeros((*shape, positions.shape[1]))
+    gap_rows(
+        arrays.kinds, arrays.coordinate_of, arrays.geometry, arrays.tables, arrays.table_of, np.ascontiguousarray(positions, dtype=float),
+        cam_angles, np.zeros((shape[1], 4)), pens, gradients, slopes,
+    )  # fmt: skip
+    return pens, gradients, slopes
+
+
 def gap_state(system: TrainSystem, q: Array, cam_angle: float) -> tuple[Array, Array, Array]:
     """Penetrations (n,) in m, their gradients (n, N) and derivatives by the cam angle (n,) in m/rad."""
-    arrays, count = system.arrays, len(system.arrays.kinds)
-    rows = np.zeros((count, 4))
-    pens, slopes, gradients = np.zeros(count), np.zeros(count), np.zeros((count, len(q)))
-    for k in range(count):
-        pens[k], slopes[k] = penetration_and_gradient(
-            k, arrays.kinds, arrays.coordinate_of, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows
-        )
-        for slot in range(4):
-            if arrays.coordinate_of[k, slot] >= 0:
-                gradients[k, arrays.coordinate_of[k, slot]] += rows[k, slot]
-    return pens, gradients, slopes
+    pens, gradients, slopes = gap_states(system, np.asarray(q)[None], np.array([cam_angle], dtype=float))
+    return pens[0], gradients[0], slopes[0]
 
 
 def law_force(system: TrainSystem, place: int, pen: float) -> float:

@@ -48,10 +48,11 @@ def rest_of(system: TrainSystem) -> TrainRest:
     return TrainRest(static_equilibrium(system, 0.0), reference, own_time_step(system, reference), lifts, forces)
 
 
-def static_equilibrium(system: TrainSystem, cam_angle: float) -> Array:
-    """Rest positions (N,) at a cam angle, by damped Newton with a numeric tangent; free bodies stay where they are."""
+def static_equilibrium(system: TrainSystem, cam_angle: float, start: Array | None = None) -> Array:
+    """Rest positions (N,) at a cam angle, by damped Newton with a numeric tangent from ``start`` (none: valve closed, all at home); free
+    bodies stay where they are."""
     spring_force = cache(system.spring_force)  # an equilibrium of a finite-element spring takes milliseconds
-    q = np.zeros(len(system.masses))
+    q = np.zeros(len(system.masses)) if start is None else np.array(start, dtype=float)
     scale = np.maximum(system.masses, 1e-9)
     damping = 1e3
     residual = generalised_forces(system, q, cam_angle, spring_force)

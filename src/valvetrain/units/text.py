@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from valvetrain.errors import InputError
 from valvetrain.units.dimensions import DEFINITIONS, DIMENSIONS
+from valvetrain.units.usual import USUAL
 
 if TYPE_CHECKING:
     import numpy as np
@@ -44,6 +45,8 @@ def _resolve(unit: str) -> tuple[float, tuple[tuple[str, float], ...]]:
         return 1.0, ()
     if text == "%":
         return 0.01, ()
+    if text in USUAL:
+        return USUAL[text]
     if len(text) > 40 or not _UNIT.match(text):
         raise InputError(f"unit '{clipped(unit)}' cannot be read; write it as in 'N/mm' or 'kg/m^3'")
     try:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["closed form", "published", "recalled", "independent computation"]
+Kind = Literal["closed form", "published", "recalled", "independent computation", "consistency"]
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
     """``expected`` and ``computed`` in ``unit``; ``tolerance`` in the same unit, with the reason for it.
 
-    ``kind``: how the expected value is known (``recalled``: confirmed by an independent computation, printed source not at hand).
-    ``expected_miss``: why a published number is not met; such a row is shown and does not fail. ``at_most``: only more is a miss.
+    ``kind``: how the expected value is known (``recalled``: confirmed by an independent computation, printed source not at hand;
+    ``consistency``: a form of this package's own, so the row shows that two parts agree and not that both are right).
+    ``band``: where a published number is not met and it is known why, the values that may come out instead; ``explanation``: why.
+    A value outside both fails, and so does a row that states neither.
     """
 
     topic: str
@@ -27,7 +30,8 @@ class Row:
     tolerance: float
     reason: str
     kind: Kind = "closed form"
-    expected_miss: str = ""
+    band: tuple[float, float] | None = None
+    explanation: str = ""
 
     @property
     def difference(self) -> float:
@@ -36,15 +40,18 @@ class Row:
 
     @property
     def within(self) -> bool:
-        """Whether the computed value lies within the tolerance."""
-        return abs(self.difference) <= self.tolerance
+        """Whether the computed value lies within a tolerance that was stated."""
+        return math.isfinite(self.tolerance) and abs(self.difference) <= self.tolerance
 
     @property
     def status(self) -> str:
         """``met``, ``miss (explained)`` or ``FAILS``."""
         if self.within:
             return "met"
-        return "miss (explained)" if self.expected_miss else "FAILS"
+        if self.band is None or not self.explanation:
+            return "FAILS"
+        low, high = self.band
+        return "miss (explained)" if low <= self.computed <= high else "FAILS"
 
 
 @dataclass(frozen=True, slots=True)

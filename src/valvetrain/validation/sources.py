@@ -9,36 +9,35 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.solution.comparison import Comparison
 from valvetrain.studies.run import run_study
 from valvetrain.units import to_unit
-from valvetrain.validation.row import Row, book_case
+from valvetrain.validation.explained import Explained, explained_miss
+from valvetrain.validation.row import Kind, Row, book_case
+
+#: Agreement asked of a published value whose source or case states no tolerance: 3 degrees of an angle, this share of anything else.
+ANGLE, SHARE = 3.0, 0.03
 
 
 def rows_of(topic: str, key: str, comparisons: Iterable[Comparison]) -> list[Row]:
-    """Rows of the comparisons of one case; only a calibrated value that leaves its stated tolerance fails."""
-    rows = []
-    for item in comparisons:
-        tolerance = math.inf if item.tolerance is None else float(to_unit(item.tolerance, item.unit))
-        computed = math.nan if item.computed is None else float(to_unit(item.computed, item.unit))
-        published = float(to_unit(item.published, item.unit))
-        if item.difference is not None:
-            computed = published + float(to_unit(item.difference, item.unit))
-        speed = "" if item.engine_speed is None else f", {item.engine_speed * 30 / math.pi:.0f} rpm"
-        origin = f" ({item.origin})" if item.origin else ""
-        rows.append(
-            Row(
-                topic,
-                f"{item.quantity.replace('_', ' ')}{speed}{origin}",
-                key,
-                item.role,
-                published,
-                computed,
-                item.unit,
-                tolerance,
-                "none stated by the source" if item.tolerance is None else "stated by the source or asked for",
-                "published",
-                "" if item.role == "calibration" and item.computed is not None else item.verdict,
-            )
-        )
-    return rows
+    """A row per comparison of one case: met within its tolerance, else within the band of an explained miss, else a failure."""
+    return [_row(topic, key, item) for item in comparisons]
+
+
+def _row(topic: str, key: str, item: Comparison) -> Row:
+    published = float(to_unit(item.published, item.unit))
+    computed = math.nan if item.computed is None else float(to_unit(item.computed, item.unit))
+    if item.difference is not None:
+        computed = published + float(to_unit(item.difference, item.unit))
+    if item.tolerance is not None:
+        tolerance, reason = float(to_unit(item.tolerance, item.unit)), "stated by the source or the case"
+    elif item.unit == "deg":
+        tolerance, reason = ANGLE, f"asked of every angle: {ANGLE:g} degrees"
+    else:
+        tolerance, reason = SHARE * abs(published), f"asked of every value: {SHARE:.0%}"
+    speed = "" if item.engine_speed is None else f", {item.engine_speed * 30 / math.pi:.0f} rpm"
+    origin = f" ({item.origin})" if item.origin else ""
+    name = f"{item.quantity.replace('_', ' ')}{speed}{origin}"
+    miss = explained_miss(name) or Explained("", None)
+    kind: Kind = "consistency" if item.origin.startswith("closed form") else "published"
+    return Row(topic, name, key, item.role, published, computed, item.unit, tolerance, reason, kind, miss.band, miss.why)
 
 
 @book_case(slow=True)

@@ -66,7 +66,7 @@ def _words(label: str, run: Solution) -> str:
 
 def drawable(run: Solution) -> bool:
     """True for a run that keeps its channels and has something of a cycle."""
-    return bool(run.channels.data_vars) and run.channels.sizes.get("sample", 0) > 4
+    return bool(run.arrays.variables) and len(run.time) > 4
 
 
 def runs_at(study: Study, engine_speed: float) -> list[Solution]:
@@ -84,7 +84,7 @@ def over_angle(run: Solution, channel: str) -> tuple[Array, Array] | None:
 
 def unit_of_channel(run: Solution, channel: str) -> tuple[str, float]:
     """Unit in which a channel is shown, and the factor from SI."""
-    unit = str(run.channels[channel].attrs.get("units", "1"))
+    unit = run.unit(channel)
     return SHOWN_UNITS.get(unit, (unit, 1.0))
 
 

@@ -77,7 +77,7 @@ def _name(words: str, unit: str) -> str:
 
 
 def _values(row: HeadlineRow) -> tuple[str, ...]:
-    return tuple(
+    return row.cells or tuple(
         number(value) if speed is None else f"{number(value)} at {rpm(speed):.6g} rpm"
         for value, speed in zip(row.values, row.engine_speeds, strict=True)
     )
@@ -88,7 +88,7 @@ def _clashes(study: Study) -> tuple[Block, ...]:
     known = looks(study)
     found = [
         (f"{known[run.label].words}, {speed_words(run.engine_speed)}", clashes_of(run))
-        for label in study.labels for run in study.runs(label) if study.command != "sweep"
+        for label in study.labels for run in study.runs(label) if not study.over_speed
     ]  # fmt: skip
     found = [(words, events) for words, events in found if events]
     if not found:

@@ -9,6 +9,7 @@ from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule, thin
 from valvetrain.report.page import Block, Cell, Grid, SectionSpec, figure_or_gap, text
 from valvetrain.report.words import number
 from valvetrain.solution.static import SpringAtRest, StaticCurve
+from valvetrain.solution.status import COMPLETED
 from valvetrain.solution.study import Study
 
 MOST_SHAPES, MOST_MODES = 4, 6
@@ -27,7 +28,7 @@ def blocks(study: Study) -> tuple[Block, ...]:
         found += figure_or_gap(f"Natural modes{whose}", modes_chart, mine, f"modes-{place}", f"Natural modes{whose}")
         for one in mine:
             for word, part in (("static curve", one.curve), ("modes", one.modes)):
-                if part is not None and not part.status.completed:
+                if part is not None and part.status != COMPLETED:
                     found.append(text(f"{theme.model_words(one.model)}{whose}, {word}: {part.status.sentence()}", "note"))
     return tuple(found)
 
@@ -35,7 +36,9 @@ def blocks(study: Study) -> tuple[Block, ...]:
 def marked_compressions(study: Study, rest: SpringAtRest) -> dict[str, float]:
     """Compressions (m) of the installed state, at the largest lift and at coil bind, those that are known."""
     found = {"installed": rest.precompression} if rest.precompression else {}
-    lifts = [float(np.max(run.channel("valve_lift"))) for run in study.solutions if run.has("valve_lift") and run.channels.sizes["sample"]]
+    if rest.curve is not None and rest.curve.buckling is not None:
+        found["buckles"] = rest.curve.buckling.compression
+    lifts = [float(np.max(run.channel("valve_lift"))) for run in study.solutions if run.has("valve_lift") and len(run.time)]
     lifts += [value for key, value in study.quantities.items() if key.name in ("maximum_lift", "rigid_maximum_valve_lift")]
     if lifts:
         found["open"] = rest.precompression + max(lifts)

@@ -45,10 +45,9 @@ def blocks(study: Study) -> tuple[Block, ...]:
 
 def along(run: Solution, channel: str) -> tuple[Array, Array] | None:
     """Places along the wire (coil number) and a channel (sample, place) over the reported cycle, SI; None without it."""
-    if not run.has(channel) or run.channels[channel].ndim != 2 or run.channels[channel].shape[1] == 0:
+    if not run.has(channel) or run.channel(channel).ndim != 2 or run.channel(channel).shape[1] == 0:
         return None
-    dimension = run.channels[channel].dims[1]
-    places = next((np.asarray(one.values, dtype=float) for one in run.channels.coords.values() if one.dims == (dimension,)), None)
+    places = run.arrays.along(channel)
     return None if places is None else (places, reported_cycle(run).channel(channel))
 
 

@@ -17,7 +17,7 @@ HEADERS = ("run", "engine speed", "event", "place", "cam angle (deg)", "duration
 
 def blocks(study: Study) -> tuple[Block, ...]:
     """A table with filters by run and kind; a sweep's events are in its file."""
-    if study.command == "sweep":
+    if study.over_speed:
         return ()
     known, rows = looks(study), []
     for run in study.solutions:

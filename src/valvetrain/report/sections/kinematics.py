@@ -24,7 +24,7 @@ def blocks(study: Study) -> tuple[Block, ...]:
 def rigid_chart(study: Study, runs: list[Solution], key: str, title: str) -> Chart | None:
     """A panel per rigid channel; runs of one train share them, so one line stands for all."""
     panels = []
-    for name in dict.fromkeys(str(name) for run in runs for name in run.channels.data_vars if str(name).startswith("rigid_")):
+    for name in dict.fromkeys(str(name) for run in runs for name in run.arrays.variables if str(name).startswith("rigid_")):
         run = next(run for run in runs if run.has(name))
         found, (unit, factor) = over_angle(run, name), unit_of_channel(run, name)
         if found is not None:

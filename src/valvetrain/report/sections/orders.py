@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from valvetrain.quantities.cycle import reported_cycle
@@ -33,9 +31,9 @@ def dynamic_orders(run: Solution) -> tuple[Array, Array] | None:
         return np.array(list(named), dtype=float), np.array(list(named.values()))
     if not run.has("retainer_force", "static_retainer_force") or not reported_cycle(run).whole:
         return None
-    force = run.channels["retainer_force"]
-    dynamic = (force - run.channels["static_retainer_force"]).assign_attrs(force.attrs)
-    spectrum = order_spectrum(reported_cycle(replace(run, channels=run.channels.assign(dynamic=dynamic))), "dynamic", LARGEST_ORDER)
+    force = run.arrays["retainer_force"]
+    dynamic = force._replace(values=force.values - run.channel("static_retainer_force"))
+    spectrum = order_spectrum(reported_cycle(run.with_channels({"dynamic": dynamic})), "dynamic", LARGEST_ORDER)
     return spectrum.order[1:], spectrum.amplitude[1:]
 
 

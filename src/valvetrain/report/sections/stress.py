@@ -40,7 +40,7 @@ def blocks(study: Study) -> tuple[Block, ...]:
 
     figures = by_speed(study, "stress", at)
     runs = [run for run in study.solutions if any(name in run.quantities for name in NAMES)]
-    if study.command == "sweep" or not runs:
+    if study.over_speed or not runs:
         return figures
     rows = []
     for name in (name for name in NAMES if any(name in run.quantities for run in runs)):

@@ -49,6 +49,8 @@ def sweep_chart(study: Study) -> Chart | None:
     if not panels:
         return None
     caption = "Each engine speed on its own. Open marks: the motion did not repeat there, its last cycle is shown."
+    if study.command == "run-up":
+        caption = "One value per cam turn, at its mean engine speed: the envelope of the run-up."
     return Chart("sweep", "Over engine speed", caption, tuple(panels), 2, 240 * (-(-len(panels) // 2)) + 30)
 
 

@@ -15,7 +15,7 @@ _OTHERS = ("seat_force", "retainer_force", "normal_force", "shear_force", "coil_
 
 def force_channels(runs: list[Solution]) -> list[str]:
     """Channels of contact and link forces that the runs have: contacts first."""
-    names = dict.fromkeys(str(name) for run in runs for name, values in run.channels.data_vars.items() if values.ndim == 1)
+    names = dict.fromkeys(str(name) for run in runs for name, one in run.arrays.variables.items() if len(one.dims) == 1)
     springs = {f"{spring}_{other}" for run in runs for spring in run.springs for other in _OTHERS}
     forces = [name for name in names if name.endswith("_force") and name not in (*_OTHERS, *springs, "static_retainer_force")]
     return sorted(forces, key=lambda name: not name.endswith("_contact_force"))

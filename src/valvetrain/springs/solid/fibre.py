@@ -43,9 +43,11 @@ def fibre_stress(mesh: SolidMesh, displacement: NodalField, stress: NodalField, 
     nodes = mesh.fibre(x, y)
     coil = mesh.coil[nodes]
     moved = mesh.coordinates + np.nan_to_num(displacement.dense(len(mesh.coordinates))) / MILLIMETRE
-    tangent = CubicSpline(coil, moved[nodes])(coil, 1)
+    middle = _middle(mesh, moved, coil)
+    # Direction of the wire, not of its fibre: the inner one climbs steeper, and would count a share of the axial stress as shear.
+    tangent = CubicSpline(coil, middle)(coil, 1)
     tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)
-    across = moved[nodes] - _middle(mesh, moved, coil)
+    across = moved[nodes] - middle
     across -= tangent * np.sum(across * tangent, axis=-1, keepdims=True)
     across /= np.linalg.norm(across, axis=-1, keepdims=True)
     around = np.cross(tangent, across)

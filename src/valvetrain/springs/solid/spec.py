@@ -33,6 +33,10 @@ def solid_spring(spring: InstalledSpring, options: SolidOptions) -> SolidSpring:
     """The solid model of an installed wire: inactive end turns fixed, coils in contact, seat planes where the spring has them."""
     if spring.wire is None:
         raise InputError(f"spring '{spring.name}' is known by its card only; solid finite elements need its wire")
+    if spring.guide is not None:
+        raise InputError(
+            f"spring '{spring.name}' stands in a guide, which solid finite elements do not know; remove it or use finite-element"
+        )
     contact = SolidContact(seats=spring.seats != "clamps")
     mesh = MeshOptions(options.elements_per_coil, options.core, options.rings, ends="bonded")
     return SolidSpring(spring.wire, mesh, contact, options.time_limit)

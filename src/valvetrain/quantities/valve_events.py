@@ -1,0 +1,110 @@
+"""Where a lift passes a height: opening and closing at lash, at 1 mm and at 0.050 in, of the lobe, of the rigid valve and of a run.
+
+Curves are solved, not read off their samples: a lift law by itself, a run by the cubic of lift and velocity between samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.cam.roots import solve
+from valvetrain.mechanism.rigid import RigidKinematics
+from valvetrain.solution.event import Event
+from valvetrain.solution.result import Solution
+
+Array = NDArray[np.float64]
+_TURN = 2 * np.pi
+#: Word of a height in names of quantities -> the height (m).
+HEIGHTS = {"1_mm": 1e-3, "50_thou": 0.050 * 25.4e-3}
+#: Angles at which a lift law is looked at before its crossings are solved.
+GRID = 1440
+
+
+def lift_crossings(lift: Callable[[Array], Array], height: float) -> tuple[float, float] | None:
+    """Cam angles (rad) at which ``lift`` (m over cam rad, periodic) rises through ``height`` (m) before its largest value and falls through
+    it after; the first in one turn from zero, the second after it. None where it never stands above, or always."""
+    angle = np.arange(GRID) * _TURN / GRID
+    above = np.asarray(lift(angle)) > height
+    if not np.any(above) or np.all(above):
+        return None
+    top = int(np.argmax(np.asarray(lift(angle))))
+    down = np.flatnonzero(~above)
+    before, after = int(down[np.argmin((top - down) % GRID)]), int(down[np.argmin((down - top) % GRID)])
+    step = _TURN / GRID
+    opens = _between(lift, height, before * step, (before + 1) * step)
+    closes = _between(lift, height, after * step, (after - 1) * step)
+    return opens % _TURN, opens % _TURN + (closes - opens) % _TURN
+
+
+def _between(lift: Callable[[Array], Array], height: float, low: float, high: float) -> float:
+    """Where ``lift`` passes ``height`` between an angle at which it is at most that and one at which it is more."""
+    found = solve(lambda angle: float(lift(np.array(angle))) - height, (low, high))
+    return low if found is None else found
+
+
+def event_numbers(subject: str, word: str, crossings: tuple[float, float] | None) -> dict[str, float]:
+    """Quantities of one pair of crossings: cam angles of opening and closing, crank angle between them; none where it never opens."""
+    if crossings is None:
+        return {}
+    opens, closes = crossings
+    return {
+        f"{subject}_{word}_opening_cam_angle": opens % _TURN, f"{subject}_{word}_closing_cam_angle": closes % _TURN,
+        f"{subject}_{word}_open_crank_angle_range": 2 * (closes - opens),
+    }  # fmt: skip
+
+
+def rigid_events(kinematics: RigidKinematics) -> dict[str, float]:
+    """Events of the lobe (where the lift law is one) and of the rigid valve at every height of :data:`HEIGHTS`, of the valve at lash too."""
+    found: dict[str, float] = {}
+    law = kinematics.law.lift
+    if kinematics.law_of == "drive":
+        for word, height in HEIGHTS.items():
+            found |= event_numbers("lobe", word, lift_crossings(law, height))
+    for word, height in {"lash": 0.0, **HEIGHTS}.items():
+        found |= event_numbers("rigid_valve", word, lift_crossings(law, kinematics.law_lift(height)))
+    return found
+
+
+def run_events(solution: Solution, events: Sequence[Event]) -> dict[str, float]:
+    """Events of the valve of one closed turn: off its seat as the integrator saw it, and at every height of :data:`HEIGHTS`."""
+    found: dict[str, float] = {}
+    first = next((event for event in events if event.kind == "seating" and event.details.get("touch") == 1), None)
+    if first is not None and "release_cam_angle" in first.details:
+        opens = float(first.details["release_cam_angle"]) % _TURN
+        found |= event_numbers("valve", "lash", (opens, opens + (first.cam_angle - opens) % _TURN))
+    if not solution.has("valve_lift", "valve_velocity"):
+        return found
+    lift, rate = solution.channel("valve_lift"), solution.channel("valve_velocity") / (solution.engine_speed / 2)
+    for word, height in HEIGHTS.items():
+        found |= event_numbers("valve", word, sampled_crossings(solution.cam_angle, lift, rate, height))
+    return found
+
+
+def sampled_crossings(cam_angle: Array, valve_lift: Array, rate: Array, height: float) -> tuple[float, float] | None:
+    """As :func:`lift_crossings`, of one closed turn of samples (S,) evenly over ``cam_angle`` (rad); ``rate``: m per cam rad.
+
+    Between samples stands the cubic of both lifts and rates, so that the crossings are right to the fourth power of the interval.
+    """
+    count, above = len(valve_lift), valve_lift > height
+    if not np.any(above) or np.all(above):
+        return None
+    top, down = int(np.argmax(valve_lift)), np.flatnonzero(~above)
+    before, after = int(down[np.argmin((top - down) % count)]), int(down[np.argmin((down - top) % count)])
+    step = _TURN / count
+
+    def crossing(first: int) -> float:
+        second = (first + 1) % count
+        low, high, slope, end = (float(value) for value in (valve_lift[first], valve_lift[second], rate[first], rate[second]))
+        rise, slope, end = high - low, slope * step, end * step
+        cubic = np.array([slope + end - 2 * rise, 3 * rise - 2 * slope - end, slope, low - height])
+        roots = np.roots(cubic) if np.any(cubic[:-1]) else np.zeros(0)
+        real = roots[np.abs(roots.imag) < 1e-9].real
+        inside = real[(real >= -1e-9) & (real <= 1 + 1e-9)]
+        share = float(inside[0]) if len(inside) else (height - low) / rise
+        return float(cam_angle[first]) + share * step
+
+    opens, closes = crossing(before), crossing((after - 1) % count)
+    return opens % _TURN, opens % _TURN + (closes - opens) % _TURN

@@ -1,0 +1,59 @@
+"""Valve events and spring margin with known answers: see `known_quantities`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from synthetic_train import ANGLE, CAM_SPEED, COUNT, degrees, lift_of, rigid, train
+from train_parts import direct
+from valvetrain.cam.harmonic import Harmonic
+from valvetrain.mechanism.build import build_mechanism
+from valvetrain.parameters.train import CamParameters
+from valvetrain.quantities.evaluate import evaluate
+from valvetrain.quantities.frame import Frame
+from valvetrain.quantities.valve_events import rigid_events
+from valvetrain.solution.event import Event
+
+DEG, THOU = np.pi / 180, 1.27e-3
+
+
+def events(subject: str, word: str, opens: float, closes: float, within: float) -> dict[str, tuple[float, float]]:
+    """The three numbers of a pair of crossings."""
+    return {
+        f"{subject}_{word}_opening_cam_angle": (opens, within), f"{subject}_{word}_closing_cam_angle": (closes, within),
+        f"{subject}_{word}_open_crank_angle_range": (2 * (closes - opens), 4 * within),
+    }  # fmt: skip
+
+
+def valve_events():
+    """A valve of 8 mm sin^2, off its seat from 91.5 to 268 degrees; torque of 3.4 J per turn; a margin least at 150 degrees."""
+    velocity = np.where(degrees(90, 270), 8e-3 * np.sin(2 * ANGLE - np.pi) * CAM_SPEED, 0.0)
+    touch = Event("touch", 268 * DEG, 268 * DEG / CAM_SPEED, 0.0, 0.3, "m/s", "seat", {"largest_gap": 8e-3, "release_cam_angle": 91.5 * DEG})
+    made = train((touch,), statistics={"cycle_work_energy": 3.4}, valve_velocity=velocity)
+    inertia = np.where(degrees(135, 225), -300.0, 200.0)
+    table = rigid(spring_margin=np.where(degrees(149, 151), 77.0, 400.0), inertia_force=inertia)
+    found = evaluate(replace(made), Frame(rigid=table)).quantities
+    known = events("valve", "lash", 91.5 * DEG, 268 * DEG, 1e-9)
+    for word, height in (("1_mm", 1e-3), ("50_thou", THOU)):
+        away = math.asin(math.sqrt(height / 8e-3))
+        known |= events("valve", word, np.pi / 2 + away, 1.5 * np.pi - away, 1e-7)
+    assert len(ANGLE) == COUNT and lift_of(np.array(np.pi)) == 8e-3
+    known |= {"minimum_spring_margin_force": 77.0, "minimum_spring_margin_ratio": 77 / 300 + 1, "mean_cam_torque": 3.4 / (2 * np.pi)}
+    return found, known
+
+
+def rigid_valve_events():
+    """A bucket under a harmonic lift h / 2 (1 - cos(pi x)), 0.2 mm of lash: every height is one of the lobe that much higher."""
+    top, flank, nose, lash = 8e-3, 62 * DEG, 3.0, 0.2e-3
+    law = Harmonic(maximum_lift=top, opening_start=nose - flank, opening_end=nose, closing_start=nose, closing_end=nose + flank)
+    found = rigid_events(build_mechanism(direct(lash=lash, cam=CamParameters(0.030)), law).kinematics)
+    known = {}
+    for subject, more in (("lobe", 0.0), ("rigid_valve", lash)):
+        for word, height in {"lash": 0.0, "1_mm": 1e-3, "50_thou": THOU}.items():
+            if subject == "rigid_valve" or word != "lash":
+                half = flank * (1 - math.acos(1 - 2 * (height + more) / top) / math.pi)
+                known |= events(subject, word, nose - half, nose + half, 1e-9)
+    return found, known

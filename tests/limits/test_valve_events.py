@@ -1,0 +1,114 @@
+"""Valve events and spring margin against closed forms, and free of the samples kept."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from train_parts import contacts, direct
+from valvetrain.cam.harmonic import Harmonic
+from valvetrain.cli.new import TEMPLATES
+from valvetrain.integrate.contract import Periodic, RunOptions
+from valvetrain.integrate.run import run
+from valvetrain.mechanism.build import build_mechanism
+from valvetrain.parameters.loading import load_case
+from valvetrain.parameters.train import CamParameters
+from valvetrain.quantities.evaluate import evaluate
+from valvetrain.quantities.kinematics import rigid_motion
+from valvetrain.quantities.train_numbers import margin_quantities
+from valvetrain.quantities.valve_events import lift_crossings, rigid_events, sampled_crossings
+from valvetrain.solution.result import Solution
+from valvetrain.springs.massless import MasslessSpring
+from valvetrain.studies.ready import make_ready
+from valvetrain.system.build import build
+from valvetrain.system.train_system import TrainSystem
+
+TOP, FLANK, NOSE = 8e-3, math.radians(62), math.pi
+LAW = Harmonic(maximum_lift=TOP, opening_start=NOSE - FLANK, opening_end=NOSE, closing_start=NOSE, closing_end=NOSE + FLANK)
+THOU = 1.27e-3
+
+
+def before_nose(height: float) -> float:
+    """Angle (rad) before the nose at which the harmonic lift h / 2 (1 - cos(pi x)) stands at ``height``."""
+    return FLANK * (1 - math.acos(1 - 2 * height / TOP) / math.pi)
+
+
+@pytest.mark.parametrize("height", [1e-6, 1e-3, THOU, 7.9e-3])
+def test_crossings_of_a_harmonic_lift_are_its_arc_cosine(height):
+    found = lift_crossings(LAW.lift, height)
+    assert found == pytest.approx((NOSE - before_nose(height), NOSE + before_nose(height)), abs=1e-11)
+
+
+def test_a_lift_that_never_stands_there_has_no_events_and_one_over_the_zero_of_the_angle_has():
+    assert lift_crossings(LAW.lift, 9e-3) is None
+    turned = lambda angle: LAW.lift(np.asarray(angle) + NOSE)  # noqa: E731
+    opens, closes = lift_crossings(turned, 1e-3)
+    assert opens == pytest.approx(math.tau - before_nose(1e-3)) and closes - opens == pytest.approx(2 * before_nose(1e-3))
+
+
+def test_the_rigid_valve_opens_where_the_lash_is_taken_up():
+    """A bucket: valve lift is cam lift less the lash, so every event of the valve is one of the lobe higher up."""
+    lash = 0.2e-3
+    found = rigid_events(build_mechanism(direct(lash=lash, cam=CamParameters(0.030)), LAW).kinematics)
+    for word, height in (("lash", 0.0), ("1_mm", 1e-3), ("50_thou", THOU)):
+        half = before_nose(height + lash)
+        assert found[f"rigid_valve_{word}_opening_cam_angle"] == pytest.approx(NOSE - half, abs=1e-9)
+        assert found[f"rigid_valve_{word}_closing_cam_angle"] == pytest.approx(NOSE + half, abs=1e-9)
+        assert found[f"rigid_valve_{word}_open_crank_angle_range"] == pytest.approx(4 * half, abs=1e-9)
+    assert found["lobe_50_thou_open_crank_angle_range"] == pytest.approx(4 * before_nose(THOU), abs=1e-9)
+
+
+def test_sampled_crossings_gain_four_orders():
+    errors = []
+    for count in (45, 90, 180, 360):
+        angle = np.arange(count) * math.tau / count
+        opens, _ = sampled_crossings(angle, LAW.lift(angle), LAW.lift(angle, 1), THOU)
+        errors.append(abs(opens - (NOSE - before_nose(THOU))))
+    assert errors[-1] < 1e-8 and errors[0] / errors[-1] > 8**3 / 4
+
+
+def test_the_spring_margin_is_that_of_a_mass_on_a_spring():
+    """Nose of a bucket train: surplus F0 + k h - m a w^2, and its ratio; masses of tappet 50 g and valve 90 g, no weight along x."""
+    train = direct(gravity=(0.0, 0.0), cam=CamParameters(0.030), contacts=contacts())
+    system = TrainSystem(build_mechanism(train, LAW), (MasslessSpring(40e3, 300.0),))
+    cam_speed = 250.0
+    found = margin_quantities(rigid_motion(system, train).table(cam_speed))
+    needed = 0.14 * (math.pi / FLANK) ** 2 * TOP / 2 * cam_speed**2
+    angle = NOSE - np.linspace(0, FLANK / 2, 20001)
+    shares = -0.14 * LAW.lift(angle, 2) * cam_speed**2
+    surplus = 300 + 40e3 * LAW.lift(angle) - shares
+    assert needed == pytest.approx(np.max(shares), rel=1e-6)
+    assert found["minimum_spring_margin_force"] == pytest.approx(np.min(surplus[:-1]), rel=2e-3)
+    assert found["minimum_spring_margin_ratio"] == pytest.approx(np.min(((300 + 40e3 * LAW.lift(angle)) / shares)[:-1]), rel=2e-3)
+
+
+@cache
+def card_runs() -> tuple[Solution, ...]:
+    """The pushrod template with massless springs at 5000 rpm, with three numbers of samples."""
+    problem = build(load_case(str(TEMPLATES / "pushrod.toml")), spring_models=("massless",))
+    ready = make_ready(problem, problem.members[0], {}, "")
+    cam_speed = 2500 * math.pi / 30
+    frame = replace(ready.frame, rigid=ready.motion.table(cam_speed))
+    runs = (run(ready.system, cam_speed, Periodic(), RunOptions(samples, rest=ready.rest)) for samples in (360, 720, 1440))
+    return tuple(evaluate(one, frame) for one in runs)
+
+
+def test_events_torque_and_margin_of_a_run_do_not_move_with_the_samples_kept():
+    coarse, middle, fine = (one.quantities for one in card_runs())
+    names = [name for name in fine if name.startswith(("valve_lash", "valve_1_mm", "valve_50_thou", "minimum_spring_margin", "mean_cam"))]
+    assert len(names) == 13
+    for name in names:
+        allowed = {"rel": 1e-9} if "cam_angle" not in name and "range" not in name else {"abs": 2e-5}
+        assert [coarse[name], middle[name]] == pytest.approx([fine[name]] * 2, **allowed), name
+
+
+def test_the_mean_torque_carries_what_the_train_loses():
+    """Over a closed cycle the work of the cam is heat: of contacts, links, guides and springs, and nothing else."""
+    found = card_runs()[-1].quantities
+    lost = found["cycle_dissipated_energy"] + found["spring_dissipated_energy"]
+    assert found["mean_cam_torque"] * math.tau == pytest.approx(lost, rel=2e-2)
+    assert found["mean_cam_power"] == pytest.approx(found["mean_cam_torque"] * 2500 * math.pi / 30, rel=1e-9)

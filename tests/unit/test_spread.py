@@ -1,0 +1,122 @@
+"""What the calibration data leave open: the file that ships belongs to its case and its identification, and speaks of nothing else."""
+
+from __future__ import annotations
+
+import math
+import runpy
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from valvetrain.parameters.loading import LIBRARY, load_case
+from valvetrain.solution.quantity import Quantity, same_speed
+from valvetrain.studies.spread import TOLD, load_spread, spread_sentences
+from valvetrain.studies.uncertainty_file import load_uncertainty, rows_that_hold, uncertainty_sentences
+
+ROOT = Path(__file__).resolve().parents[2]
+SCRIPT = runpy.run_path(str(ROOT / "scripts" / "identify_beehive.py"))
+RPM = math.pi / 30
+SPEEDS = tuple(speed * RPM for speed in (4200.0, 5600.0, 8000.0))
+
+
+@pytest.fixture(scope="module")
+def case():
+    return load_case("gu2021-beehive")
+
+
+def own_numbers(case, **changed: float) -> dict[Quantity, float]:
+    """The numbers that were refined, as a run of this version gives them; ``changed``: quantity -> factor on it at 8000 rpm."""
+    rows = load_uncertainty(case.record())
+    factor = {row: changed.get(row.quantity, 1.0) if same_speed(row.engine_speed, SPEEDS[2]) else 1.0 for row in rows}
+    return {Quantity(row.quantity, row.engine_speed, "finite-element"): row.value * factor[row] for row in rows}
+
+
+def test_every_range_is_in_order_and_holds_what_the_case_computes(case):
+    """The case lies at the most probable point of its own posterior: between 5 and 95 % in nearly all quantities."""
+    spread, numbers = load_spread(case.record()), own_numbers(case)
+    assert {one.engine_rpm for one in spread} == {4200, 5600, 8000}
+    assert all(one.low <= one.middle <= one.high for one in spread)
+    compared = [
+        (one, value)
+        for one in spread
+        for key, value in numbers.items()
+        if key.name == one.quantity and same_speed(key.engine_speed, one.engine_rpm * RPM)
+    ]
+    inside = [one.low <= value <= one.high for one, value in compared]
+    assert len(inside) > 10 and sum(inside) >= 0.85 * len(inside)
+
+
+def test_one_sentence_a_speed_with_the_published_value_inside_or_outside(case):
+    sentences = spread_sentences(case.record(), SPEEDS, own_numbers(case))
+    assert [sentence.split(",")[0] for sentence in sentences] == ["4200 rpm", "5600 rpm", "8000 rpm"]
+    spread = {(one.engine_rpm, one.quantity): one for one in load_spread(case.record())}
+    published = {
+        (round(value.engine_speed / RPM), value.quantity): value.value
+        for value in case.published
+        if value.engine_speed is not None and value.model == "solid finite elements"
+    }
+    told = 0
+    for (rpm, quantity), one in spread.items():
+        if quantity in TOLD and (rpm, quantity) in published:
+            (sentence,) = [sentence for sentence in sentences if sentence.startswith(f"{rpm} rpm")]
+            (part,) = [part for part in sentence.split("; ") if TOLD[quantity] in part]
+            assert ("inside" in part) == (one.low <= published[rpm, quantity] <= one.high) != ("outside" in part)
+            told += 1
+    assert told >= 8
+    assert spread_sentences(case.record(), SPEEDS[1:2], own_numbers(case)) == sentences[1:2]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"lift_law.maximum_lift": "9.4 mm"},
+        {"spring.damping.ratio": 0.02},
+        {"spring.material.youngs_modulus": "210 GPa"},
+        {"spring.options.finite-element.elements_per_coil": 30},
+        {"spring.wire_diameter": "3.8 mm"},
+        {"spring.mean_diameter.values": "21.7, 21.7, 17.6 mm"},
+        {"spring.precompression": "6.9 mm"},
+        {"operation.cycles": 3},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_no_sentence_survives_a_change_of_the_case(case, change):
+    other = load_case("gu2021-beehive", change).record()
+    assert load_spread(other) == () and spread_sentences(other, SPEEDS, own_numbers(case)) == ()
+    assert uncertainty_sentences(other, SPEEDS, own_numbers(case)) == ()
+
+
+def test_no_sentence_survives_a_contact_that_is_changed(case):
+    from valvetrain.parameters.case import CoilContact
+
+    (spring,) = case.springs
+    stiff = case.replace({"springs.0.contact": CoilContact(stiffness=2 * spring.contact.stiffness)}).record()
+    assert load_spread(stiff) == () and uncertainty_sentences(stiff, SPEEDS, own_numbers(case)) == ()
+
+
+def test_no_sentence_survives_a_version_that_computes_other_numbers(case):
+    """The words of the case are the same, the numbers are not: speeds at which they came out again are still told."""
+    record, moved = case.record(), own_numbers(case, stage_2_peak_force=1.05)
+    assert len(rows_that_hold(record, own_numbers(case))) == len(load_uncertainty(record))
+    for sentences in (spread_sentences(record, SPEEDS, moved), uncertainty_sentences(record, SPEEDS, moved)):
+        assert [sentence.split(",")[0] for sentence in sentences] == ["4200 rpm", "5600 rpm"]
+
+
+def test_shipped_spread_is_that_of_this_identification():
+    """Fails when unknowns, priors or targets have changed since the spread was computed; run the identification again then."""
+    content = tomllib.loads((Path(str(LIBRARY)) / "gu2021-beehive.spread").read_text(encoding="utf-8"))
+    assert content["case"]["identification"] == SCRIPT["method_digest"]()
+
+
+def test_targets_are_the_values_whose_role_is_calibration(case):
+    """The case says of each published value what it was used for, and the script uses these and no other."""
+    said = {(value.model, value.quantity) for value in case.published if value.role == "calibration"}
+    targets = {target.name: target for target in SCRIPT["TARGETS"]}
+    assert said == set(SCRIPT["PUBLISHED"].values()) and set(SCRIPT["PUBLISHED"]) == set(targets)
+    for name, (model, quantity) in SCRIPT["PUBLISHED"].items():
+        (value,) = [one for one in case.published if (one.model, one.quantity, one.role) == (model, quantity, "calibration")]
+        assert value.used_for.startswith("target of the identification")
+        if name != "node_2_installed_gap":  # between no gap and the 0.07 mm of the 4200 rpm run
+            target = targets[name]
+            assert target.value == pytest.approx(math.degrees(value.value) if quantity.endswith("_angle") else value.value)
