@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -31,11 +30,12 @@ def events(subject: str, word: str, opens: float, closes: float, within: float) 
 def valve_events():
     """A valve of 8 mm sin^2, off its seat from 91.5 to 268 degrees; torque of 3.4 J per turn; a margin least at 150 degrees."""
     velocity = np.where(degrees(90, 270), 8e-3 * np.sin(2 * ANGLE - np.pi) * CAM_SPEED, 0.0)
-    touch = Event("touch", 268 * DEG, 268 * DEG / CAM_SPEED, 0.0, 0.3, "m/s", "seat", {"largest_gap": 8e-3, "release_cam_angle": 91.5 * DEG})
+    told = {"largest_gap": 8e-3, "release_cam_angle": 91.5 * DEG}
+    touch = Event("touch", 268 * DEG, 268 * DEG / CAM_SPEED, 0.0, 0.3, "m/s", "seat", told)
     made = train((touch,), statistics={"cycle_work_energy": 3.4}, valve_velocity=velocity)
     inertia = np.where(degrees(135, 225), -300.0, 200.0)
     table = rigid(spring_margin=np.where(degrees(149, 151), 77.0, 400.0), inertia_force=inertia)
-    found = evaluate(replace(made), Frame(rigid=table)).quantities
+    found = evaluate(made, Frame(rigid=table)).quantities
     known = events("valve", "lash", 91.5 * DEG, 268 * DEG, 1e-9)
     for word, height in (("1_mm", 1e-3), ("50_thou", THOU)):
         away = math.asin(math.sqrt(height / 8e-3))

@@ -12,6 +12,7 @@ import numpy as np
 from scipy import signal
 
 from known_events import rigid_valve_events, valve_events
+from known_rest import REST_GROUPS
 from synthetic_spring import ENGINE_SPEED, EVENT, bump, clashing_run, run
 from synthetic_train import ANGLE, CAM_SPEED, COUNT, TIME, degrees, lift_of, rigid, train
 from train_parts import LAW, direct, system
@@ -407,5 +408,5 @@ def pushrod_study() -> Known:
 
 GROUPS = (
     forces, bandwidth, surge, stress, clashes, energies, at_rest, design, cone, card, rigid_train, moving_train, sweep, stages, node,
-    collisions, main_clash, pushrod_study, valve_events, rigid_valve_events,
+    collisions, main_clash, pushrod_study, valve_events, rigid_valve_events, *REST_GROUPS,
 )  # fmt: skip

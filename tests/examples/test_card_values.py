@@ -1,4 +1,4 @@
-"""The pushrod template, a small-block V8 in card values, as it is written and with the values of another card, from the file to its answers."""
+"""The pushrod template, a small-block V8 in card values, with the values of another card, from the file to its answers."""
 
 from __future__ import annotations
 
@@ -47,7 +47,8 @@ def test_a_sweep_tells_where_it_floats(engine):
     """Between loss of contact by rigid theory, with the mass of this train at the nose by hand, and a fifth above it."""
     study = vt.sweep(engine, "6500, 8500, 9000, 9500 rpm", spring_models=["massless"], spring_sets=["card"])
     still = next(values for values in study.still.values() if "float_engine_speed" in values)
-    rigid = next(values["rigid_contact_loss_engine_speed"] for values in study.still.values() if "rigid_contact_loss_engine_speed" in values)
+    name = "rigid_contact_loss_engine_speed"
+    rigid = next(values[name] for values in study.still.values() if name in values)
     law = vt.build_lift_law(engine.lift_law)
     nose = float(law.lift(math.pi + math.radians(54), 2))
     # At the nose, reduced to the tappet: tappet, pushrod and rocker, and valve with a third of the spring times the ratio squared.

@@ -8,7 +8,7 @@ import pytest
 from valvetrain.cosserat.mesh import mesh_curve
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.section import round_section
-from valvetrain.cosserat.stability import last_before, stability
+from valvetrain.cosserat.stability import last_before, negative_modes
 from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.constructors import OTEVA_90_SC, cylindrical
@@ -49,27 +49,29 @@ def test_a_straight_column_loses_the_sign_of_its_tangent_at_the_load_of_euler():
     critical = 4 * np.pi**2 * modulus * second_moment / LENGTH**2
     shortening = critical * LENGTH / (modulus * area)
     beyond = compress(statics, [1.2 * shortening])[-1]
-    assert stability(statics, compress(statics, [0.9 * shortening])[-1].state).negative == 0
-    assert stability(statics, beyond.state).negative == 2
-    found = last_before(statics, free_state(statics.mesh), 1.2 * shortening, lambda state: stability(statics, state).negative == 0)
+    assert negative_modes(statics, compress(statics, [0.9 * shortening])[-1].state) == 0
+    assert negative_modes(statics, beyond.state) == 2
+    found = last_before(statics, free_state(statics.mesh), 1.2 * shortening, lambda state: negative_modes(statics, state) == 0)
     # Engesser: the column is 0.4 % softer for shear and shorter by the strain.
     assert found.compression == pytest.approx(shortening, rel=0.01)
 
 
 @pytest.mark.parametrize(("wire", "pitch", "coils", "reach"), [("1 mm", "4 mm", 20, 0.020), ("1.2 mm", "6 mm", 12, 0.022)])
 def test_a_slender_spring_buckles_where_haringx_says(wire, pitch, coils, reach):
-    """Two springs of L0/D = 8 and 7.2, the rod within 1 % of the formula on either mesh, which differ by a third of that."""
+    """Two springs of L0/D = 8 and 7.2, the rod within 0.7 % of the formula on either mesh, and nearer on the finer one."""
     spring = cylindrical(wire, "10 mm", pitch, coils, closed_coils=0)
     theory = formula_compression(spring)
     found = [static_curve(FiniteElementRod(spring, 0.0, mesh), reach, 6)[0].buckling.compression for mesh in (12, 18)]
-    assert found == pytest.approx([theory, theory], rel=0.01)
-    assert found[0] == pytest.approx(found[1], rel=3.5e-3)
+    assert found == pytest.approx([theory, theory], rel=0.007)
+    assert abs(found[1] - theory) < max(abs(found[0] - theory), 1e-3 * theory)
 
 
 def test_the_place_of_buckling_moves_with_no_step_of_the_curve_and_no_end_of_it():
     rod = FiniteElementRod(slender(), 0.0, 12)
     found = [static_curve(rod, reach, steps)[0].buckling for reach, steps in ((0.020, 3), (0.020, 24), (0.0165, 9))]
-    assert [one.compression for one in found] == pytest.approx([found[0].compression] * 3, abs=1e-7)
+    assert found[0] == found[1]
+    # Beyond another end the path has other points; Newton's tolerance over the rate is 0.02 um per point of force.
+    assert found[2].compression == pytest.approx(found[0].compression, abs=2e-6)
     assert found[0].height == pytest.approx(0.081 - found[0].compression, abs=1e-12)
 
 
@@ -84,10 +86,24 @@ def test_the_curve_says_that_it_buckles_and_one_that_stays_below_does_not():
 
 
 def test_closed_ends_and_a_part_of_a_turn_buckle_near_the_formula_too():
-    """An end of the wire that loads off the axis opens the pitchfork wider: within 6 %."""
-    for spring in (slender(20.3), slender(22, closed_coils=1.0)):
+    """An end of the wire that loads off the axis opens the pitchfork wider: within 4 %."""
+    for spring in (slender(20.3), closed()):
         curve, _ = static_curve(FiniteElementRod(spring, 0.0, 12), 0.018, 6)
-        assert curve.buckling.compression == pytest.approx(formula_compression(spring), rel=0.06)
+        assert curve.buckling.compression == pytest.approx(formula_compression(spring), rel=0.04)
+
+
+def closed():
+    """A spring whose end coils part point by point on the way, so that its tangent jumps by a quarter near buckling."""
+    return cylindrical("1 mm", "10 mm", "4.2 mm", 22, name="closed")
+
+
+def test_end_coils_that_part_point_by_point_move_the_place_with_neither_mesh_nor_reach():
+    found = [
+        static_curve(FiniteElementRod(closed(), 0.0, mesh), reach)[0].buckling.compression
+        for mesh, reach in ((12, 0.0165), (12, 0.018), (16, 0.018))
+    ]
+    assert found[0] == pytest.approx(found[1], abs=2e-5)
+    assert found[0] == pytest.approx(found[2], rel=6e-3)
 
 
 def test_a_short_spring_buckles_nowhere_by_either():

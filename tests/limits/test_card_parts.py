@@ -125,7 +125,7 @@ def test_one_word_stands_for_every_place_or_for_those_not_named():
 def test_missing_contacts_are_named_all_at_once_with_the_word_that_fills_them():
     from valvetrain.system.build import build
 
-    with pytest.raises(InputError, match="'valve_tip' and 'seat'.*contacts.others = 'steel'"):
+    with pytest.raises(InputError, match=r"'valve_tip' and 'seat'.*contacts.others = 'steel'"):
         build(parse_case(TRAIN.replace("CONTACTS", 'contacts.cam = "steel"')))
     with pytest.raises(InputError, match="no usual contact of steel parts is known at 'piston'"):
         parse_case(TRAIN.replace("CONTACTS", 'contacts.piston = "steel"'))

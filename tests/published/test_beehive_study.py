@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.filters import low_pass
 from valvetrain.solution.study import Study
 from valvetrain.studies.run import run_study
+from valvetrain.studies.spread import load_spread
 from valvetrain.validation.explained import BANDS
 from valvetrain.validation.sources import rows_of
 
@@ -102,3 +105,41 @@ def test_vibration_at_the_lowest_speed_comes_from_contact_alone(study: Study) ->
     (finding,) = [item for item in study.findings if "high-frequency vibration" in item.statement]
     assert finding.statement.startswith("4200 rpm: high-frequency vibration about 235 degrees")
     assert finding.verdict.startswith("agrees that contact alone brings it, but")
+
+
+def test_the_page_on_the_beehive_prints_what_comes_out(study: Study) -> None:
+    """Every number of ours in docs/beehive.md that stands beside a published one."""
+    text = " ".join((Path(__file__).resolve().parents[2] / "docs" / "beehive.md").read_text(encoding="utf-8").split())
+
+    def at(name: str, rpm: float | None, label: str = "finite-element") -> float:
+        value = quantity(study, name, rpm, label)
+        return float(np.degrees(value)) if name.endswith("_angle") else 1e3 * value if name.endswith("_displacement") else value
+
+    modes = [at(f"mode_{n}_frequency", None) for n in (1, 2, 3)]
+    low, middle, high = 4200, 5600, 8000
+    told = [
+        f"| preload at 7 mm | 289 N | {at('preload', None):.1f} N |",
+        f"| change of stiffness | about 5 mm | {1e3 * at('stiffness_change_compression', None):.1f} mm |",
+        f"| axial modes | 630, 1120, 1639 Hz | {modes[0]:.0f}, {modes[1]:.0f}, {modes[2]:.0f} Hz |",
+        f"| Stage I range, 4200 rpm | 12 N (270 to 282) | {at('stage_1_force_range', low):.1f} N |",
+        f"818 N at 183 deg | {at('stage_2_peak_force', low):.0f} N at {at('stage_2_peak_cam_angle', low):.0f} deg |",
+        f"| modal model's peak, 4200 rpm | 814 N | {at('stage_2_peak_force', low, 'modal-varied'):.0f} N |",
+        f"| Stage III, 4200 rpm | 315 N | {at('stage_3_peak_force', low):.0f} N |",
+        f"| 5.5e6 mm/s2 | {1e-3 * abs(at('node_2_peak_acceleration', low)):.1f}e6 mm/s2 |",
+        f"every {at('clash_interval_cam_angle', middle):.1f} degrees (published 26.5 to 28",
+        f"contact again at {at('coil_1_2_bounce_start_cam_angle', middle):.0f} to {at('coil_1_2_bounce_end_cam_angle', middle):.0f} degrees",
+        f"peak angle {at('stage_2_peak_cam_angle', middle):.0f} (175)",
+        f"near {at('stage_3_peak_cam_angle', high):.0f} and {at('stage_3_second_peak_cam_angle', high):.0f} degrees (254.5 and 297)",
+        f"peaks of {at('stage_2_peak_force', middle, 'modal-varied'):.0f} N (865) and "
+        f"{at('stage_2_first_peak_force', high, 'modal-varied'):.0f} N at "
+        f"{at('stage_2_first_peak_cam_angle', high, 'modal-varied'):.0f} degrees (880 at 170)",
+        f"{at('stage_3_peak_force', middle):.0f} N at 5600 (620) and {at('stage_3_peak_force', high):.0f} N at 8000 (1430)",
+        f"{at('stage_1_minimum_force', middle):.0f} to {at('stage_1_maximum_force', middle):.0f} N (250 to 350) and "
+        f"{at('stage_1_minimum_force', high):.0f} to {at('stage_1_maximum_force', high):.0f} N (250 to 450)",
+        f"{at('stage_2_first_peak_force', high):.0f} and {at('stage_2_second_peak_force', high):.0f} N (940 and 1200)",
+        f"the displacement of node 2, {at('node_2_maximum_displacement', high):.2f} mm (0.68)",
+    ]
+    spread = {(one.engine_rpm, one.quantity): one for one in load_spread(study.record)}
+    spike = spread[high, "stage_3_peak_force"]
+    told += [f"The 8000 rpm spike lies between {spike.low:.0f} and {spike.high:.0f} N, so the published 1430 N is outside"]
+    assert not [words for words in told if words not in text] and spike.high < 1430

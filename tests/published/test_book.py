@@ -8,7 +8,7 @@ import pytest
 from book_page import assert_page_holds
 from valvetrain.citations import references
 from valvetrain.solution.comparison import Comparison
-from valvetrain.validation import beams, conical, followers, laws, models, ring, springs, stresses, waves
+from valvetrain.validation import beams, conical, followers, free_ends, laws, models, ring, springs, stresses, waves
 from valvetrain.validation.__main__ import book, main, page, run_book
 from valvetrain.validation.row import Row
 from valvetrain.validation.sources import rows_of
@@ -239,3 +239,21 @@ def test_friction_of_the_wave_rod_turns_its_row_red(monkeypatch):
 
     monkeypatch.setattr(models, "WaveRod", lambda spring, cells, friction, pulls: WaveRod(spring, cells, 1.02 * friction, pulls=pulls))
     assert red(models.wave_rod_friction())
+
+
+def test_a_retainer_that_does_not_turn_turns_rows_red(monkeypatch):
+    from valvetrain.cosserat.static import RodStatics
+
+    monkeypatch.setattr(free_ends, "TurningStatics", RodStatics)
+    assert [name for name in red(free_ends.retainer_free_to_turn()) if "rotation" in name]
+
+
+def test_a_fault_in_the_bending_of_the_wire_moves_buckling(monkeypatch):
+    from valvetrain.cosserat import mesh, section
+
+    def stiff(*arguments):
+        found = section.round_section(*arguments)
+        return section.Section(**{name: getattr(found, name) * (1.1 if name == "bending" else 1.0) for name in found.__slots__})
+
+    monkeypatch.setattr(mesh, "round_section", stiff)
+    assert len(red(free_ends.buckling_limit())) == 2

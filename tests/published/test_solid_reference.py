@@ -18,6 +18,7 @@ from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.springs.solid.layout import MeshOptions
+from valvetrain.validation.ring import ring_section
 
 DATA = tomllib.loads(Path(__file__).with_name("solid_reference.toml").read_text())
 UNIFORM = {entry["name"]: entry for entry in DATA["uniform"]}
@@ -103,6 +104,9 @@ def test_inner_fibre_stress_of_the_solid_is_goehners():
     assert factor == pytest.approx(goehner, abs=slack) and factor == pytest.approx(bergstraesser, abs=slack)
     # Wahl adds the direct shear at its peak value and lies above both.
     assert wahl - factor > slack
+    _, inner, outer = ring_section(index)
+    assert factor == pytest.approx(inner, abs=0.2 * slack)
+    assert DATA["stress"]["outer_factor"] == pytest.approx(outer, abs=0.4 * DATA["stress"]["outer_factor_uncertainty"])
 
 
 @pytest.mark.calculix

@@ -47,5 +47,5 @@ def test_unequal_ramps_meet_at_one_nose():
 
 
 def test_a_nose_out_of_range_is_refused_with_the_range():
-    with pytest.raises(InputError, match="pulses reach -21.* to -56.* mm/rad"):
+    with pytest.raises(InputError, match=r"pulses reach -21.* to -56.* mm/rad"):
         ramped(**EVENTS, flank="pulses", nose_acceleration=-0.005)

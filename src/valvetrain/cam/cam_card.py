@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import ClassVar
 
 from numpy.typing import ArrayLike
@@ -52,7 +53,7 @@ class CamCard:
 
     def __post_init__(self) -> None:
         points = self.checking_points
-        for (name, low, long), (other, high, short) in zip(points, points[1:], strict=False):
+        for (name, low, long), (other, high, short) in pairwise(points):
             if not (low < high and long > short):
                 raise InputError(
                     f"{name} ({_deg(long)} at {_mm(low)}) must be longer and at a lower lift than {other} ({_deg(short)} at {_mm(high)}); "
@@ -147,11 +148,11 @@ class CamCard:
         return self._pieces
 
 
-def angle_before_nose(half: HalfLobe, lift: float) -> float:
-    """Angle (rad) before the nose at which a flank or its ramp passes ``lift`` (m)."""
-    if lift <= half.start[0]:
-        return half.length + (half.start[0] - lift) / half.start[1]
-    return solve(lambda angle: half.before_nose(angle) - lift, (0.0, half.length)) or 0.0
+def angle_before_nose(half: HalfLobe, passed_lift: float) -> float:
+    """Angle (rad) before the nose at which a flank or its ramp passes ``passed_lift`` (m)."""
+    if passed_lift <= half.start[0]:
+        return half.length + (half.start[0] - passed_lift) / half.start[1]
+    return solve(lambda angle: half.before_nose(angle) - passed_lift, (0.0, half.length)) or 0.0
 
 
 def _deg(angle: float) -> str:

@@ -40,7 +40,7 @@ class CamCardModel(LiftModel):
     upper_duration: PositiveAngle | None = Field(default=None, description="without it the nose has its usual shape")
     upper_lift: PositiveLength = Field(default=UPPER_LIFT, description="lobe lift at which upper_duration is told")
     valve: Literal["intake", "exhaust"] = Field(default="intake", description="which valve: lobe_centre after or before top dead centre")
-    lobe_centre: PositiveAngle | None = Field(default=None, description="of the nose from top dead centre; without it the nose is at 180 deg")
+    lobe_centre: PositiveAngle | None = Field(default=None, description="of the nose from top dead centre; without it nose at 180 deg")
     top_dead_centre: Angle = Field(default=math.pi, description="cam angle of top dead centre of gas exchange")
     ramp_lift: PositiveLength | None = Field(default=None, description="of the lobe where ramps end; without it lash over ratio and 0.1 mm")
     ramp_velocity: CamVelocity | None = Field(
@@ -81,6 +81,6 @@ class CamCardModel(LiftModel):
         if self.ramp_lift is not None:
             return self.ramp_lift
         if self.lash and self.rocker_ratio is None and self.lift_of == "tappet":
-            raise problem("the ramp over the lash needs rocker_ratio, since lash is told at the valve; add it, or give ramp_lift", ("lash",))
+            raise problem("the ramp over the lash needs rocker_ratio: lash is told at the valve; add it, or give ramp_lift", ("lash",))
         ratio = self.rocker_ratio if self.lift_of == "tappet" and self.rocker_ratio else 1.0
         return (self.lash or 0.0) / ratio + RAMP_ABOVE_LASH

@@ -74,9 +74,9 @@ class HalfLobe:
         rows[:, 1] += velocity, fastest
         return rows, lengths
 
-    def before_nose(self, angle: float) -> float:
-        """Lift (m) at ``angle`` (rad) before the nose; on the straight ramp beyond the flank."""
-        since, (lift, velocity), (up, down, fastest) = self.length - angle, self.start, self.sizes
+    def before_nose(self, cam_angle: float) -> float:
+        """Lift (m) at ``cam_angle`` (rad) before the nose; on the straight ramp beyond the flank."""
+        since, (lift, velocity), (up, down, fastest) = self.length - cam_angle, self.start, self.sizes
         first, second = self.share * self.length, (1 - self.share) * self.length
         if since < 0:
             return lift + velocity * since
@@ -85,7 +85,6 @@ class HalfLobe:
         since -= first
         lift += velocity * first + up * first**2 * RISEN_AT_1
         return lift + fastest * since - down * second**2 * _value(self._negative[0], since / second)
-
 
     def after_ramp(self, ramp_length: float, blend: float) -> tuple[Array, Array]:
         """Ascending coefficients (pieces, 8) and lengths (pieces,) of a ramp that ends at ``start``, and of the flank.

@@ -35,7 +35,8 @@ def ramped(
         raise InputError("ramp_start, event_start, event_end, ramp_end must rise and ramp_lift lie below maximum_lift; correct them")
     if flank == "pulses":
         nose = (event_start + event_end) / 2
-        starts = tuple((ramp_states(ramp_lift, length, ramp_blend)[0], length) for length in (event_start - ramp_start, ramp_end - event_end))
+        lengths = (event_start - ramp_start, ramp_end - event_end)
+        starts = tuple((ramp_states(ramp_lift, length, ramp_blend)[0], length) for length in lengths)
         halves = tuple(HalfLobe(maximum_lift, (ramp_lift, velocity), nose - event_start, USUAL_SHARE) for velocity, _ in starts)
         slowing = halves[0].sizes[1] if nose_acceleration is None else -nose_acceleration
         flanks = (_with_nose(half, slowing).after_ramp(length, ramp_blend) for half, (_, length) in zip(halves, starts, strict=True))

@@ -169,7 +169,10 @@ def _rest_tables(study: Study) -> Iterator[Table]:
         compared = (
             [] if one is reference or one.spring != study.rest[0].spring else [_percent(*pair) for pair in zip(cells, first, strict=True)]
         )
+        error = one.facts.get("force error of the mesh")
         words = [_words(value) + (f" ({share})" if share else "") for value, share in zip(cells, compared or [""] * 5, strict=True)]
+        if isinstance(error, float):
+            words[0] += f" ±{100 * error:.2g} %"
         rows.append((one.model if several == 1 else f"{one.spring}, {one.model}", *words))
     if rows:
         table = plain_table(("at rest", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)"), rows, right=range(1, 6))

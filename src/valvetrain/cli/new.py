@@ -26,7 +26,10 @@ def register(app: typer.Typer) -> None:
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the case; NAME.toml is written.")],
     kind: Annotated[
-        str, typer.Option("--kind", "--train", metavar="KIND", help=f"What it is of: {', '.join(f'{word} ({told})' for word, told in KINDS.items())}.")
+        str,
+        typer.Option(
+            "--kind", "--train", metavar="KIND", help=f"What it is of: {', '.join(f'{word} ({told})' for word, told in KINDS.items())}."
+        ),
     ] = "spring",
     as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip

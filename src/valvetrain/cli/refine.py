@@ -1,11 +1,11 @@
-"""``valvetrain refine``: numerical and physical uncertainty of a spring case's headline numbers."""
+"""``valvetrain refine``: numerical and physical uncertainty of the headline numbers of a spring or a train."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from valvetrain.cli.outcome import Outcome
     from valvetrain.parameters.case import Case
-    from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
+    from valvetrain.studies.uncertainty import UncertaintyStudy
 
 
 def register(app: typer.Typer) -> None:
@@ -50,7 +50,7 @@ def refine(
     case: CaseArgument, output: OutputOption = None, engine_speed: SpeedOption = None, elements_per_coil: ElementsOption = None,
     settings: SetOption = None, workers: WorkersOption = None, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """State the uncertainty of a spring's headline numbers: three meshes, a halved step, other contact constants."""
+    """State the uncertainty of the headline numbers of a spring or a train: finer meshes and steps, other contact constants."""
     from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.outcome import deliver
     from valvetrain.studies.run_store import ROOT, check_folder
@@ -65,6 +65,7 @@ def _outcome(request: RefineRequest, engine_speeds: tuple[float, ...] | None, wo
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, busy, progress_bar
     from valvetrain.cli.study_command import keep_run
+    from valvetrain.report.json import uncertainty_object
     from valvetrain.report.uncertainty_section import uncertainty_page, uncertainty_table
     from valvetrain.report.words import rpm
     from valvetrain.report.write import write_page
@@ -72,12 +73,12 @@ def _outcome(request: RefineRequest, engine_speeds: tuple[float, ...] | None, wo
     from valvetrain.studies.uncertainty import uncertainty_study
 
     case = request.case
-    announce_compilation("statics", "transient")
+    announce_compilation(*(("train",) if case.train is not None else ("statics", "transient")))
     with progress_bar(case.name) as report:
         study = uncertainty_study(case, engine_speeds=engine_speeds, workers=workers, progress=report)
     data = {
         "command": "refine", "case": case.name, "title": case.title, "elements_per_coil": list(study.elements_per_coil),
-        "uncertainties": [_row_object(row) for row in study.rows], "completed": not study.failures, "page": "report.html",
+        "uncertainties": [uncertainty_object(row) for row in study.rows], "completed": not study.failures, "page": "report.html",
     }  # fmt: skip
 
     def write(folder: Path) -> list[Path]:
@@ -92,34 +93,19 @@ def _outcome(request: RefineRequest, engine_speeds: tuple[float, ...] | None, wo
     return Outcome(data, lambda console: _show(console, study, str(folder / "report.html")), study.failures)
 
 
-def _row_object(row: Uncertainty) -> dict[str, Any]:
-    from valvetrain.cli.outcome import measured
-    from valvetrain.report.json import engine_speed_object
-    from valvetrain.solution.quantity import unit_of
-
-    unit = unit_of(row.quantity)
-    ranges = {
-        name: {"least": measured(values[0], unit), "largest": measured(values[1], unit)}
-        for name, values in (("contact_stiffness", row.contact_stiffness), ("contact_damping", row.contact_damping))
-    }
-    return {
-        "quantity": row.quantity, "engine_speed": engine_speed_object(row.engine_speed), "value": measured(row.value, unit),
-        "numerical_uncertainty": measured(row.numerical, unit), "observed_order": measured(row.observed_order, "1"),
-        "extrapolated": measured(row.extrapolated, unit), "step_part": measured(row.step_part, unit), **ranges,
-    }  # fmt: skip
-
-
 def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
     from valvetrain.cli.tables import plain_table, shown_words
     from valvetrain.report.words import speed_words
     from valvetrain.solution.definition import label_of
 
     console.print(study.record.title or study.record.name)
-    console.print(f"{', '.join(map(str, study.elements_per_coil))} elements per coil, step halved, contact constants varied")
+    meshes = ", ".join(map(str, study.elements_per_coil))
+    varied = f"{meshes} elements per coil, step halved" if meshes else "step halved twice, springs divided more finely, half the samples"
+    console.print(f"{varied}, contact constants varied")
     headers = ("quantity", "value", "± num.", "unit", "order", "contact stiffness", "contact damping")
-    for speed in dict.fromkeys(row.engine_speed for row in study.rows):
+    for speed, label in dict.fromkeys((row.engine_speed, row.label) for row in study.rows):
         rows = []
-        for row in (row for row in study.rows if row.engine_speed == speed):
+        for row in (row for row in study.rows if (row.engine_speed, row.label) == (speed, label)):
             name = row.quantity
             trusted = row.observed_order is not None and row.observed_order >= 0.5
             order = f"{row.observed_order:.1f}" if trusted else "–"
@@ -129,7 +115,7 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
             ]
             value, word = shown_words(name, row.value)
             rows.append((label_of(name), value, shown_words(name, row.numerical, 2)[0], word, order, *ranges))
-        place = "statics and modes" if speed is None else speed_words(speed)
+        place = "statics and modes" if speed is None else f"{speed_words(speed)}{f', {label}' if label else ''}"
         console.print()
         console.print(plain_table(headers, rows, place, right=(1, 2, 4, 5, 6)))
     console.print(f"\nresults  {page}", soft_wrap=True)

@@ -115,7 +115,8 @@ def _exchange(count, laws, scratch, step, single):
 def damp(index, laws, scratch, step, now, v):
     """Damping impulses of all interactions together; adds the mean damping forces to ``gaps[:, 2]``; returns how many there are.
 
-    ``now``: share of the velocity after the step in that of t_n. A contact carries no force rather than pull: which ones are held so is found together with the impulses (a linear complementarity).
+    ``now``: share of the velocity after the step in that of t_n. A contact carries no force rather than pull: which ones are held so is
+    found together with the impulses (a linear complementarity).
     """
     gaps, gradients, rows, held, impulse = scratch.gaps, scratch.gradients, scratch.rows, scratch.held, scratch.impulse
     count = _damped_rows(index, scratch, step, now, v)

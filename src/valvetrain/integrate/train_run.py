@@ -51,7 +51,8 @@ class TrainOptions:
 
     ``samples``: records per cam cycle. ``step_fraction``: step over the stable limit. ``time_step`` (s) overrides it (rounded so that a
     cycle holds a whole number of steps). ``exchange``: steps per exchange of a partitioned coupling (0: all advance together).
-    ``blow_steps``: parts in which the rise of a blow of a contact is taken (0: steps are never divided).
+    ``blow_steps``: parts in which the rise of a blow of a contact is taken (0: steps are never divided), more at a finer
+    prescribed step.
     ``record_springs``: keep the springs' inner states per sample; ``record_contacts``: write down the contacts of their coils. ``window``:
     begin and end (cam rad) of the part of the cycle in which least forces are sought; it may pass the end of the turn.
     """
@@ -184,11 +185,8 @@ class TrainRunner:
             states[place] = np.zeros((rows, recorded_entries(spring) if self.options.record_springs else 0))
         begin, end = self.options.window
         before, least = state.last_step or self.time_step, LEAST_BLOW * self.rest.reference_force
-        clock = np.array(
-            [
-                state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step, *new.held, begin, end - begin, before, before, least,
-            ]
-        )  # fmt: skip
+        turning = (state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step)
+        clock = np.array([*turning, *new.held, begin, end - begin, before, before, least])
         counters = np.array([self.steps, self.steps // rows, 0, self.options.exchange, spacing, self.options.blow_steps], dtype=np.int64)
         addresses = np.array([law_address(kernel) for kernel in self.system.law_kernels], dtype=np.int64)
         motion = Motion(new.q, new.v, new.law_state, addresses, clock, counters, np.zeros(5))
@@ -257,6 +255,8 @@ def runner(
         step = step if carried >= step else SPRING_FRACTION * carried
     else:
         step = chosen.time_step
+        finer = chosen.step_fraction * still.own_time_step / step
+        chosen = replace(chosen, blow_steps=int(np.ceil(chosen.blow_steps * max(1.0, finer))))
     limit = springs_time_step(system, still.own_time_step)
     if step > limit:
         raise InputError(

@@ -14,6 +14,8 @@ COMPARED = 8
 """Cycles that are compared."""
 STEADY_VALVE = 1e-2
 """Share of the largest lift up to which the valve is taken to repeat."""
+LONG_SEARCH = 30
+"""Cycles after which what still changes is taken for rattle, not for a motion that has yet to settle."""
 SMALLEST_HEIGHT = 2e-6
 """Openings of the seat below this (m) are vibration, no bounce."""
 PREFIX = "cycle_scatter_"

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from valvetrain.integrate.steady import SteadyState, accelerate, repeat_cycles
 from valvetrain.integrate.train_run import CycleRecord, TrainRunner, TrainState
-from valvetrain.integrate.train_scatter import COMPARED, Scatter, scatter_of
+from valvetrain.integrate.train_scatter import COMPARED, LONG_SEARCH, Scatter, scatter_of
 from valvetrain.solution.status import Status
 
 Array = NDArray[np.float64]
@@ -39,7 +39,7 @@ class SteadyTrain:
         if self.search.converged:
             return self.record.status
         spread = "" if self.scatter is None else f"{1e6 * self.scatter.valve:.2g} um over {COMPARED} cycles"
-        if self.scatter is not None and self.scatter.repeats:
+        if self.scatter is not None and self.scatter.repeats and self.search.cycles >= LONG_SEARCH:
             return Status("completed", f"the valve repeats to {spread}; parts that are loose between events do not, see the scatter")
         period = self.search.period
         words = f"repeats only every {period} cycles (sub-harmonic)" if period > 1 else "does not repeat, not over up to 8 cycles either"

@@ -29,7 +29,8 @@ def build_mechanism(train: TrainParameters, law: LiftLaw, lift_of: str = "tappet
     places = [place for place in spec.places if place != "tappet" or train.follower.mass > 0]
     if missing := [place for place in places if place not in train.contacts]:
         tables, has = ", ".join(f"[train.contacts.{place}]" for place in missing), ", ".join(train.contacts) or "none"
-        raise InputError(f"a {train.kind} train needs a contact law for {_listed(missing)}, and has {has}; add {tables}, or contacts.others = 'steel'", "train.contacts")
+        remedy = f"add {tables}, or contacts.others = 'steel'"
+        raise InputError(f"a {train.kind} train needs a contact law for {_listed(missing)}, and has {has}; {remedy}", "train.contacts")
     laws = {place: _contact_law(train.contact(place)) for place in places}
     planar = spec.build(train, law, laws, lift_of)
     rough = {place: friction for place in places if (friction := train.contact(place).friction_coefficient) > 0}

@@ -83,7 +83,10 @@ class RubbingModel(StrictModel):
     normal_force: NormalForce = Field(default=_RUBBING.normal_force, description="force with which the springs press on each other")
 
     def build(self) -> Rubbing:
-        """The rubbing of this table."""
+        """The rubbing of this table; refuses half of it, which rubs nothing."""
+        for given, missing in (("coefficient", "normal_force"), ("normal_force", "coefficient")):
+            if getattr(self, given) > 0 and missing not in self.model_fields_set:
+                raise problem(f"{given} without {missing} rubs nothing; give both, or remove the table", (given,))
         return Rubbing(self.coefficient, self.normal_force)
 
 

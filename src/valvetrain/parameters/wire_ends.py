@@ -65,7 +65,7 @@ def wind(
     wire = wire_diameter.level
     if not (np.isfinite(total_coils) and total_coils > 0 and np.isfinite(wire) and wire > 0):
         raise InputError("a free length makes a pitch for positive wire_diameter and total_coils; check both", "free_length")
-    closed = tuple(1.0 - RAMP / 2 if is_closed(end) else 0.0 for end in (lower, upper))
+    closed = (_closed_turns(lower), _closed_turns(upper))
 
     def law(pitch: float) -> Curve:
         return Constant(pitch) if not any(closed) else pitch_with_closed_turns(total_coils, wire, pitch, *closed, RAMP)
@@ -83,6 +83,10 @@ def wind(
             f"which are solid at {solid * 1e3:.4g} mm; lengthen the spring or take out turns", "free_length",
         )  # fmt: skip
     return law(pitch), _end(lower, wire, pitch), _end(upper, wire, pitch)
+
+
+def _closed_turns(end: EndCoil | EndKind) -> float:
+    return 1.0 - RAMP / 2 if is_closed(end) else 0.0
 
 
 def _end(end: EndCoil | EndKind, wire: float, pitch: float) -> EndCoil:

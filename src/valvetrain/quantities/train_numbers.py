@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -25,9 +26,10 @@ DRIVING = ("cam", "valve_tip")
 
 def counted_quantities(solution: Solution) -> dict[str, float]:
     """Numbers that only the integrator could see: every step's peaks, work and losses, the way to the steady state."""
+    peak = re.compile("peak_.*_force")
+    counted = {name: value for name, value in solution.statistics.items() if isinstance(value, (int, float))}
     return {
-        name: float(value) for name, value in solution.statistics.items()
-        if isinstance(value, (int, float)) and (name in COUNTED or name.startswith(SCATTER) or (name.startswith("peak_") and name.endswith("_force")))
+        name: float(value) for name, value in counted.items() if name in COUNTED or name.startswith(SCATTER) or peak.fullmatch(name)
     }  # fmt: skip
 
 

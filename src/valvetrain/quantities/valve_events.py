@@ -23,19 +23,19 @@ HEIGHTS = {"1_mm": 1e-3, "50_thou": 0.050 * 25.4e-3}
 GRID = 1440
 
 
-def lift_crossings(lift: Callable[[Array], Array], height: float) -> tuple[float, float] | None:
-    """Cam angles (rad) at which ``lift`` (m over cam rad, periodic) rises through ``height`` (m) before its largest value and falls through
+def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[float, float] | None:
+    """Cam angles (rad) at which ``cam_lift`` (m over cam rad, periodic) rises through ``height`` (m) before its largest value and falls through
     it after; the first in one turn from zero, the second after it. None where it never stands above, or always."""
     angle = np.arange(GRID) * _TURN / GRID
-    above = np.asarray(lift(angle)) > height
+    above = np.asarray(cam_lift(angle)) > height
     if not np.any(above) or np.all(above):
         return None
-    top = int(np.argmax(np.asarray(lift(angle))))
+    top = int(np.argmax(np.asarray(cam_lift(angle))))
     down = np.flatnonzero(~above)
     before, after = int(down[np.argmin((top - down) % GRID)]), int(down[np.argmin((down - top) % GRID)])
     step = _TURN / GRID
-    opens = _between(lift, height, before * step, (before + 1) * step)
-    closes = _between(lift, height, after * step, (after - 1) * step)
+    opens = _between(cam_lift, height, before * step, (before + 1) * step)
+    closes = _between(cam_lift, height, after * step, (after - 1) * step)
     return opens % _TURN, opens % _TURN + (closes - opens) % _TURN
 
 
@@ -57,7 +57,7 @@ def event_numbers(subject: str, word: str, crossings: tuple[float, float] | None
 
 
 def rigid_events(kinematics: RigidKinematics) -> dict[str, float]:
-    """Events of the lobe (where the lift law is one) and of the rigid valve at every height of :data:`HEIGHTS`, of the valve at lash too."""
+    """Events of the lobe (where the lift law is one) and of the rigid valve at the heights of :data:`HEIGHTS`, of the valve at lash too."""
     found: dict[str, float] = {}
     law = kinematics.law.lift
     if kinematics.law_of == "drive":

@@ -29,8 +29,8 @@ TOPICS: dict[str, tuple[str, ...]] = {
     ),
     "Scatter from cycle to cycle": tuple(
         f"cycle_scatter_{name}" for name in (
-            "valve_lift", "peak_spring_force", "minimum_spring_force", "peak_cam_contact_force", "peak_seat_contact_force", "seating_velocity",
-            "bounce_height", "bounce_count", "loft_gap",
+            "valve_lift", "peak_spring_force", "minimum_spring_force", "peak_cam_contact_force", "peak_seat_contact_force",
+            "seating_velocity", "bounce_height", "bounce_count", "loft_gap",
         )
     ),
     "Loss of control": (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,10 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
+from valvetrain.studies.uncertainty_file import fresh_uncertainty
+
+if TYPE_CHECKING:
+    from valvetrain.studies.uncertainty import Uncertainty
 
 #: Units of numbers whose names do not tell them; an event's details, options and statistics of a run, facts of a spring at rest.
 _UNITS = {
@@ -62,6 +66,21 @@ def comparison_object(row: Comparison) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def uncertainty_object(row: Uncertainty) -> dict[str, Any]:
+    """One number with its error bar and what the contact constants make of it."""
+    unit = unit_of(row.quantity)
+    ranges = {
+        name: {"least": measured(values[0], unit), "largest": measured(values[1], unit)}
+        for name, values in (("contact_stiffness", row.contact_stiffness), ("contact_damping", row.contact_damping))
+    }
+    label = {"label": row.label} if row.label else {}
+    return {
+        "quantity": row.quantity, **label, "engine_speed": engine_speed_object(row.engine_speed), "value": measured(row.value, unit),
+        "numerical_uncertainty": measured(row.numerical, unit), "observed_order": measured(row.observed_order, "1"),
+        "extrapolated": measured(row.extrapolated, unit), "step_part": measured(row.step_part, unit), **ranges,
+    }  # fmt: skip
+
+
 def study_json(study: Study) -> dict[str, Any]:
     """The study as plain dictionaries and lists, keys as in docs/quantities.md; every number stands with its unit.
 
@@ -90,7 +109,8 @@ def study_json(study: Study) -> dict[str, Any]:
         "runs": [_run_object(run) for run in study.solutions], "critical_speeds": [_critical_object(one) for one in study.critical_speeds],
         "comparisons": [comparison_object(row) for row in study.comparisons],
         "findings": [{name: getattr(one, name) for name in ("place", "statement", "computed", "verdict")} for one in study.findings],
-        "notes": list(study.notes), "cite": list(dict.fromkeys((*study.record.citations, *study.provenance.citations, *_cited(study)))),
+        "uncertainties": [uncertainty_object(row) for row in fresh_uncertainty(study)], "notes": list(study.notes),
+        "cite": list(dict.fromkeys((*study.record.citations, *study.provenance.citations, *_cited(study)))),
     }  # fmt: skip
 
 
@@ -138,7 +158,8 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
 
 
 def _rest_object(one: SpringAtRest) -> dict[str, Any]:
-    found: dict[str, Any] = {"spring": one.spring, "model": one.model, "precompression": measured(one.precompression, "m")}
+    found: dict[str, Any] = {"spring": one.spring, "model": one.model, "precompression": measured(one.precompression, "m"),
+                             "facts": {name: _with_unit(name, value) for name, value in one.facts.items()}}
     if one.curve is not None:
         curve = {"compression": (one.curve.compression, "m"), "force": (one.curve.force, "N"), "stiffness": (one.curve.stiffness, "N/m")}
         found["static_curve"] = {"status": status_object(one.curve.status)} | {

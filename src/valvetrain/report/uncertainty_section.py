@@ -9,17 +9,22 @@ from valvetrain.report.table import Table, table
 from valvetrain.report.words import number, rpm, speed_words
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.quantity import Quantity
-from valvetrain.studies.uncertainty import Range, Uncertainty, UncertaintyStudy
+from valvetrain.studies.uncertainty import CONTACT_FACTORS, DAMPING_FACTORS, STIFFNESS_FACTORS, Range, Uncertainty, UncertaintyStudy
 
 #: SI unit -> unit shown and factor; the rest is shown as it is.
 _SHOWN = {"rad": ("deg", 57.29577951308232), "N s": ("mN s", 1e3), "Pa": ("MPa", 1e-6)}
-_HEADERS = (
-    "quantity", "value", "± numerical", "", "unit", "order", "extrapolated", "contact stiffness × 0.35 to 2.5", "contact damping × 0 to 2",
-)  # fmt: skip
+_HEADERS = ("quantity", "value", "± numerical", "", "unit", "order", "extrapolated")
 
 
 def lead(meshes: Sequence[int]) -> str:
-    """What the table shows."""
+    """What the table shows of a spring on ``meshes``, or of a train (none)."""
+    if not meshes:
+        return (
+            "Numerical uncertainty from a step halved twice (grid convergence index; a wide bound, marked –, where the three values do "
+            "not converge evenly), springs divided 1.5 and 2.25 times as finely, half the samples per cycle, and the scatter of motions "
+            "that do not repeat. The last columns are physical: what the value does where all contacts are half or twice as stiff, or "
+            "damped so."
+        )
     return (
         f"Numerical uncertainty from meshes of {', '.join(map(str, meshes))} elements per coil and a halved step (grid convergence index, "
         "1.25 times the distance to the Richardson value; a wide bound from the range of the three, marked –, where they do not converge "
@@ -29,12 +34,15 @@ def lead(meshes: Sequence[int]) -> str:
 
 
 def uncertainty_grid(rows: Sequence[Uncertainty]) -> Grid:
-    """One line per quantity, grouped by engine speed."""
+    """One line per quantity, grouped by engine speed and variant."""
     lines: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
-    for speed in dict.fromkeys(row.engine_speed for row in rows):
-        lines.append(((Cell("Statics and modes" if speed is None else f"Engine speed {speed_words(speed)}"),), ()))
-        lines += [(_cells(row), ()) for row in rows if row.engine_speed == speed]
-    return Grid(_HEADERS, tuple(lines))
+    for speed, label in dict.fromkeys((row.engine_speed, row.label) for row in rows):
+        words = "Statics and modes" if speed is None else f"Engine speed {speed_words(speed)}{f', {label}' if label else ''}"
+        lines.append(((Cell(words),), ()))
+        lines += [(_cells(row), ()) for row in rows if (row.engine_speed, row.label) == (speed, label)]
+    stiffness, damping = (CONTACT_FACTORS,) * 2 if any(row.label for row in rows) else (STIFFNESS_FACTORS, DAMPING_FACTORS)
+    ranges = (f"contact {word} × {least:g} to {most:g}" for word, (least, most) in (("stiffness", stiffness), ("damping", damping)))
+    return Grid((*_HEADERS, *ranges), tuple(lines))
 
 
 def uncertainty_table(rows: Sequence[Uncertainty]) -> Table:
@@ -50,7 +58,8 @@ def uncertainty_table(rows: Sequence[Uncertainty]) -> Table:
     }  # fmt: skip
     speeds = [float("nan") if row.engine_speed is None else rpm(row.engine_speed) for row in rows]
     units = [Quantity(row.quantity).unit for row in rows]
-    head = (("quantity", "", [row.quantity for row in rows]), ("engine speed", "rpm", speeds), ("unit", "", units))
+    variant = (("variant", "", [row.label for row in rows]),) if any(row.label for row in rows) else ()
+    head = (("quantity", "", [row.quantity for row in rows]), *variant, ("engine speed", "rpm", speeds), ("unit", "", units))
     return table(*head, *((name, "", values) for name, values in numbers.items()))
 
 
@@ -59,7 +68,8 @@ def uncertainty_page(study: UncertaintyStudy) -> Page:
     case = study.record
     failed = (text(words, "alert") for words in study.failures)
     blocks: tuple[Block, ...] = (text(lead(study.elements_per_coil), "quiet"), uncertainty_grid(study.rows), *failed)
-    facts = (("case", case.name), ("elements per coil", ", ".join(map(str, study.elements_per_coil))))
+    meshes = (("elements per coil", ", ".join(map(str, study.elements_per_coil))),) if study.elements_per_coil else ()
+    facts = (("case", case.name), *meshes)
     footer = "Angles are cam degrees. Engine speed is crank speed."
     section = Section("uncertainty", "Numbers with error bars", blocks)
     return Page(f"{case.title or case.name}: uncertainty", "Refinement study", case.description, facts, (section,), footer)

@@ -13,7 +13,7 @@ from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.transient import RodTransient
 from valvetrain.solution.arrays import ChannelArrays
 from valvetrain.solution.channels import EXTREMES, FINE, spring_channels
-from valvetrain.springs.finite_element import POINTS_PER_COIL, FiniteElementRod
+from valvetrain.springs.finite_element_model import POINTS_PER_COIL, RodModel
 
 Array = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ def section_interpolation(mesh: RodMesh, coil: Array) -> Array:
     return matrix
 
 
-def static_section_loads(model: FiniteElementRod, states: Sequence[RodState]) -> dict[str, Array]:
+def static_section_loads(model: RodModel, states: Sequence[RodState]) -> dict[str, Array]:
     """Section loads (N m, N; states, wire points) of equilibria of the rod, by the names of their channels."""
     mesh = model.mesh
     at = section_interpolation(mesh, wire_points(model.definition.total_coils))
@@ -66,17 +66,17 @@ def static_section_loads(model: FiniteElementRod, states: Sequence[RodState]) ->
     return {name: strains[name] @ at.T for name in SECTION_LOADS}
 
 
-def rod_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> ChannelArrays:
+def rod_channels(model: RodModel, run: RodTransient, cam_speed: float) -> ChannelArrays:
     """All channels of docs/architecture.md for a rod run; cam angle is cam_speed (rad/s) times time."""
     return _channels(model, run, cam_speed, True)
 
 
-def end_channels(model: FiniteElementRod, run: RodTransient, cam_speed: float) -> ChannelArrays:
+def end_channels(model: RodModel, run: RodTransient, cam_speed: float) -> ChannelArrays:
     """End forces and contacts of a rod run, without sections and energies: what a sweep needs."""
     return _channels(model, run, cam_speed, False)
 
 
-def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whole: bool) -> ChannelArrays:
+def _channels(model: RodModel, run: RodTransient, cam_speed: float, whole: bool) -> ChannelArrays:
     mesh, installed = model.mesh, model.installed.state
     coil = wire_points(model.definition.total_coils)
     height, speed = run.position[..., 2], run.velocity[..., 2]
@@ -118,7 +118,7 @@ def _channels(model: FiniteElementRod, run: RodTransient, cam_speed: float, whol
     return spring_channels(run.time, cam_speed * run.time, values, coil_number=coil if whole else None, upper_coil=upper_coil, extra=FINE)
 
 
-def pair_values(model: FiniteElementRod, gaps: Array) -> tuple[Array, Array, Array]:
+def pair_values(model: RodModel, gaps: Array) -> tuple[Array, Array, Array]:
     """Upper coil numbers (p,), smallest gap (m) and elastic contact force (N), both (steps, p), from gaps (steps, groups, nv)."""
     mesh = model.mesh
     upper_coil, pairs, pair_of = _pairs(model)
@@ -127,7 +127,7 @@ def pair_values(model: FiniteElementRod, gaps: Array) -> tuple[Array, Array, Arr
     return upper_coil, _least(gaps[:, :, pairs].min(axis=1), pair_of, len(upper_coil)), _sum(pressed[:, pairs], pair_of, len(upper_coil))
 
 
-def _pairs(model: FiniteElementRod) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+def _pairs(model: RodModel) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
     """Upper coil numbers, vertices with a partner, and the pair of each such vertex."""
     upper_coil, pair_of = model.coil_pairs
     vertices = np.flatnonzero(pair_of >= 0)
@@ -164,7 +164,7 @@ def _strains(mesh: RodMesh, position: Array, frame: Array) -> dict[str, Array]:
     }  # fmt: skip
 
 
-def _energies(model: FiniteElementRod, strains: dict[str, Array], gaps: Array, run: RodTransient) -> tuple[Array, Array]:
+def _energies(model: RodModel, strains: dict[str, Array], gaps: Array, run: RodTransient) -> tuple[Array, Array]:
     mesh, stiffness = model.mesh, model.dynamics.contact_stiffness
     overlap = np.maximum(-np.where(np.isfinite(gaps), gaps, 0.0), 0.0)
     contact = 0.5 * stiffness * np.sum(mesh.contact.length * overlap**2, axis=(1, 2))

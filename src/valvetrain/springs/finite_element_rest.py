@@ -18,8 +18,8 @@ from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.rest_point import RestPoint
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import interpolation, pair_values, static_section_loads, wire_points
+from valvetrain.springs.finite_element_model import RodModel
 from valvetrain.springs.stress import nominal_stress_per_force, wire_stress
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ ROUND_OFF_SHARE = 1e-11
 
 
 def curve_over(
-    rod: FiniteElementRod, compressions: Array, visit: Callable[[Equilibrium], None] | None = None
+    rod: RodModel, compressions: Array, visit: Callable[[Equilibrium], None] | None = None
 ) -> tuple[StaticCurve, list[Equilibrium]]:
     """Curve over rising ``compressions`` (m) from the free state on, as far as equilibria are found, and those.
 
@@ -57,7 +57,7 @@ def curve_over(
     return curve, reached
 
 
-def equilibrium_at(rod: FiniteElementRod, compression: float) -> Equilibrium:
+def equilibrium_at(rod: RodModel, compression: float) -> Equilibrium:
     """Equilibrium at a compression (m), reached from the installed state where it lies beyond, else from the free one.
 
     Raises :class:`InputError` where there is none.
@@ -72,7 +72,7 @@ def equilibrium_at(rod: FiniteElementRod, compression: float) -> Equilibrium:
     return found
 
 
-def rest_point(rod: FiniteElementRod, equilibrium: Equilibrium) -> RestPoint:
+def rest_point(rod: RodModel, equilibrium: Equilibrium) -> RestPoint:
     """All that the rod tells of one equilibrium."""
     wire, state = rod.definition, equilibrium.state
     stress = wire_stress(static_section_loads(rod, [state]), wire, wire_points(wire.total_coils))
@@ -90,7 +90,7 @@ def rest_point(rod: FiniteElementRod, equilibrium: Equilibrium) -> RestPoint:
     )  # fmt: skip
 
 
-def modal_result(rod: FiniteElementRod, count: int, attached_mass: float | None = None) -> ModalResult:
+def modal_result(rod: RodModel, count: int = 24, attached_mass: float | None = None) -> ModalResult:
     """Modes about the installed state, touching coils kept together: both ends fixed, or with ``attached_mass`` (kg, 0 for none) on a
     retainer that moves along the axis."""
     end_mass = None if attached_mass is None else attached_mass + rod.retainer_mass()

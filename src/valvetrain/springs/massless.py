@@ -230,6 +230,6 @@ def _make(spring: InstalledSpring, options: MasslessOptions, rest: SpringAtRest 
 
 
 SPEC = SpringModelSpec(
-    "massless", "massless spring", "#7b8794", MasslessOptions, _make, needs_mass=False, processor_time=0.05,
+    "massless", "massless spring", "#7b8794", MasslessOptions, _make, needs_mass=False, processor_time=0.05, damped=False,
     knows="rate or static curve k(x), share of its mass on the valve", leaves_out="surge, clash",
 )  # fmt: skip

@@ -250,8 +250,7 @@ def _make(spring: InstalledSpring, options: NoOptions, rest: SpringAtRest | None
         frequencies = tuple(float(value) for value in rest.modes.axial_frequencies)
         if not frequencies:
             raise InputError(f"spring '{spring.name}' shows no axial mode; refine its mesh or choose another model")
-        keep = rest.curve.compression > 0
-        compressions, forces = tuple(rest.curve.compression[keep].tolist()), tuple(rest.curve.force[keep].tolist())
+        compressions, forces = tuple(rest.curve.compression.tolist()), tuple(rest.curve.force.tolist())
     damping = spring.damping
     ratio = damping.ratio if damping.ratio is not None else damping.ratio_at(frequencies[0])
     model = ModalVaried(frequencies, ratio, compressions, forces, max(spring.precompression, 1e-6), pulls=spring.pulls)

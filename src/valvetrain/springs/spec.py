@@ -27,7 +27,8 @@ class SpringModelSpec:
     ``make(installed, options, rest)`` builds the model; ``options`` is the typed table of its options; ``rest`` the spring at rest by
     the finite-element rod, given where ``needs_rest``. ``wire_only``: why a card does not serve, empty where it does. ``needs_mass``:
     whether a card must tell its mass. ``no_motion``: why the model does not run in time, empty where it does. ``shows``: what beyond
-    the end forces (``sections``, ``clash``, ``stress``). ``processor_time``: seconds of one core per simulated second, for estimates.
+    the end forces (``sections``, ``clash``, ``stress``). ``damped``: whether the damping of the spring has an effect.
+    ``processor_time``: seconds of one core per simulated second, for estimates.
     """
 
     word: str
@@ -42,6 +43,7 @@ class SpringModelSpec:
     needs_mass: bool = True
     needs_rest: bool = False
     no_motion: str = ""
+    damped: bool = True
     processor_time: float = 0.5
     citation: str = ""
 

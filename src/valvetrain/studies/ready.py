@@ -110,7 +110,9 @@ def provenance_of(problem: Problem, member: Member, engine_speed: float, created
     first = member.springs[0] if member.springs else None
     options: dict[str, Option] = {}
     if first is not None:
-        options |= member.model.read_options(first.options_of(member.model.word)).model_dump()
+        table = member.model.read_options(first.options_of(member.model.word))
+        useless = table.wire_only if first.wire is None else table.card_only
+        options |= {name: value for name, value in table.model_dump().items() if name not in useless}
         options |= {
             "coil_contact_stiffness": first.contact.stiffness, "coil_contact_damping_time": first.contact.damping_time,
             "mass_damping": first.damping.mass_damping, "stiffness_damping": first.damping.stiffness_damping,

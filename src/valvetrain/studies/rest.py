@@ -78,16 +78,15 @@ def static_curve(
     if rod.dynamics.contact_stiffness > 0:
         rod.definition.refuse_solid(largest_compression)
     path, reached = curve_over(rod, path_points(rod.precompression, largest_compression), visit)
-    states = [point.state for point in reached]
-    buckling, leaning = find_buckling(rod, states, path.stiffness), find_leaning(rod, states)
+    buckling, leaning = find_buckling(rod, reached), find_leaning(rod, reached)
     told = path_status(rod, buckling, leaning)
     if told is not None and (path.status.completed or not told.completed):
         path = replace(path, status=told)
     path = replace(path, buckling=buckling, leaning=leaning)
     stress = None
-    if len(states) > 1:
+    if len(reached) > 1:
         coil = wire_points(rod.definition.total_coils)
-        found = wire_stress(static_section_loads(rod, states), rod.definition, coil)
+        found = wire_stress(static_section_loads(rod, [point.state for point in reached]), rod.definition, coil)
         stress = StaticStress(path.compression, coil, found[SHEAR], found[EQUIVALENT])
     if steps is None:
         return path, stress

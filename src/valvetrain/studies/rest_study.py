@@ -67,9 +67,8 @@ def rest_study(
             found.append(replace(one, points=points_asked(spring, model, one, heights, loads)))
             label = f"{one.spring}, {one.model}"
             again = sum(other == label or other.startswith(f"{label}, ") for other in still)
-            still[f"{label}, {again + 1}" if again else label] = (
-                size_quantities(spring) | rest_quantities(one) | buckling_quantities(installed, one, lift)
-            )
+            told = size_quantities(spring) | rest_quantities(one) | buckling_quantities(installed, one, lift)
+            still[f"{label}, {again + 1}" if again else label] = told
             if progress is not None:
                 progress(len(found) / (len(problem.springs) * len(words)), f"{spring.name} by {word}")
     if len(found) == 1:

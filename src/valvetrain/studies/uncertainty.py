@@ -30,6 +30,8 @@ from valvetrain.system.problem import Problem
 REFINEMENTS = (1.0, 1.5, 2.25)
 #: Contact stiffness over the case's (7e9 to 5e10 Pa for 2e10) and contact damping time over the case's (0 to 2 us for 1 us).
 STIFFNESS_FACTORS, DAMPING_FACTORS = (0.35, 2.5), (0.0, 2.0)
+#: Contact stiffness and damping of a train over the case's: contacts between parts of an engine are known to a factor of two.
+CONTACT_FACTORS = (0.5, 2.0)
 
 #: Headline numbers of a run; those that a case does not have are left out. The forces of a source study's own table follow them.
 HEADLINES = (
@@ -50,7 +52,7 @@ class Uncertainty:
 
     ``numerical``: uncertainty from meshes and step. ``observed_order``: None where the series is not monotonic. ``extrapolated``:
     Richardson value, or the finest one. ``step_part``: what the step alone contributes. ``contact_stiffness`` and ``contact_damping``:
-    least and largest value over the range of each constant, the case's own included.
+    least and largest value over the range of each constant, the case's own included. ``label``: variant of a train.
     """
 
     quantity: str
@@ -62,17 +64,21 @@ class Uncertainty:
     step_part: float
     contact_stiffness: Range
     contact_damping: Range
+    label: str = ""
 
 
 @dataclass(frozen=True)
 class UncertaintyStudy:
-    """All rows of one case with the meshes behind them; ``values`` holds every number by (variant, speed, quantity)."""
+    """All rows of one case with the meshes behind them (none: a train); ``values`` holds every number by (variant, speed, quantity),
+    the factors what the contact constants of the case were multiplied by."""
 
     record: CaseRecord
     elements_per_coil: tuple[int, ...]
     rows: tuple[Uncertainty, ...]
     values: Mapping[str, Mapping[float | None, Numbers]]
     failures: tuple[str, ...] = ()
+    stiffness_factors: Range = STIFFNESS_FACTORS
+    damping_factors: Range = DAMPING_FACTORS
 
 
 def uncertainty_study(
@@ -81,16 +87,16 @@ def uncertainty_study(
 ) -> UncertaintyStudy:  # fmt: skip
     """Refine meshes and step, vary the contact, and state the uncertainty of each headline number.
 
-    ``engine_speeds`` in rad/s of the crank (None: the case's own). Runs go over ``workers`` threads. Raises :class:`InputError` for a
-    valvetrain, a case without wire or lift law, and other than three meshes.
+    ``engine_speeds`` in rad/s of the crank (None: the case's own). Runs go over ``workers`` threads. A valvetrain is refined as
+    :func:`valvetrain.studies.train_uncertainty.train_uncertainty` says. Raises :class:`InputError` for a case without wire or lift law,
+    and other than three meshes.
     """
     if len(refinements) != 3 or list(refinements) != sorted(set(refinements)):
         raise InputError("three meshes are needed, coarse to fine, such as 1, 1.5 and 2.25 times the elements per coil")
     if case.train is not None:
-        raise InputError(
-            f"case '{case.name}' is a valvetrain; refine states the uncertainty of springs under prescribed motion, so give a case with a "
-            "[spring] and a [lift_law] table"
-        )
+        from valvetrain.studies.train_uncertainty import train_uncertainty
+
+        return train_uncertainty(case, engine_speeds, workers=workers, progress=progress)
     if case.lift_law is None or not case.springs or any(spring.wire is None for spring in case.springs):
         raise InputError(f"case '{case.name}' needs a [spring] with its wire and a [lift_law] to be refined; give it both")
     problem = build(case, spring_models=("finite-element",))

@@ -13,9 +13,17 @@ from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.record import CaseRecord
 
 if TYPE_CHECKING:
+    from valvetrain.solution.study import Study
     from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
 
 _STILL = "statics"
+#: Between engine speed and variant in the heading of a train's rows.
+_OF = ", of "
+#: What is told of a train in a sentence, with how people call it.
+_TOLD = (
+    ("peak_spring_force", "peak spring force"), ("peak_cam_contact_force", "peak cam force"),
+    ("peak_seat_contact_force", "peak seat force"), ("seating_velocity", "seating velocity"),
+)  # fmt: skip
 #: A stored row belongs to a computed value that differs from it by less than this share, or by less than its own uncertainty.
 SAME = 1e-3
 
@@ -46,70 +54,97 @@ def _content(record: CaseRecord) -> dict[str, Any]:
 def uncertainty_text(study: UncertaintyStudy) -> str:
     """The file's content."""
     meshes = ", ".join(map(str, study.elements_per_coil))
+    (soft, stiff), (least, most) = study.stiffness_factors, study.damping_factors
     lines = [
         f"# Uncertainty of the headline numbers of {study.record.name}; written by scripts/write_uncertainty.py. SI units.",
         "# value, numerical uncertainty, observed order (nan: not monotonic), extrapolated value, part of the step,",
-        "# least and largest over contact stiffness x 0.35 to x 2.5, least and largest over contact damping x 0 to x 2.", "", "[case]",
-        f'digest = "{study.record.digest}"', f"elements_per_coil = [{meshes}]",
+        f"# least and largest over contact stiffness x {soft:g} to x {stiff:g}, least and largest over contact damping x {least:g} to "
+        f"x {most:g}.",
+        "", "[case]", f'digest = "{study.record.digest}"', f"elements_per_coil = [{meshes}]",
     ]  # fmt: skip
-    for speed in dict.fromkeys(row.engine_speed for row in study.rows):
-        lines += ["", f'["{_STILL if speed is None else _rpm(speed)}"]']
-        here = [row for row in study.rows if row.engine_speed == speed]
+    for speed, label in dict.fromkeys((row.engine_speed, row.label) for row in study.rows):
+        lines += ["", f'["{_STILL if speed is None else _rpm(speed)}{_OF + label if label else ""}"]']
+        here = [row for row in study.rows if (row.engine_speed, row.label) == (speed, label)]
         lines += [f"{row.quantity} = [{', '.join(f'{number:.7g}' for number in _numbers(row))}]" for row in here]
     return "\n".join(lines) + "\n"
 
 
 def belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
     """Whether a stored row is about a number of this study: the same within its own uncertainty."""
+    labels = (row.label,) if row.label else ("", "finite-element")
     for key, value in quantities.items():
-        if key.name == row.quantity and same_speed(key.engine_speed, row.engine_speed) and key.label in ("", "finite-element"):
+        if key.name == row.quantity and key.label in labels and same_speed(key.engine_speed, row.engine_speed):
             return abs(value - row.value) <= max(SAME * abs(row.value), row.numerical)
     return False
 
 
+def fresh_uncertainty(study: Study) -> tuple[Uncertainty, ...]:
+    """Stored rows of the study's case that are about numbers it computed; none over speeds, nor where only statics agree with a run."""
+    if study.over_speed:
+        return ()
+    rows = load_uncertainty(study.record)
+    found = study.quantities if rows else {}
+    fresh = tuple(row for row in rows if belongs(row, found))
+    return () if study.solutions and all(row.engine_speed is None for row in fresh) else fresh
+
+
 def rows_that_hold(record: CaseRecord, quantities: Mapping[Quantity, float]) -> tuple[Uncertainty, ...]:
-    """Rows of :func:`load_uncertainty` of every engine speed at which all stored numbers come out again among ``quantities``."""
+    """Rows of :func:`load_uncertainty` of every engine speed and variant at which all stored numbers come out again among
+    ``quantities``."""
     rows = load_uncertainty(record)
     computed = {key.name for key in quantities}
-    lost = {row.engine_speed for row in rows if row.quantity in computed and not belongs(row, quantities)}
-    return tuple(row for row in rows if row.engine_speed not in lost)
+    lost = {(row.engine_speed, row.label) for row in rows if row.quantity in computed and not belongs(row, quantities)}
+    return tuple(row for row in rows if (row.engine_speed, row.label) not in lost)
 
 
 def uncertainty_sentences(record: CaseRecord, engine_speeds: Sequence[float], quantities: Mapping[Quantity, float]) -> tuple[str, ...]:
-    """One sentence per engine speed that was run (rad/s): how firm its main clash is, numerically and by its contact constants.
+    """One sentence per engine speed that was run (rad/s), and per variant of a train: how firm its numbers are.
 
     Nothing of a speed at which other values came out (``quantities``) than those that were refined.
     """
     rows, sentences = rows_that_hold(record, quantities), []
     meshes = ", ".join(map(str, meshes_of(record)))
     run = {round(speed * 30 / math.pi) for speed in engine_speeds}
-    for speed in dict.fromkeys(row.engine_speed for row in rows):
-        here = {row.quantity: row for row in rows if row.engine_speed == speed}
-        if speed is None or round(speed * 30 / math.pi) not in run or "main_clash_below_10_khz_peak_force" not in here:
+    for speed, label in dict.fromkeys((row.engine_speed, row.label) for row in rows):
+        here = {row.quantity: row for row in rows if (row.engine_speed, row.label) == (speed, label)}
+        if speed is None or round(speed * 30 / math.pi) not in run:
             continue
-        parts = [
-            f"{words} {_with_unit(here[name].value, name)} ± {_with_unit(here[name].numerical, name, 2)}"
-            for name, words in (
-                ("main_clash_below_10_khz_peak_force", "height below 10 kHz"), ("main_clash_below_20_khz_peak_force", "below 20 kHz"),
-                ("main_clash_peak_force", "raw"), ("main_clash_cam_angle", "at"), ("main_clash_impulse", "impulse"),
-            ) if name in here
-        ]  # fmt: skip
-        raw, slow = here["main_clash_peak_force"].contact_stiffness, here["main_clash_below_10_khz_peak_force"].contact_stiffness
-        sentences.append(
-            f"{_rpm(speed)}, main clash of coils 1 and 2, numerical uncertainty from {meshes} elements per coil: "
-            f"{'; '.join(parts)}. Contact stiffness from 0.35 to 2.5 times the case's moves the height from "
-            f"{slow[0]:.4g} to {slow[1]:.4g} N below 10 kHz and from {raw[0]:.4g} to {raw[1]:.4g} N raw."
-        )
+        if label:
+            parts = [f"{words} {_firm(here[name])}" for name, words in _TOLD if name in here]
+            sentences.append(f"{_rpm(speed)}, {label}, with numerical uncertainty: {'; '.join(parts)}.")
+        elif "main_clash_below_10_khz_peak_force" in here:
+            sentences.append(_clash_sentence(speed, here, meshes))
     return tuple(sentences)
+
+
+def _firm(row: Uncertainty) -> str:
+    return f"{_with_unit(row.value, row.quantity)} ± {_with_unit(row.numerical, row.quantity, 2)}"
+
+
+def _clash_sentence(speed: float, here: Mapping[str, Uncertainty], meshes: str) -> str:
+    parts = [
+        f"{words} {_firm(here[name])}"
+        for name, words in (
+            ("main_clash_below_10_khz_peak_force", "height below 10 kHz"), ("main_clash_below_20_khz_peak_force", "below 20 kHz"),
+            ("main_clash_peak_force", "raw"), ("main_clash_cam_angle", "at"), ("main_clash_impulse", "impulse"),
+        ) if name in here
+    ]  # fmt: skip
+    raw, slow = here["main_clash_peak_force"].contact_stiffness, here["main_clash_below_10_khz_peak_force"].contact_stiffness
+    return (
+        f"{_rpm(speed)}, main clash of coils 1 and 2, numerical uncertainty from {meshes} elements per coil: "
+        f"{'; '.join(parts)}. Contact stiffness from 0.35 to 2.5 times the case's moves the height from "
+        f"{slow[0]:.4g} to {slow[1]:.4g} N below 10 kHz and from {raw[0]:.4g} to {raw[1]:.4g} N raw."
+    )
 
 
 def _row(name: str, label: str, numbers: list[float]) -> Uncertainty:
     from valvetrain.studies.uncertainty import Uncertainty  # brings the rod, which a train on other springs does not need
 
-    speed = None if label == _STILL else float(label.split()[0]) * math.pi / 30
+    place, _, variant = label.partition(_OF)
+    speed = None if place == _STILL else float(place.split()[0]) * math.pi / 30
     value, numerical, order, extrapolated, step, *ranges = map(float, numbers)
     stiffness, damping = (ranges[0], ranges[1]), (ranges[2], ranges[3])
-    return Uncertainty(name, speed, value, numerical, None if math.isnan(order) else order, extrapolated, step, stiffness, damping)
+    return Uncertainty(name, speed, value, numerical, None if math.isnan(order) else order, extrapolated, step, stiffness, damping, variant)
 
 
 def _numbers(row: Uncertainty) -> tuple[float, ...]:

@@ -17,7 +17,7 @@ from valvetrain.solution.atomic import write_text
 from valvetrain.validation.row import CASES, BookCase, Row
 
 #: Chapters of the book in their order.
-CHAPTERS = ("beams", "springs", "conical", "waves", "stresses", "models", "laws", "followers", "sources")
+CHAPTERS = ("beams", "springs", "free_ends", "conical", "waves", "stresses", "models", "laws", "followers", "sources")
 
 HEAD = """# Validation book
 

@@ -1,4 +1,4 @@
-"""Helical springs: rates, natural frequencies, surge, buckling, curvature of the bar."""
+"""Helical springs: rates, natural frequencies, surge, curvature of the bar."""
 
 from __future__ import annotations
 
@@ -176,38 +176,5 @@ def surge_frequency() -> list[Row]:
             "Hz",
             0.005 * expected,
             "terms of (d / D)^2 and of the ends over 30 turns",
-        )
-    ]
-
-
-@book_case()
-def buckling_limit() -> list[Row]:
-    """Compression at which the lowest mode of a slender clamped spring loses its stiffness, beside EN 13906-1 with nu = 0.5."""
-    wire, diameter, turns = 1e-3, 10e-3, 24.0
-    length = 8 * diameter
-    definition = spring(wire, diameter, length / turns, turns)
-    rod = mesh(definition, 12)
-    statics = RodStatics(rod)
-    modulus_ratio = STEEL.shear_modulus / STEEL.youngs_modulus
-    root = 1 - (1 - modulus_ratio) / (0.5 + modulus_ratio) * (np.pi * diameter / (0.5 * length)) ** 2
-    expected = 0.5 / (1 - modulus_ratio) * (1 - np.sqrt(root))
-    # A helix is no perfect column and bends aside just before the limit: the square of the frequency is drawn on from below it.
-    shares, state, squares = np.array([0.4, 0.55, 0.7, 0.8]) * expected, free_state(rod), []
-    for share in shares:
-        state = compress(statics, [share * length], start=state)[-1].state
-        squares.append(float(natural_modes(statics, state, 3).natural_frequency[0]) ** 2)
-    roots = np.roots(np.polyfit(shares, squares, 2))
-    found = float(min(roots.real[(np.abs(roots.imag) < 1e-12) & (roots.real > shares[-1])], default=np.nan))
-    return [
-        Row(
-            "springs",
-            "buckling, compression over free length",
-            "en13906-1",
-            "d 1, D 10, L0 80 mm, 24 turns, both ends clamped",
-            float(expected),
-            found,
-            "-",
-            0.02 * float(expected),
-            "the standard's column has no coils: the share of one turn in 24, squared and more",
         )
     ]

@@ -48,7 +48,7 @@ def ratio_chart(study: Study) -> Chart | None:
     if not known:
         return None
     height = np.arange(len(known), dtype=float)
-    unsure = {(row.quantity, round(row.engine_speed or 0.0, 3)): row for row in load_uncertainty(study.record)}
+    unsure = {(row.quantity, round(row.engine_speed or 0.0, 3)): row for row in load_uncertainty(study.record) if not row.label}
     allowed = [None if row.tolerance is None else row.tolerance / abs(row.published) for row, _ in known]
     layers: list[Layer] = [
         *_spans("stated tolerance", theme.RULE, 5.0, [(1.0, half) for half in allowed]),

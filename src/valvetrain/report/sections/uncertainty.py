@@ -5,14 +5,13 @@ from __future__ import annotations
 from valvetrain.report.page import Block, SectionSpec, text
 from valvetrain.report.uncertainty_section import lead, uncertainty_grid
 from valvetrain.solution.study import Study
-from valvetrain.studies.uncertainty_file import belongs, load_uncertainty, meshes_of
+from valvetrain.studies.uncertainty_file import fresh_uncertainty, load_uncertainty, meshes_of
 
 
 def blocks(study: Study) -> tuple[Block, ...]:
     """Nothing for a case that was changed, one of one's own, or numbers that another version or other engine speeds gave."""
-    rows, found = load_uncertainty(study.record), study.quantities
-    fresh = [row for row in rows if belongs(row, found)]
-    if not fresh or (study.solutions and all(row.engine_speed is None for row in fresh)) or study.over_speed:
+    rows, fresh = load_uncertainty(study.record), fresh_uncertainty(study)
+    if not fresh:
         return ()
     left = f"{len(rows) - len(fresh)} stored rows are left out: this run computes other values or other speeds."
     notes = (text(left, "note"),) if len(fresh) < len(rows) else ()

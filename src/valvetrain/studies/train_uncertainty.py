@@ -1,0 +1,193 @@
+"""Error bars of trains: step halved twice, finer springs, fewer samples, other contact constants, for every variant of the case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from valvetrain.contact.restitution import damping_number, rebound
+from valvetrain.integrate.contract import Periodic, RunOptions
+from valvetrain.integrate.run import run
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.train import ContactParameters
+from valvetrain.solution.result import Solution
+from valvetrain.studies.engine import Progress, map_points
+from valvetrain.studies.grid_convergence import grid_convergence
+from valvetrain.studies.ready import FAILURES, Plan, Ready, judge, make_ready, provenance_of
+from valvetrain.studies.uncertainty import CONTACT_FACTORS, OWN, Numbers, Range, Uncertainty, UncertaintyStudy
+from valvetrain.system.build import build
+from valvetrain.system.problem import Member, Problem
+
+#: Elements, masses or modes of a spring over the case's; step over the usual one; samples per cam turn beside the usual 1440.
+SPRINGS, STEPS, SAMPLES = (1.5, 2.25), (0.5, 0.25), 720
+#: Options of spring models that say how finely a spring is divided.
+DIVISIONS = ("elements", "masses_per_coil", "modes", "elements_per_coil")
+#: Headline numbers of a train; those that a run does not have are left out.
+HEADLINES = (
+    "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force", "surge_amplitude_force",
+    "peak_cam_contact_force", "peak_tappet_contact_force", "peak_rocker_contact_force", "peak_valve_tip_contact_force",
+    "peak_seat_contact_force", "nose_cam_contact_force", "minimum_cam_contact_force", "peak_valve_lift", "lift_loss_displacement",
+    "seating_velocity", "seating_cam_angle", "bounce_count", "bounce_height", "loft_gap", "loss_of_contact_duration",
+    "minimum_piston_clearance_gap", "cycle_work_energy", "peak_valve_acceleration", "clash_count", "clash_energy", "largest_clash_impulse",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Job:
+    """One run: variant of the study, place of the member, engine speed (rad/s), step over the usual one, samples per cam turn."""
+
+    variant: str
+    place: int
+    speed: float
+    step: float = 1.0
+    samples: int | None = None
+
+
+def train_uncertainty(
+    case: Case, engine_speeds: Sequence[float] | None = None, *, workers: int = 2, progress: Progress | None = None
+) -> UncertaintyStudy:
+    """Every variant of a train's case at ``engine_speeds`` (rad/s of the crank; None: the case's own), each number with its uncertainty.
+
+    Variants that rest on a finite-element spring are left out, since a run of theirs takes minutes. Raises :class:`InputError` for a case
+    that cannot be built.
+    """
+    problem = build(case)
+    speeds = problem.engine_speeds if engine_speeds is None else tuple(float(speed) for speed in engine_speeds)
+    places = [place for place, member in enumerate(problem.members) if member.model.word != "finite-element"]
+    variants: dict[str, dict[int, Ready]] = {
+        name: {place: ready for place in places if (ready := _ready(other, place, factor)) is not None}
+        for name, (other, factor) in _problems(case, problem).items()
+    }
+    jobs = [job for speed in speeds for place in places for job in _jobs(variants, place, speed)]
+    total = len(jobs)
+
+    def tell(done: int, _: int) -> None:
+        if progress is not None:
+            progress(done / total, f"run {done} of {total}")
+
+    found = map_points(_one, (problem, variants), jobs, workers, processes=True, tell=tell)
+    values: dict[tuple[float, int], dict[str, Numbers]] = {}
+    failures = []
+    for job, (numbers, failed) in zip(jobs, found, strict=True):
+        values.setdefault((job.speed, job.place), {})[job.variant] = numbers
+        if failed and job.variant == OWN:
+            failures.append(failed)
+    rows = [row for (speed, place), here in values.items() for row in _rows(here, speed, problem.members[place].label)]
+    whole: dict[str, dict[float | None, Numbers]] = {}
+    for (speed, place), here in values.items():
+        for name, numbers in here.items():
+            whole.setdefault(f"{problem.members[place].label}, {name}", {})[speed] = numbers
+    return UncertaintyStudy(problem.record, (), tuple(rows), whole, tuple(failures), CONTACT_FACTORS, CONTACT_FACTORS)
+
+
+def _problems(case: Case, problem: Problem) -> dict[str, tuple[Problem, float]]:
+    """Problem and division of the springs of every variant."""
+    assert case.train is not None
+    found = {OWN: (problem, 1.0)} | {f"springs {n}": (problem, factor) for n, factor in enumerate(SPRINGS, start=2)}
+    for word in ("stiffness", "damping"):
+        for n, factor in enumerate(CONTACT_FACTORS, start=1):
+            contacts = {place: _with(contact, word, factor) for place, contact in case.train.contacts.items()}
+            if contacts != dict(case.train.contacts):
+                found[f"contact {word} {n}"] = (build(case.replace(train=case.train.replace(contacts=contacts))), 1.0)
+    return found
+
+
+def _with(contact: ContactParameters, word: str, factor: float) -> ContactParameters:
+    """A contact with another stiffness, or with another damping, which a restitution stands for."""
+    values: Mapping[str, Any] = contact.values
+    if word == "stiffness":
+        return contact.replace(contact_stiffness=factor * values["contact_stiffness"]) if "contact_stiffness" in values else contact
+    if "damping" in values:
+        return contact.replace(damping=factor * values["damping"])
+    if 0 < values.get("restitution", 0.0) < 1:
+        return contact.replace(restitution=rebound(factor * damping_number(values["restitution"])))
+    return contact
+
+
+def _ready(problem: Problem, place: int, factor: float) -> Ready | None:
+    """A member ready to run with its springs divided more finely; None where that changes nothing or it cannot run."""
+    member = problem.members[place]
+    if factor != 1.0:
+        finer = replace(member, springs=tuple(_divided(member, spring, factor) for spring in member.springs))
+        if finer.springs == member.springs:
+            return None
+        member = finer
+    ready = make_ready(problem, member, {}, problem.record.study)
+    return None if ready.refusal else ready
+
+
+def _divided(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
+    """A spring with ``factor`` times the parts that its kind of data counts."""
+    word, options = member.model.word, member.model.options
+    off = options.card_only if spring.card is None else options.wire_only
+    known = member.model.read_options(spring.options_of(word)).model_dump()
+    finer = {key: round(factor * known[key]) for key in DIVISIONS if key in known and key not in off and known[key]}
+    return spring.with_options(word, **finer) if finer else spring
+
+
+def _jobs(variants: Mapping[str, Mapping[int, Ready]], place: int, speed: float) -> list[_Job]:
+    own = [_Job(OWN, place, speed), *(_Job(f"step {n}", place, speed, step) for n, step in enumerate(STEPS, start=2))]
+    own.append(_Job("samples", place, speed, samples=SAMPLES))
+    return own + [_Job(name, place, speed) for name, members in variants.items() if name != OWN and place in members]
+
+
+def _one(shared: tuple[Problem, Mapping[str, Mapping[int, Ready]]], job: _Job) -> tuple[Numbers, str]:
+    """Headline numbers of one run and, where it failed, why."""
+    problem, variants = shared
+    ready = variants.get(job.variant, variants[OWN])[job.place]
+    try:
+        solution = _solution(problem, ready, job)
+    except FAILURES as error:
+        return {}, f"{ready.member.label}, {job.variant}: {error}"
+    if not solution.status.completed:
+        return {}, f"{ready.member.label}, {job.variant}: {solution.status.sentence()}"
+    names = (*HEADLINES, *(f"cycle_scatter_{name}" for name in HEADLINES))
+    return {name: float(solution.quantities[name]) for name in names if name in solution.quantities}, ""
+
+
+def _solution(problem: Problem, ready: Ready, job: _Job) -> Solution:
+    from valvetrain.integrate.train_run import TrainOptions, runner
+    from valvetrain.system.train_system import TrainSystem
+
+    assert isinstance(ready.system, TrainSystem)
+    step = None
+    if job.step != 1.0 or job.samples is not None:
+        usual = runner(ready.system, job.speed / 2, TrainOptions(), rest=ready.rest).time_step
+        step = usual * job.step * (1 + 1e-9)
+    options = RunOptions(job.samples, time_step=step, rest=ready.rest)
+    found = run(
+        ready.system, job.speed / 2, Periodic(problem.cycles_to_settle), options, provenance_of(problem, ready.member, job.speed, "")
+    )
+    return judge(ready, found, Plan(), {})
+
+
+def _rows(values: Mapping[str, Numbers], speed: float, label: str) -> list[Uncertainty]:
+    rows = []
+    for name, value in values[OWN].items():
+        if name not in HEADLINES:
+            continue
+
+        def of(variant: str, name: str = name) -> float | None:
+            return values.get(variant, {}).get(name)
+
+        halved, quarter, sampled = of("step 2"), of("step 3"), of("samples")
+        if halved is None or quarter is None:
+            continue
+        steps = grid_convergence((value, halved, quarter), (1.0, *STEPS))
+        springs = [other for n in (2, 3) if (other := of(f"springs {n}")) is not None]
+        sizes = (1.0, 1 / SPRINGS[0], 1 / SPRINGS[1])
+        meshes = grid_convergence((value, springs[0], springs[1]), sizes).uncertainty if len(springs) == 2 else 0.0
+        others = (0.0 if sampled is None else abs(sampled - value)) + values[OWN].get(f"cycle_scatter_{name}", 0.0)
+        ranges: list[Range] = []
+        for word in ("contact stiffness", "contact damping"):
+            known = [value, *(other for n in (1, 2) if (other := of(f"{word} {n}")) is not None)]
+            ranges.append((min(known), max(known)))
+        rows.append(
+            Uncertainty(
+                name, speed, value, steps.uncertainty + meshes + others, steps.observed_order, steps.extrapolated, steps.uncertainty,
+                ranges[0], ranges[1], label,
+            )
+        )  # fmt: skip
+    return rows

@@ -1,0 +1,58 @@
+"""What a case gives and a model does not use is said or refused, never dropped in silence."""
+
+from __future__ import annotations
+
+import pytest
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.loading import load_case, parse_case
+from valvetrain.studies.api import static_curve
+from valvetrain.studies.run import run_study
+
+PAIR = """
+[[spring]]
+preload = "300 N"
+rate = "40 N/mm"
+mass = "60 g"
+[[spring]]
+name = "inner"
+preload = "150 N"
+rate = "20 N/mm"
+mass = "25 g"
+[rubbing]
+"""
+
+
+@pytest.mark.parametrize(("half", "missing"), [("coefficient = 0.1", "normal_force"), ('normal_force = "20 N"', "coefficient")])
+def test_half_of_a_rubbing_is_refused(half, missing):
+    with pytest.raises(InputError, match=f"without {missing} rubs nothing; give both"):
+        parse_case(PAIR + half)
+
+
+@pytest.mark.parametrize("whole", ['coefficient = 0.1\nnormal_force = "20 N"', 'coefficient = 0\nnormal_force = "20 N"'])
+def test_a_whole_rubbing_may_be_switched_off_by_a_zero(whole):
+    assert parse_case(PAIR + whole).rubbing.normal_force == 20.0
+
+
+def test_a_massless_spring_says_that_it_leaves_damping_out():
+    case = load_case("job-t")
+    (said,) = run_study(case, engine_speeds=[200.0], spring_models=["massless"], workers=1).notes
+    assert said == "A massless spring has no inner motion: the damping of 'job-t' has no effect in it."
+    assert not run_study(case, engine_speeds=[200.0], spring_models=["multi-mass"], workers=1).notes
+    still = load_case("job-t", {"spring.damping.stiffness_damping": "0 s"})
+    assert not run_study(still, engine_speeds=[200.0], spring_models=["massless"], workers=1).notes
+
+
+def test_the_modal_model_presses_with_nothing_in_the_free_state():
+    case = load_case("job-c", {"spring.options.finite-element.elements_per_coil": 12})
+    curve = static_curve(case, "9 mm", spring_model="modal-varied", steps=3)
+    assert curve.compression[0] == 0.0 and curve.force[0] == 0.0
+    assert curve.force[1] == pytest.approx(static_curve(case, "9 mm", steps=3).force[1], rel=1e-3)
+
+
+def test_a_run_tells_no_option_that_its_spring_has_not():
+    (run,) = run_study(load_case("job-t"), engine_speeds=[200.0], spring_models=["multi-mass"], workers=1).solutions
+    assert "masses_per_coil" in run.provenance.options and "elements" not in run.provenance.options
+    (run,) = run_study(load_case("job-t", {"spring.options.finite-element.elements_per_coil": 6}), engine_speeds=[400.0],
+                       spring_models=["finite-element"], workers=1).solutions  # fmt: skip
+    assert "elements_per_coil" in run.provenance.options and "card_lift" not in run.provenance.options
