@@ -8,9 +8,10 @@ import pytest
 from known_buckling import buckling
 from known_quantities import DEG
 from known_quantities import GROUPS as MOST
+from known_sources import SOURCE_GROUPS
 from valvetrain.solution.definition import pattern_of, tables
 
-GROUPS = (*MOST, buckling)
+GROUPS = (*MOST, *SOURCE_GROUPS, buckling)
 #: Held to known values elsewhere: the lift law's by the answers of the command line.
 ELSEWHERE = {"maximum_lift", "maximum_lift_cam_angle"}
 
