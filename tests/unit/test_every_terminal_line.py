@@ -215,3 +215,12 @@ def test_what_a_case_holds_is_said_in_the_fields_units():
     assert numbers["maximum_lift_cam_angle"] == pytest.approx(np.radians(78), abs=1e-3) and numbers["inner_free_length"] == pytest.approx(
         39.2e-3, rel=1e-4
     )
+
+
+def test_sizes_are_said_as_people_say_them():
+    from valvetrain.cli.limits import memory_words, time_words
+
+    assert [memory_words(size) for size in (3e5, 4.4e7, 9.99e8, 2.5e9)] == ["1 MB", "44 MB", "999 MB", "2.5 GB"]
+    assert [time_words(size) for size in (0.2, 42.0, 89.0, 91.0, 5399.0, 7200.0, 129599.0, 259200.0)] == [
+        "1 s", "42 s", "89 s", "1.52 min", "90 min", "2 h", "36 h", "3 d",
+    ]  # fmt: skip
