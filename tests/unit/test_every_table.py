@@ -330,3 +330,12 @@ def test_tabs_and_titles_bear_the_speed_that_they_show():
     told = STUDIES["published"]()
     titles = [inner[0].chart.title for _, inner in the(Tabs, blocks("gu2021", told)).items]
     assert titles == ["Force by stages at 4200 rpm", "Force by stages at 5600 rpm"]
+
+
+def test_a_source_speaks_where_its_values_or_its_findings_stand_beside_the_runs():
+    told = published_study()
+    remarks = replace(told.record, remarks=("Said of the original.",))
+    for comparisons, findings, speaks in ((told.comparisons, (), True), ((), told.findings, True), ((), (), False)):
+        study = replace(told, record=remarks, comparisons=comparisons, findings=findings)
+        assert bool(study_page(study).lead) is speaks and bool(blocks("gu2021", study)) is speaks
+        assert any(isinstance(one, Text) and one.html == "Said of the original." for one in blocks("case", study)) is speaks
