@@ -138,9 +138,8 @@ def summary(chosen: dict[int, Fault], answers: dict[int, dict[str, Any]]) -> Non
         print(f"{folder:12s} {seen[folder]:4d} of {every[folder]:4d}")
     total = max(sum(every.values()), 1)
     share = 100 * sum(seen.values()) / total
-    print(
-        f"noticed {sum(seen.values())} of {total} ({share:.1f} %), {late} of them only by a golden number or a printed page; {endless} came to no end"
-    )
+    print(f"noticed {sum(seen.values())} of {total} ({share:.1f} %), {late} of them only by a golden number or a printed page")
+    print(f"{endless} came to no end and are left out")
 
 
 if __name__ == "__main__":
