@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from valvetrain.compiled import njit
 from valvetrain.cosserat.layout import SIZE
 from valvetrain.cosserat.time_stepping import (
     DT,
