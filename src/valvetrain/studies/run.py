@@ -30,7 +30,7 @@ from valvetrain.springs.spec import spring_model
 from valvetrain.studies.batch import available_cores
 from valvetrain.studies.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.studies.engine import Progress, map_points
-from valvetrain.studies.notes import undamped_notes
+from valvetrain.studies.notes import buckling_notes, undamped_notes
 from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
 from valvetrain.studies.spread import spread_sentences
 from valvetrain.studies.uncertainty_file import uncertainty_sentences
@@ -101,7 +101,7 @@ def run_problem(
         (CARD_WIRE_NOTE,) if any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members) else ()
     )
     notes += tuple(dict.fromkeys(said for m in problem.members if m.gear and (said := usual_contacts(m.gear.parameters.contacts))))
-    notes += undamped_notes(problem.members)
+    notes += (*undamped_notes(problem.members), *buckling_notes(problem))
     study = Study(
         problem.record, command, solutions, rest, still, notes=notes, lift_event=problem.lift_event, provenance=provenance,
         wall_time=time.perf_counter() - begun, critical_speeds=found,
