@@ -100,7 +100,8 @@ def test_a_sweep_answers_with_the_worst_of_each_label_and_its_speed():
         "Surge amplitude (N)": ("64.99 at 7454.55 rpm", "64.8 at 4727.27 rpm"), "Coil clash": (),
         "Clash energy (mJ)": ("11 at 8000 rpm", "13.2 at 8000 rpm"), "Seating and contact": (),
         "Seating velocity (m/s)": ("0.42 at 8000 rpm",) * 2, "Lift lost (mm)": ("0.11 at 8000 rpm",) * 2, "Loss of control": (),
-        "Engine speed of float (rpm)": ("6694", "–"),
+        "Loss of contact from (rpm)": ("not computed",) * 2, "Float from (rpm)": ("not computed",) * 2,
+        "Bounce from (rpm)": ("not computed",) * 2,
     }  # fmt: skip
 
 
@@ -331,3 +332,12 @@ def test_tabs_and_titles_bear_the_speed_that_they_show():
     told = STUDIES["published"]()
     titles = [inner[0].chart.title for _, inner in the(Tabs, blocks("gu2021", told)).items]
     assert titles == ["Force by stages at 4200 rpm", "Force by stages at 5600 rpm"]
+
+
+def test_a_source_speaks_where_its_values_or_its_findings_stand_beside_the_runs():
+    told = published_study()
+    remarks = replace(told.record, remarks=("Said of the original.",))
+    for comparisons, findings, speaks in ((told.comparisons, (), True), ((), told.findings, True), ((), (), False)):
+        study = replace(told, record=remarks, comparisons=comparisons, findings=findings)
+        assert bool(study_page(study).lead) is speaks and bool(blocks("gu2021", study)) is speaks
+        assert any(isinstance(one, Text) and one.html == "Said of the original." for one in blocks("case", study)) is speaks

@@ -75,9 +75,7 @@ def solid_cost(spring: InstalledSpring, motion: SolidMotion | None = None) -> So
     increments = 0 if motion is None else int(np.ceil(duration / TransientJob.time_step)) + 10
     # the coarser mesh of the error bar has two thirds of the unknowns and finds no modes
     statics = 1.4 * statics_seconds(mesh.unknowns)
-    return SolidCost(
-        mesh.unknowns, len(mesh.elements), statics, increments, motion_seconds(mesh.unknowns, increments)
-    )
+    return SolidCost(mesh.unknowns, len(mesh.elements), statics, increments, motion_seconds(mesh.unknowns, increments))
 
 
 def solid_rest(spring: InstalledSpring, reach: float, watch: Watch | None = None) -> SpringAtRest:
