@@ -160,9 +160,7 @@ def answer_study(
         "spring_sets": list(request.spring_sets),
     }  # fmt: skip
     with busy("writing files"):
-        folder, files = keep_run(
-            request, study.record.text, asked, data, write, study.solutions[0].provenance if study.solutions else None
-        )
+        folder, files = keep_run(request, study.record.text, asked, data, write, study.solutions[0].provenance if study.solutions else None)
     page = pages[0] if pages else None
     if page is not None and request.open_page:
         import webbrowser

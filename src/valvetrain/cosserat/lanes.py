@@ -103,7 +103,7 @@ def watch_lanes(b, integers, reach, stretches):
     return count
 
 
-@njit(**OPTIONS)
+@njit(forceinline=True, **OPTIONS)
 def contact_of_lanes(b, integers, places, stretches, count, damping_time, dt):
     """Contact forces of all watched stretches on the vertices (rows C) of all variants."""
     offset, end_of_rows = np.uint64(integers[OFFSET]) * WIDTH, np.uint64(integers[VERTICES]) * WIDTH
@@ -137,7 +137,7 @@ def seats_of_lanes(b, first, last, displacement, sign, forces):
             forces[lane] += push
 
 
-@njit(**OPTIONS)
+@njit(forceinline=True, **OPTIONS)
 def outer_forces_of_lanes(b, integers, numbers, places, stretches, count, displacement, retainer, seat):
     """Contact and seat forces at the present positions; fills their share of ``retainer`` and ``seat`` (lanes,), N."""
     first, last, vertices = np.uint64(integers[FIRST]), np.uint64(integers[LAST]), np.uint64(integers[VERTICES])
@@ -156,7 +156,7 @@ def outer_forces_of_lanes(b, integers, numbers, places, stretches, count, displa
             retainer[lane] += b[CZ + i * WIDTH + lane]
 
 
-@njit(**OPTIONS)
+@njit(forceinline=True, **OPTIONS)
 def advance_lanes(b, integers, numbers):
     """Section forces at the present positions, then one step of all variants, tile by tile along the wire.
 

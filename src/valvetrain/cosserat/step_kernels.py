@@ -31,8 +31,9 @@ S0, S1, S2, IMPULSE, PEAK, LOSS, STORED, MASS = (ROW[n] for n in ("S0", "S1", "S
 LOWER, UPPER, SEAT, BORE, ROD, WALL = (ROW[n] for n in ("LOWER", "UPPER", "SEAT", "BORE", "ROD", "WALL"))
 #: Everything of fast maths but the promise that no value is NaN: a diverged run must be seen.
 FAST = {"contract", "reassoc", "nsz", "arcp"}
-#: Without reference counts of the arrays, whose atomic updates at every call took 20 % of a run.
-OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False, "fastmath": FAST}
+#: Inlined into the loop that is called: a kernel that stays a function has two copies, optimised apart, and which one runs (and so the last
+#: bits) depends on whether this process compiled it. No reference counts, whose atomic updates at every call took 20 % of a run.
+OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False, "fastmath": FAST, "forceinline": True}
 
 
 def _compiled(kernel: Callable[..., Any], *constants: int | np.uint64) -> Callable[..., Any]:

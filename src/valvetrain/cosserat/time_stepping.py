@@ -83,7 +83,7 @@ def watch_contacts(b, integers, reach, stretches):
     return count
 
 
-@njit(**OPTIONS)
+@njit(forceinline=True, **OPTIONS)
 def all_contact(b, offset, groups, places, stretches, count, first, last, damping_time, dt):
     """Contact forces of all watched stretches on the vertices (rows C)."""
     for j in range(first, last):
@@ -119,7 +119,7 @@ def fastest_vertex(b, first, last):
     return np.sqrt(top)
 
 
-@njit(**OPTIONS)
+@njit(forceinline=True, **OPTIONS)
 def forces_now(b, integers, numbers, places, stretches, count, displacement):
     """All forces at the present positions; returns (retainer force, seat force), N, compressive positive."""
     first, last, vertices = np.uint64(integers[FIRST]), np.uint64(integers[LAST]), np.uint64(integers[VERTICES])
@@ -139,7 +139,7 @@ def forces_now(b, integers, numbers, places, stretches, count, displacement):
     return retainer, seat
 
 
-@njit(**OPTIONS)
+@njit(forceinline=True, **OPTIONS)
 def kick_and_drift(b, integers, numbers):
     """Advance all free unknowns by one step from the forces of ``forces_now``; returns the energy dissipated (J)."""
     first, last = np.uint64(integers[FIRST]), np.uint64(integers[LAST])

@@ -236,9 +236,7 @@ class TrainModel(StrictModel):
                     ("variants", place, "spring_set"),
                 )
         contacts = placed("contacts", with_steel, self.contacts, self.kind, parts["cam"])
-        built: TrainParameters = guarded(
-            lambda: TrainParameters(contacts=contacts, springs=springs, variants=variants, **parts, **plain)
-        )
+        built: TrainParameters = guarded(lambda: TrainParameters(contacts=contacts, springs=springs, variants=variants, **parts, **plain))
         return built
 
 

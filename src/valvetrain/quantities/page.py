@@ -50,6 +50,7 @@ object from the names above to such numbers.
 | `changed` | key paths set from outside the file |
 | `completed`, `failures` | true when nothing failed; a sentence per part that did |
 | `quantities`, `quantities_by_label` | what belongs to no run; the same by label, such as what a sweep found |
+| `critical_speeds` | of a sweep of a train: a row per label and `kind` (`contact-loss`, `float`, `bounce`) with its `limit`, the speeds `searched`, `engine_speed` (null for never), the brackets `begins` and `ends` (`from_rest`, `rising`, `falling`), and further stretches `again` |
 | `springs_at_rest` | per spring and model `spring`, `model`, `precompression`, and what was found of `static_curve` and `modes` |
 | `static_curve` | `status`; `compression`, `force`, `stiffness`, each with `values` and `unit` |
 | `modes` | `status`, `compression`, and per mode `mode`, `natural_frequency`, `axial_transmission_ratio`, `axial` (number among the axial modes, or null) |

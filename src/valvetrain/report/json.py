@@ -110,12 +110,8 @@ def study_json(study: Study) -> dict[str, Any]:
         "comparisons": [comparison_object(row) for row in study.comparisons],
         "findings": [{name: getattr(one, name) for name in ("place", "statement", "computed", "verdict")} for one in study.findings],
         "uncertainties": [uncertainty_object(row) for row in fresh_uncertainty(study)], "notes": list(study.notes),
-        "cite": list(dict.fromkeys((*study.record.citations, *study.provenance.citations, *_cited(study)))),
+        "cite": list(dict.fromkeys(sum((run.cite() for run in study.solutions), (*study.record.citations, *study.provenance.citations)))),
     }  # fmt: skip
-
-
-def _cited(study: Study) -> tuple[str, ...]:
-    return tuple(reference for run in study.solutions for reference in run.cite())
 
 
 def _run_object(run: Solution) -> dict[str, Any]:
@@ -158,8 +154,12 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
 
 
 def _rest_object(one: SpringAtRest) -> dict[str, Any]:
-    found: dict[str, Any] = {"spring": one.spring, "model": one.model, "precompression": measured(one.precompression, "m"),
-                             "facts": {name: _with_unit(name, value) for name, value in one.facts.items()}}
+    found: dict[str, Any] = {
+        "spring": one.spring,
+        "model": one.model,
+        "precompression": measured(one.precompression, "m"),
+        "facts": {name: _with_unit(name, value) for name, value in one.facts.items()},
+    }
     if one.curve is not None:
         curve = {"compression": (one.curve.compression, "m"), "force": (one.curve.force, "N"), "stiffness": (one.curve.stiffness, "N/m")}
         found["static_curve"] = {"status": status_object(one.curve.status)} | {

@@ -8,11 +8,10 @@ from valvetrain.report.page import Block, Cell, Grid, Page, Section, text
 from valvetrain.report.table import Table, table
 from valvetrain.report.words import number, rpm, speed_words
 from valvetrain.solution.definition import label_of
+from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.quantity import Quantity
 from valvetrain.studies.uncertainty import CONTACT_FACTORS, DAMPING_FACTORS, STIFFNESS_FACTORS, Range, Uncertainty, UncertaintyStudy
 
-#: SI unit -> unit shown and factor; the rest is shown as it is.
-_SHOWN = {"rad": ("deg", 57.29577951308232), "N s": ("mN s", 1e3), "Pa": ("MPa", 1e-6)}
 _HEADERS = ("quantity", "value", "± numerical", "", "unit", "order", "extrapolated")
 
 
@@ -77,7 +76,7 @@ def uncertainty_page(study: UncertaintyStudy) -> Page:
 
 def _cells(row: Uncertainty) -> tuple[Cell, ...]:
     unit = Quantity(row.quantity).unit
-    words, factor = _SHOWN.get(unit, (unit, 1.0))
+    words, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
     share = "" if unit == "rad" or row.value == 0 else f"{100 * row.numerical / abs(row.value):.2g} %"
     order = "–" if row.observed_order is None or row.observed_order < 0.5 else f"{row.observed_order:.1f}"
 

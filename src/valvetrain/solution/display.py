@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 #: SI unit -> unit of the field and the factor that leads there; other units are shown as they are.
 SHOWN_UNITS = {
     "m": ("mm", 1e3), "rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi), "N/m": ("N/mm", 1e-3), "Pa": ("MPa", 1e-6),
-    "kg": ("g", 1e3), "1": ("", 1.0),
+    "kg": ("g", 1e3), "J": ("mJ", 1e3), "N s": ("mN s", 1e3), "1": ("", 1.0),
 }  # fmt: skip
 MOST_ROWS = 30
 

@@ -54,11 +54,8 @@ def _provenance(content: dict[str, Any] | None) -> Provenance | None:
 
 
 def _fields(item: Any) -> dict[str, Any]:
-    return {entry.name: _plain_mapping(getattr(item, entry.name)) for entry in fields(item)}
-
-
-def _plain_mapping(value: Any) -> Any:
-    return dict(value) if isinstance(value, Mapping) else value
+    named = {entry.name: getattr(item, entry.name) for entry in fields(item)}
+    return {name: dict(value) if isinstance(value, Mapping) else value for name, value in named.items()}
 
 
 def _plain(value: Any) -> Any:

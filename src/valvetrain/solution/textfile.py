@@ -58,7 +58,7 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
         attributes=dict(dataset.attrs),
     )  # fmt: skip
     header = [label for name in rows for label in column_labels(dataset, name)]
-    blocks = [_rows_of(np.asarray(dataset[name].values)) for name in rows]
+    blocks = [values.reshape(len(values), int(np.prod(values.shape[1:]))) for values in (np.asarray(dataset[name].values) for name in rows)]
     count = dataset.sizes["sample"]
     with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
         stream.write(f"{_MARK}\n# {text}\n{','.join(header)}\n")
@@ -129,10 +129,6 @@ def _layout(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
 def _variable(values: xarray.DataArray, with_values: bool = True) -> dict[str, Any]:
     kept = {"dims": list(values.dims), "type": str(values.dtype), "attributes": dict(values.attrs)}
     return {**kept, "values": values.values.tolist()} if with_values else kept
-
-
-def _rows_of(values: np.ndarray) -> np.ndarray:
-    return values.reshape(values.shape[0], int(np.prod(values.shape[1:])))
 
 
 def _dataset(content: dict[str, Any], lines: list[str]) -> xarray.Dataset:

@@ -13,15 +13,15 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Panel, thin
 from valvetrain.report.page import Block, Tabs
 from valvetrain.report.words import speed_words
+from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
 Array = NDArray[np.float64]
 ANGLE_LABEL = "cam angle (cam degrees)"
-#: SI unit of a channel -> unit shown and factor.
-SHOWN_UNITS = {"m": ("mm", 1e3), "rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 180 / np.pi), "Pa": ("MPa", 1e-6), "J": ("mJ", 1e3),
-               "m/s2": ("m/s²", 1.0), "1": ("", 1.0)}  # fmt: skip
+#: SI unit of a channel -> unit shown and factor: those of all results, but a turning speed over the cycle is that of a lever.
+CHANNEL_UNITS = {**SHOWN_UNITS, "rad/s": ("deg/s", 180 / np.pi), "m/s2": ("m/s²", 1.0)}
 STILL_WORDS = "at rest, same lift"
 #: Lines in one panel before it is parted.
 MOST_LINES = 4
@@ -85,7 +85,7 @@ def over_angle(run: Solution, channel: str) -> tuple[Array, Array] | None:
 def unit_of_channel(run: Solution, channel: str) -> tuple[str, float]:
     """Unit in which a channel is shown, and the factor from SI."""
     unit = run.unit(channel)
-    return SHOWN_UNITS.get(unit, (unit, 1.0))
+    return CHANNEL_UNITS.get(unit, (unit, 1.0))
 
 
 def event_bands(study: Study) -> tuple[Band, ...]:
