@@ -8,7 +8,7 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON
 
-.PHONY: help run test validate bench identify uncertainty lint pins clean environment-run environment-test parts
+.PHONY: help run test validate bench identify uncertainty lint pins clean environment-run environment-test parts mutants
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
@@ -18,6 +18,7 @@ help:
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
 	@echo "make uncertainty  error bars of the published case anew; after make identify or a change of the rod"
 	@echo "make lint      style, format (ruff) and types (mypy)"
+	@echo "make mutants   seed faults into copies of the source and tell the share that the tests notice (ARGS=\"--sample 40\")"
 	@echo "make pins      resolve the pinned versions anew (needs a network)"
 	@echo "make clean     remove the environment, caches and results"
 
@@ -53,6 +54,9 @@ lint: environment-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+mutants: environment-test
+	nice $(BIN)/python -m mutants $(ARGS)
 
 pins:
 	@bash scripts/pins.sh

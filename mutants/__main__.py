@@ -3,6 +3,7 @@
 Use: python -m mutants --sample 150 --seed 1 --workers 2
      python -m mutants --folders report,quantities --sample 40     faults of these folders only
      python -m mutants --list --sample 20                          the faults alone, nothing is run
+     python -m mutants --sample 150 --minutes 60                   as many of the sample as are judged in an hour
      python -m mutants --only 3,17 --sample 150 --seed 1           these numbers of the sample again
 """
 
@@ -14,6 +15,7 @@ import json
 import subprocess
 import sys
 import threading
+import time
 from collections import Counter
 from pathlib import Path
 from queue import Empty, Queue
@@ -24,7 +26,7 @@ from mutants.copies import PLACE, renew, twin_of
 from mutants.faults import Fault, seeded
 from mutants.record import environment, trails
 
-LIMIT = 60.0
+LIMIT = 90.0
 JUDGED = Path(__file__).with_name("judged.txt")
 
 
@@ -47,13 +49,15 @@ def judged() -> dict[str, str]:
     return {known: reason for known, reason in pairs}
 
 
-def work(base: Path, name: str, tasks: Queue[tuple[int, Fault]], known: dict[str, Any], answers: dict[int, dict[str, Any]]) -> None:
-    """One worker's thread: hands tasks to its process until none is left."""
+def work(
+    base: Path, name: str, tasks: Queue[tuple[int, Fault]], known: dict[str, Any], answers: dict[int, dict[str, Any]], end: float
+) -> None:  # fmt: skip
+    """One worker's thread: hands tasks to its process until none is left or the time ``end`` has come."""
     copy = twin_of(base, name)
     command = [sys.executable, "-m", "mutants.worker", str(base), str(copy)]
     process = subprocess.Popen(command, cwd=copy, env=environment(copy), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert process.stdin and process.stdout
-    while True:
+    while time.monotonic() < end:
         try:
             number, fault = tasks.get_nowait()
         except Empty:
@@ -82,6 +86,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1, help="seed of the sample")
     parser.add_argument("--folders", default="", help="folders of the package, by commas; all of them where left out")
     parser.add_argument("--workers", type=int, default=1, help="faults judged at one time, each in a copy of its own")
+    parser.add_argument(
+        "--minutes", type=float, default=1e6, help="begin no fault after this time; those judged are the first of the sample"
+    )
     parser.add_argument("--only", default="", help="numbers of the sample, by commas")
     parser.add_argument("--recorded", action="store_true", help="ask only the test files whose trails are recorded, make none anew")
     parser.add_argument("--list", action="store_true", help="print the faults and run nothing")
@@ -93,7 +100,7 @@ def main() -> None:
         for number, fault in chosen:
             print(f"{number:4d} {fault.file}:{fault.line} [{fault.kind}]\n{difference(fault)}")
         return
-    base = renew("base")
+    base, end = renew("base"), time.monotonic() + 60 * given.minutes
     known, tasks, answers = trails(base, anew=not given.recorded), Queue[tuple[int, Fault]](), dict[int, dict[str, Any]]()
     same = judged()
     for number, fault in chosen:
@@ -101,31 +108,38 @@ def main() -> None:
             print(f"{number:4d} the same  {fault.file}:{fault.line} {same[mark(fault)]}")
         else:
             tasks.put((number, fault))
-    threads = [threading.Thread(target=work, args=(base, f"copy-{n}", tasks, known, answers)) for n in range(given.workers)]
+    threads = [threading.Thread(target=work, args=(base, f"copy-{n}", tasks, known, answers, end)) for n in range(given.workers)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     summary({number: fault for number, fault in chosen}, answers)
     place = PLACE / f"faults-{given.seed}-{given.sample}-{given.folders or 'all'}.json"
-    told = [{**fault.__dict__, "number": number, **answers.get(number, {"verdict": "the same"})} for number, fault in chosen]
+    told = [
+        {**fault.__dict__, "number": number, **answers.get(number, {"verdict": "the same" if mark(fault) in same else "not asked"})}
+        for number, fault in chosen
+    ]
     place.write_text(json.dumps(told, indent=1), encoding="utf-8")
     print(f"kept in {place}")
 
 
 def summary(chosen: dict[int, Fault], answers: dict[int, dict[str, Any]]) -> None:
     """The share by folder and in all."""
-    seen, every, late = Counter[str](), Counter[str](), 0
+    seen, every, late, endless = Counter[str](), Counter[str](), 0, 0
     for number, answer in answers.items():
+        if answer["verdict"] == "endless":  # a loop without end, or a machine too busy: told apart, since nobody knows
+            endless += 1
+            continue
         folder = chosen[number].file.split("/")[0]
         every[folder] += 1
-        seen[folder] += answer["verdict"] != "unseen"
+        seen[folder] += answer["verdict"] == "noticed"
         late += answer["by"].startswith(("tests/golden", "tests/examples"))
     for folder in sorted(every):
         print(f"{folder:12s} {seen[folder]:4d} of {every[folder]:4d}")
     total = max(sum(every.values()), 1)
     share = 100 * sum(seen.values()) / total
     print(f"noticed {sum(seen.values())} of {total} ({share:.1f} %), {late} of them only by a golden number or a printed page")
+    print(f"{endless} came to no end and are left out")
 
 
 if __name__ == "__main__":

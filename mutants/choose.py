@@ -15,9 +15,11 @@ from mutants.copies import ROOT, compiles
 from mutants.faults import Fault, faults, seeded
 
 SOURCE = ROOT / "src" / "valvetrain"
+#: Tests of pages that are written from tables of modules.
+PAGES = ("_page.py", "_table.py", "_guide.py", "_words.py")
 #: Seconds of tests, as recorded, that are asked at most about one fault: those that enter its function, those whose file says its name,
 #: the others of the files of the first, all.
-SECONDS = (120.0, 60.0, 15.0, 60.0)
+SECONDS = (90.0, 40.0, 10.0, 30.0)
 
 
 def sample(count: int, seed: int, folders: Iterable[str] = ()) -> list[Fault]:
@@ -126,6 +128,7 @@ def tests_for(fault: Fault, trails: dict[str, dict[str, Any]]) -> list[str]:
     first = {node for node, one, _ in known if wanted & set(one["places"])}
     near = {file for node, _, file in known if node in first} | {file for file, one in trails.items() if wanted & set(one["import"])}
     spoken = {file for file in trails if set(re.findall(r"\w+", (ROOT / file).read_text(encoding="utf-8"))) & names}
+    spoken |= set() if inside else {file for file in trails if file.endswith(PAGES)}
     ranks = {node: (0 if node in first else 1 if file in spoken else 2 if file in near else 3) for node, _, file in known}
     seconds = {node: one["seconds"] for node, one, _ in known}
     spent, chosen = [0.0] * 4, []

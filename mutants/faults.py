@@ -1,7 +1,8 @@
 """The faults: small changes of a source file that a person could make and that change what it does.
 
 Each is found on the syntax tree and made in the text, so that all other lines stay as they are. What cannot be seen in a result is no
-site: docstrings, annotations, decorators, imports, words of errors, help texts, and arguments that only steer Python (`SILENT`).
+site: docstrings, annotations, names of types, decorators, imports, words of errors, help texts, and arguments that only steer Python
+(`SILENT`).
 """
 
 from __future__ import annotations
@@ -83,6 +84,8 @@ def seen(node: ast.AST) -> Iterator[ast.AST]:
         return
     if isinstance(node, (ast.Assign, ast.AnnAssign)) and "__all__" in ast.dump(node):
         return
+    if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and _names_types(node):
+        return
     yield node
     hidden = {"annotation", "returns", "decorator_list", "bases", "type_params"}
     for field, value in ast.iter_fields(node):
@@ -90,6 +93,13 @@ def seen(node: ast.AST) -> Iterator[ast.AST]:
             silent = isinstance(child, ast.keyword) and child.arg in SILENT
             if isinstance(child, ast.AST) and field not in hidden and not silent and not _speaks_only(child):
                 yield from seen(child)
+
+
+def _names_types(node: ast.Assign) -> bool:
+    """Whether an assignment gives a name to a type: ``Rest = Mapping[str, float]``."""
+    target = node.targets[0]
+    named = isinstance(target, ast.Name) and target.id[:1].isupper() and not target.id.isupper()
+    return named and isinstance(node.value, (ast.Subscript, ast.BinOp))
 
 
 def _speaks_only(node: ast.AST) -> bool:

@@ -95,7 +95,7 @@ def _study(case: Case, command: str, speeds: list[float], words: list[str]) -> S
         return run_study(case, engine_speeds=speeds, spring_models=words, workers=1)
     if command == "compare":
         return compare_study(case, engine_speeds=speeds, spring_models=words, workers=1)
-    return sweep_study(case, speeds or [ENGINE_SPEED], spring_models=words, workers=1)
+    return sweep_study(case, speeds or [ENGINE_SPEED], spring_models=words, workers=1, critical=None)
 
 
 def page(found: dict[str, dict[tuple[str, str], str]]) -> str:

@@ -1,6 +1,6 @@
 """Refine a library case and write what came out beside it, for every report of that case.
 
-    python scripts/write_uncertainty.py [CASE] [--workers 4]     all meshes, minutes
+    python scripts/write_uncertainty.py [CASE] [--workers 4]     all meshes and steps, minutes
     python scripts/write_uncertainty.py [CASE] --restamp         after a change of words in the case file: one run, seconds
 
 Side files count only for the case file they name by its digest. ``--restamp`` runs the case once and, where every stored value comes out
@@ -19,8 +19,9 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.quantity import same_speed
+from valvetrain.studies.refined import refined
 from valvetrain.studies.run import run_study
-from valvetrain.studies.uncertainty import Uncertainty, uncertainty_study
+from valvetrain.studies.uncertainty import Uncertainty
 from valvetrain.studies.uncertainty_file import rows_of, uncertainty_text
 
 LIBRARY = Path(str(resources.files("valvetrain") / "parameters" / "library"))
@@ -31,7 +32,7 @@ SAME = 1e-3
 def restamp(case: Case, workers: int) -> None:
     """Write the case's digest into its side files, after one run has shown that the stored values still hold."""
     rows = rows_of(tomllib.loads((LIBRARY / f"{case.name}.uncertainty").read_text(encoding="utf-8")))
-    study = run_study(case, spring_models=("finite-element",), workers=workers)
+    study = run_study(case, spring_models=() if case.train is not None else ("finite-element",), workers=workers)
     if differing := [words for row in rows if (words := _difference(row, dict(study.quantities)))]:
         raise SystemExit("the values have changed, refine the case anew:\n" + "\n".join(differing))
     for ending in ("uncertainty", "spread"):
@@ -43,10 +44,14 @@ def restamp(case: Case, workers: int) -> None:
 
 def _difference(row: Uncertainty, quantities: dict) -> str:
     """What the run says where it is not the stored value; empty where it is."""
-    found = [value for key, value in quantities.items() if key.name == row.quantity and same_speed(key.engine_speed, row.engine_speed)]
+    found = [
+        value for key, value in quantities.items()
+        if key.name == row.quantity and same_speed(key.engine_speed, row.engine_speed) and row.label in ("", key.label)
+    ]  # fmt: skip
     if found and abs(found[0] - row.value) <= max(SAME * abs(row.value), row.numerical):
         return ""
-    return f"  {row.quantity} at {row.engine_speed or 0:.6g} rad/s: stored {row.value:.6g}, now {found[0] if found else 'absent'}"
+    variant = f" of {row.label}" if row.label else ""
+    return f"  {row.quantity}{variant} at {row.engine_speed or 0:.6g} rad/s: stored {row.value:.6g}, now {found[0] if found else 'absent'}"
 
 
 def main() -> None:
@@ -60,7 +65,7 @@ def main() -> None:
     if options.restamp:
         restamp(case, options.workers)
         return
-    study = uncertainty_study(case, workers=options.workers, progress=lambda share, words: print(f"{100 * share:3.0f} %  {words}"))
+    study = refined(case, workers=options.workers, progress=lambda share, words: print(f"{100 * share:3.0f} %  {words}"))
     if study.failures:
         raise SystemExit("; ".join(study.failures))
     path = LIBRARY / f"{options.case}.uncertainty"

@@ -13,6 +13,7 @@ from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.train import CamParameters
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.frame import Frame
+from valvetrain.quantities.spectrum import surge_engine_speeds
 from valvetrain.quantities.valve_events import rigid_events
 from valvetrain.solution.event import Event
 
@@ -43,6 +44,13 @@ def valve_events():
     assert len(ANGLE) == COUNT and lift_of(np.array(np.pi)) == 8e-3
     known |= {"minimum_spring_margin_force": 77.0, "minimum_spring_margin_ratio": 77 / 300 + 1, "mean_cam_torque": 3.4 / (2 * np.pi)}
     return found, known
+
+
+def surge_speeds():
+    """427.1 Hz met by cam orders 8 to 10 between 5000 and 6500 rpm: 120 f / n rpm."""
+    found = surge_engine_speeds(427.1, 5000 * np.pi / 30, 6500 * np.pi / 30)
+    assert len(found) == 3
+    return found, {f"surge_order_{n}_engine_speed": 120 * 427.1 / n * np.pi / 30 for n in (8, 9, 10)}
 
 
 def rigid_valve_events():

@@ -108,6 +108,20 @@ def test_a_leaning_equilibrium_stays_at_rest_in_time():
     assert run.seat_force == pytest.approx(np.full(11, rod.installed.seat_force), rel=1e-5)
 
 
+def test_the_step_of_a_train_feels_the_wall_too():
+    """The contract's own kernel from a leaning equilibrium: its forces are those of the statics, and a thousand steps keep them."""
+    rod = rod_in(BORE, 0.018)
+    step = rod.stable_time_step()
+    rod = rod.with_time_step(step)
+    state = rod.initial_state(DEEP - 0.018)
+    assert rod.force(state, DEEP - 0.018).seat == pytest.approx(compress(rod.statics, [DEEP])[-1].seat_force, rel=1e-4)
+    for _ in range(1000):
+        ends = rod.kernel(rod.parameters(), rod.integers(), state, DEEP - 0.018, 0.0, step)
+    assert ends[1] == pytest.approx(rod.force(rod.initial_state(DEEP - 0.018), DEEP - 0.018).seat, rel=1e-5)
+    bowed = rod.rod_state(state, DEEP - 0.018).position
+    assert rod.mesh.guide.pressed(bowed, rod.mesh.node_length) > 0.5
+
+
 def test_a_guide_that_is_not_touched_changes_no_bit():
     runs = []
     for guide in (None, Guide(bore="60 mm", rod="1 mm")):

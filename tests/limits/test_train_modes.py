@@ -119,3 +119,22 @@ def test_a_spring_without_a_mass_only_presses():
     card = InstalledSpring(card=SpringCard(RATE, 300.0))
     with_card = modes_of_train(bucket(MasslessSpring(RATE, 300.0)), (card,), NOSE)
     assert len(with_card.natural_frequency) == 2 and with_card.energy_share[:, -1] == pytest.approx(0.0)
+
+
+def test_the_command_tells_both_states_with_bodies_and_springs_by_name():
+    """The JSON of ``modes`` holds what Python gives; shares of a mode make one whole."""
+    import json
+
+    from typer.testing import CliRunner
+
+    from valvetrain.cli.main import app
+
+    result = CliRunner().invoke(app, ["modes", str(TEMPLATES / "pushrod.toml"), "--spring", "massless", "--count", "3", "--json"])
+    assert result.exit_code == 0, result.output
+    told = json.loads(result.stdout)["train_modes"]
+    known = train_modes(load_case(str(TEMPLATES / "pushrod.toml")), ["massless"])
+    assert [one["state"] for one in told] == ["closed", "full_lift"] == [one.state for one in known]
+    for one, other in zip(told, known, strict=True):
+        assert [mode["natural_frequency"]["value"] for mode in one["modes"]] == pytest.approx(other.natural_frequency[:3])
+        assert all(sum(mode["energy_share"].values()) == pytest.approx(1.0) for mode in one["modes"])
+        assert set(one["modes"][0]["shape"]) == set(other.bodies) and one["open"] == list(other.open)

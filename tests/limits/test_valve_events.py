@@ -19,6 +19,7 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.train import CamParameters
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion
+from valvetrain.quantities.peaks import ring_peak
 from valvetrain.quantities.train_numbers import margin_quantities
 from valvetrain.quantities.valve_events import lift_crossings, rigid_events, sampled_crossings
 from valvetrain.solution.result import Solution
@@ -62,6 +63,15 @@ def test_the_rigid_valve_opens_where_the_lash_is_taken_up():
     assert found["lobe_50_thou_open_crank_angle_range"] == pytest.approx(4 * before_nose(THOU), abs=1e-9)
 
 
+def test_a_peak_between_samples_is_that_of_its_parabola():
+    """Of a sine the top is 1 to the fourth power of the step, wherever the samples fall; the largest sample is short by its square."""
+    for shift in (0.0, 0.3, 0.5):
+        values = np.sin(np.arange(180) * math.tau / 180 + shift * math.tau / 180)
+        assert ring_peak(values) == pytest.approx(1.0, abs=2e-6)
+    assert np.max(values) < 1 - 1e-4
+    assert ring_peak(np.array([3.0, 1.0, 1.0, 2.0])) == pytest.approx(3 + 1 / (8 * 3)), "the ends of a turn are neighbours"
+
+
 def test_sampled_crossings_gain_four_orders():
     errors = []
     for count in (45, 90, 180, 360):
@@ -101,6 +111,8 @@ def test_events_torque_and_margin_of_a_run_do_not_move_with_the_samples_kept():
     coarse, middle, fine = (one.quantities for one in card_runs())
     names = [name for name in fine if name.startswith(("valve_lash", "valve_1_mm", "valve_50_thou", "minimum_spring_margin", "mean_cam"))]
     assert len(names) == 13
+    for name in ("peak_cam_torque", "minimum_cam_torque"):
+        assert middle[name] == pytest.approx(fine[name], rel=2e-4) and coarse[name] == pytest.approx(fine[name], rel=3e-3)
     for name in names:
         allowed = {"rel": 1e-9} if "cam_angle" not in name and "range" not in name else {"abs": 2e-5}
         assert [coarse[name], middle[name]] == pytest.approx([fine[name]] * 2, **allowed), name

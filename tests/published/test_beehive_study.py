@@ -75,9 +75,10 @@ def test_collisions_at_5600_rpm_repeat_with_the_first_mode(study: Study) -> None
     assert interval == pytest.approx(26.9, rel=0.05), "published: 26.5 to 28 degrees apart"
 
 
-@pytest.mark.parametrize("rpm", [4200, 5600, 8000])
-def test_energy_is_balanced_through_the_clashes(study: Study, rpm: float) -> None:
-    assert quantity(study, "energy_imbalance_ratio", rpm) < 0.01
+@pytest.mark.parametrize(("rpm", "usual"), [(4200, 3e-6), (5600, 6e-6), (8000, 4.5e-5)])
+def test_energy_is_balanced_through_the_clashes(study: Study, rpm: float, usual: float) -> None:
+    """Three times what these runs usually leave."""
+    assert quantity(study, "energy_imbalance_ratio", rpm) < 3 * usual
 
 
 def test_predictions_are_told_as_predictions(study: Study) -> None:
@@ -122,12 +123,13 @@ def test_the_page_on_the_beehive_prints_what_comes_out(study: Study) -> None:
         f"| change of stiffness | about 5 mm | {1e3 * at('stiffness_change_compression', None):.1f} mm |",
         f"| axial modes | 630, 1120, 1639 Hz | {modes[0]:.0f}, {modes[1]:.0f}, {modes[2]:.0f} Hz |",
         f"| Stage I range, 4200 rpm | 12 N (270 to 282) | {at('stage_1_force_range', low):.1f} N |",
-        f"818 N at 183 deg | {at('stage_2_peak_force', low):.0f} N at {at('stage_2_peak_cam_angle', low):.0f} deg |",
+        f"818 N at 183 deg | {at('stage_2_peak_force', low):.0f} N at {at('stage_2_peak_cam_angle', low):.1f} deg |",
         f"| modal model's peak, 4200 rpm | 814 N | {at('stage_2_peak_force', low, 'modal-varied'):.0f} N |",
         f"| Stage III, 4200 rpm | 315 N | {at('stage_3_peak_force', low):.0f} N |",
         f"| 5.5e6 mm/s2 | {1e-3 * abs(at('node_2_peak_acceleration', low)):.1f}e6 mm/s2 |",
         f"every {at('clash_interval_cam_angle', middle):.1f} degrees (published 26.5 to 28",
-        f"contact again at {at('coil_1_2_bounce_start_cam_angle', middle):.0f} to {at('coil_1_2_bounce_end_cam_angle', middle):.0f} degrees",
+        f"contact again at {at('coil_1_2_bounce_start_cam_angle', middle):.0f} to "
+        f"{at('coil_1_2_bounce_end_cam_angle', middle):.0f} degrees",
         f"peak angle {at('stage_2_peak_cam_angle', middle):.0f} (175)",
         f"near {at('stage_3_peak_cam_angle', high):.0f} and {at('stage_3_second_peak_cam_angle', high):.0f} degrees (254.5 and 297)",
         f"peaks of {at('stage_2_peak_force', middle, 'modal-varied'):.0f} N (865) and "

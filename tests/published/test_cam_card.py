@@ -1,8 +1,9 @@
 """A cam card in, the same card out: durations, valve events and lift of a published hydraulic flat-tappet cam, and bounds on its shape.
 
 The card is that of the Comp Cams XE268H-10 for the small-block Chevrolet (catalogue values): duration 268 (intake) and 280 (exhaust) crank
-degrees at 0.006 in, 224 and 230 at 0.050 in, lobe lift 0.318 and 0.320 in, intake lobe centre 106 degrees, lobe separation 110. Valve timing
-printed at 0.006 in: intake opens 28 before top dead centre, closes 60 after bottom; exhaust opens 74 before bottom, closes 26 after top.
+degrees at 0.006 in, 224 and 230 at 0.050 in, lobe lift 0.318 and 0.320 in, intake lobe centre 106 degrees, lobe separation 110. Valve
+timing printed at 0.006 in: intake opens 28 before top dead centre, closes 60 after bottom; exhaust opens 74 before bottom, closes 26
+after top.
 """
 
 from __future__ import annotations

@@ -6,6 +6,8 @@ linear law; Hertz impact after Goldsmith, Impact (1960).
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numba import njit
@@ -104,6 +106,16 @@ def test_flores_rebound(restitution):
 def test_restitution_relation_inverts():
     for e in (0.1, 0.5, 0.9, 0.999):
         assert rebound(damping_number(e)) == pytest.approx(e, abs=1e-9)
+
+
+def test_the_table_of_rebounds_says_what_the_laws_give():
+    """docs/case-files-trains.md, by the drop itself and not by the relation that wrote it."""
+    lines = (Path(__file__).parents[2] / "docs/case-files-trains.md").read_text(encoding="utf-8").splitlines()
+    head = next(place for place, line in enumerate(lines) if line.startswith("| e | 0.95"))
+    asked = [float(cell) for cell in lines[head].split("|")[2:-1]]
+    for law, line in ((LankaraniNikravesh, lines[head + 2]), (Flores, lines[head + 3])):
+        assert law(3e9, 0.5).name in line
+        assert [float(cell) for cell in line.split("|")[2:-1]] == [pytest.approx(drop(law(3e9, e))[0], abs=1e-3) for e in asked]
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.05, 0.2, 0.5])

@@ -67,10 +67,10 @@ def test_every_published_number_is_met_or_its_miss_is_explained_and_the_book_say
 
 
 def test_what_the_published_numbers_were_used_for(pushrod):
-    """What shaped the case is no prediction: the ratio of the arms, the springs without their seat load, the lift law."""
+    """What shaped the case is no prediction: the ratio of the arms, springs without their seat load, the lift law, the dampers."""
     used = {row.quantity for row in pushrod.comparisons if row.role == "calibration"}
     nose = {"stock_nose_cam_contact_force", "performance_nose_cam_contact_force"}
-    assert used == nose | {"stock_peak_valve_lift", "peak_lever_speed_valve_lift"}
+    assert used == nose | {"stock_peak_valve_lift", "peak_lever_speed_valve_lift", "critical_damping"}
     assert all(row.used_for for row in pushrod.comparisons if row.role == "calibration")
 
 
@@ -78,7 +78,9 @@ def test_printed_contact_forces_are_those_of_springs_without_seat_load(pushrod):
     """rate x 8 mm x ratio 1.6 is 275 and 395 N; weight and inertia of an unknown profile explain up to 5 %."""
     assert computed(pushrod, "stock_nose_cam_contact_force") == pytest.approx(283, rel=0.05)
     assert computed(pushrod, "performance_nose_cam_contact_force") == pytest.approx(400, rel=0.05)
-    assert computed(pushrod, "performance_damped_nose_cam_contact_force") == pytest.approx(412, rel=0.05)
+    # at the nose the valve stands still, so that its damper adds nothing to the 395 N: the print's 412 N are some 5 % more
+    assert computed(pushrod, "performance_damped_nose_cam_contact_force") == pytest.approx(395, rel=0.02)
+    assert computed(pushrod, "performance_damped_nose_cam_contact_force") == pytest.approx(412, rel=0.06)
     assert computed(pushrod, "contact_force_rise_ratio") == pytest.approx(0.4, abs=0.05)
 
 
@@ -150,9 +152,9 @@ def test_contact_is_lost_at_the_speed_of_rigid_theory_and_later_with_the_stiffer
         study = sweep_study(case, [speed * RPM for speed in speeds], spring_models=("massless",), spring_sets=(chosen,), workers=1)
         control, rigid = study.still["massless"], study.still[chosen]["rigid_contact_loss_engine_speed"]
         assert not study.failures
-        assert control["contact_loss_engine_speed"] == pytest.approx(speeds[2] * RPM)
+        assert speeds[1] * RPM < control["contact_loss_engine_speed"] < speeds[2] * RPM
         assert speeds[1] * RPM < rigid < speeds[2] * RPM
-        assert control["float_engine_speed"] == pytest.approx(speeds[3] * RPM)
+        assert speeds[2] * RPM < control["float_engine_speed"] <= speeds[3] * RPM
         if chosen == "stock":
             assert rigid / RPM == pytest.approx(7148, abs=2)  # golden: moves when case or kinematics move
 

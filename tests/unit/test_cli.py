@@ -146,7 +146,7 @@ def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
     assert rest["static_curve"]["compression"]["values"] == pytest.approx([0, 2e-3, 4e-3, 6e-3, 8e-3])
     assert found["quantities"]["preload"]["value"] == pytest.approx(curve.force_at(7e-3))
     rows = (tmp_path / "curve.csv").read_text().splitlines()
-    assert rows[0] == "compression [mm],force [N],stiffness [N/mm]" and len(rows) == 6
+    assert rows[0] == "compression [mm],force [N],stiffness [N/mm],height [mm],nominal shear [MPa],wire shear [MPa]" and len(rows) == 6
     assert float(rows[-1].split(",")[1]) == curve.force[-1]
 
 

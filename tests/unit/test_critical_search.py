@@ -119,7 +119,7 @@ def test_options_are_read_with_their_units_and_refused_where_they_cannot_be_mean
     for words, name in ((("0 rpm", "1 mm", "1 mm"), "resolution"), (("10 rpm", "-1 mm", "1 mm"), "float lift")):
         with pytest.raises(InputError, match=name):
             read_options(*words)
-    with pytest.raises(InputError, match="unit|rpm"):
+    with pytest.raises(InputError, match=r"unit|rpm"):
         read_options("10 mm", "1 mm", "1 mm")
 
 

@@ -56,7 +56,7 @@ def test_every_kind_of_figure_was_drawn():
 
 def test_every_section_of_the_registry_stood_on_a_page():
     shown = {section.key for name in STUDIES for section in page_of(name)[1].sections}
-    assert not set(words("sections")) - shown - {"uncertainty"}  # which has a test of its own in test_every_table.py
+    assert not set(words("sections")) - shown - {"uncertainty", "critical-speeds"}  # tables with tests of their own
 
 
 def test_no_line_can_stand_for_another():
@@ -66,3 +66,19 @@ def test_no_line_can_stand_for_another():
             rows = [y for _, y in layers.values() if np.ndim(y) == 1 and len(y) > 20]
             for one, other in combinations(rows, 2):
                 assert len(one) != len(other) or not np.array_equal(one, other, equal_nan=True), (chart.key, axis)
+
+
+def test_axes_reach_over_what_they_carry():
+    """A given range holds all numbers of its panel and not twice as much; a cam turn is 0 to 360 degrees."""
+    for name in STUDIES:
+        for chart in charts(page_of(name)[1]):
+            for panel in chart.panels:
+                x, y = (np.concatenate([np.ravel(getattr(layer, side)) for layer in panel.layers]) for side in ("x", "y"))
+                if "cam angle (cam" in panel.x_label and "spikes" not in chart.key:
+                    assert panel.x_range == (0, 360), chart.key
+                for values, given, clipped in ((x, panel.x_range, "spikes" in chart.key), (y, panel.y_range, chart.key == "static-1")):
+                    if given is None:
+                        continue
+                    low, high = np.nanmin(values), np.nanmax(values)
+                    assert clipped or (given[0] <= low + 1e-6 and high - 1e-6 <= given[1]), (chart.key, panel.y_label)
+                    assert given[1] - given[0] <= 3.1 * max(high - low, abs(high), 1.0), (chart.key, panel.y_label)

@@ -74,19 +74,23 @@ def test_a_study_is_told_entry_by_entry():
         {"quantity": "stage_2_peak_force", "engine_speed": known(5600, "rpm"), "model": "finite-element",
          "published_by": "engine head test", "role": "prediction", "published": known(790, "N"),
          "computed": known(805, "N"), "difference": known(15, "N"),
-         "tolerance": known(24, "N"), "verdict": "within tolerance", "source": "table 3"},
+         "tolerance": known(24, "N"), "verdict": "within tolerance", "source": "table 3", "used_for": "", "doubt": ""},
         {"quantity": "coil_1_2_installed_gap", "engine_speed": None, "model": "finite-element", "published_by": "engine head test",
          "role": "calibration", "published": known(2e-3, "m"), "computed": known(1.5e-3, "m"), "difference": known(-0.5e-3, "m"),
-         "tolerance": None, "verdict": "misses by -25.0 %, tolerance 3.0 %", "source": ""},
+         "tolerance": None, "verdict": "misses by -25.0 %, tolerance 3.0 %", "source": "",
+         "used_for": "the pitch", "doubt": ""},
     ]  # fmt: skip
     failures = told.pop("failures")
     assert len(failures) == 1 and "the force is not finite" in failures[0]
-    assert told == {
+    expected = {
         "command": "compare", "case": "gu2021-beehive", "title": "Spring of my own", "digest": study.record.digest, "changed": [],
         "completed": False, "quantities": {"preload": known(287, "N"), "coil_bind_lift": known(10.25e-3, "m")}, "quantities_by_label": {},
         "findings": [{"place": "section 4", "statement": "Stage II has a valley", "computed": "valley of 412 N", "verdict": "holds"}],
-        "notes": list(study.notes), "cite": list(dict.fromkeys((*CITED, *(one for run in study.solutions for one in run.cite())))),
+        "notes": list(study.notes),
+        "cite": list(dict.fromkeys((*CITED, *(one for run in study.solutions for one in run.cite())))),
     }  # fmt: skip
+    assert {key: told[key] for key in expected} == expected
+    assert not [key for key, value in told.items() if key not in expected and value], "write down what the new entry carries"
 
 
 def test_numbers_at_rest_stand_under_their_labels():
@@ -169,12 +173,16 @@ def test_events_in_their_file(written):
 def test_comparisons_in_their_file(written):
     _, folder, _ = written["own"]
     found = rows(folder / "comparison.csv")
-    assert list(found[1].values()) == ["coil_1_2_installed_gap", "", "engine head test", "2.0", "finite-element", "1.5", "-0.5", "mm",
-                                       "-0.25", "", "calibration", "misses by -25.0 %, tolerance 3.0 %", ""]  # fmt: skip
-    assert list(found[0].values())[:7] == ["stage_2_peak_force", "5600.0", "engine head test", "790.0", "finite-element", "805.0", "15.0"]
-    assert list(found[0].values())[9:] == ["24.0", "prediction", "within tolerance", "table 3"]
-    assert list(found[0]) == ["quantity", "engine speed [rpm]", "given by", "given", "computed by", "computed", "difference", "unit",
-                              "relative difference", "tolerance", "role", "verdict", "source"]  # fmt: skip
+    first, second = found[:2]
+    for row, known in (
+        (first, {"quantity": "stage_2_peak_force", "engine speed [rpm]": "5600.0", "given by": "engine head test", "given": "790.0",
+                 "computed by": "finite-element", "computed": "805.0", "difference": "15.0", "unit": "N", "tolerance": "24.0",
+                 "role": "prediction", "verdict": "within tolerance", "source": "table 3"}),
+        (second, {"quantity": "coil_1_2_installed_gap", "engine speed [rpm]": "", "given": "2.0", "computed": "1.5", "difference": "-0.5",
+                  "unit": "mm", "relative difference": "-0.25", "tolerance": "", "role": "calibration",
+                  "verdict": "misses by -25.0 %, tolerance 3.0 %", "source": "", "used for": "the pitch"}),
+    ):  # fmt: skip
+        assert {name: row[name] for name in known} == known
 
 
 def test_springs_at_rest_in_their_files(written):
@@ -282,7 +290,7 @@ def test_quick_plots_of_studies_at_one_speed_and_over_several():
     assert axes(other)["yaxis"].startswith("peak clash force")
     energy = tuple(replace(run, quantities={"clash_energy": 2e-3}) for run in study.solutions)
     drawn = plot_study(replace(study, solutions=energy))
-    assert axes(drawn)["yaxis"] == "clash energy (J)" and traces(drawn)["stock"][1][3] == pytest.approx(2e-3)
+    assert axes(drawn)["yaxis"] == "clash energy (mJ)" and traces(drawn)["stock"][1][3] == pytest.approx(2.0)
 
 
 def test_quick_plots_of_springs_at_rest():

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from known_buckling import buckling
+from known_quantities import DEG
 from known_quantities import GROUPS as MOST
+from known_sources import SOURCE_GROUPS
 from valvetrain.solution.definition import pattern_of, tables
 
-GROUPS = (*MOST, buckling)
+GROUPS = (*MOST, *SOURCE_GROUPS, buckling)
 #: Held to known values elsewhere: the lift law's by the answers of the command line.
 ELSEWHERE = {"maximum_lift", "maximum_lift_cam_angle"}
 
@@ -38,3 +40,21 @@ def test_the_known_values_of_a_group_are_all_different():
         values = [value[0] if isinstance(value, tuple) else value for value in group()[1].values()]
         same = len(values) - len(np.unique(np.round(np.array(values), 12)))
         assert same <= 8, group.__name__
+
+
+def test_a_study_of_trains_tells_the_rigid_numbers_of_each_spring_set():
+    """The study's own numbers are those of rigid theory: lift of its rigid channel, contact lost where the least contact force is nil."""
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.studies.run import run_study
+
+    done = run_study(load_case("vaz-ohc"), engine_speeds=(150.0, 300.0), spring_models=("massless",))
+    (slow, fast), (numbers, *_) = done.solutions, done.still.values()
+    lift = slow.channel("rigid_valve_lift")
+    assert numbers["rigid_maximum_valve_lift"] == pytest.approx(np.max(lift), rel=1e-4)
+    at_150, at_300 = (run.channel("rigid_contact_force")[lift > 1e-5] for run in (slow, fast))
+    inertia = (at_300 - at_150) / (300.0**2 - 150.0**2)  # per engine speed squared
+    falling = np.flatnonzero(inertia < 0)
+    squares = (150.0**2 - at_150 / inertia)[falling]
+    assert numbers["rigid_contact_loss_engine_speed"] == pytest.approx(np.sqrt(squares.min()), rel=0.01)
+    angle = slow.cam_angle[lift > 1e-5][falling][int(np.argmin(squares))]
+    assert abs(angle - numbers["rigid_contact_loss_cam_angle"]) < 2 * DEG

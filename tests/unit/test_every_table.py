@@ -100,7 +100,8 @@ def test_a_sweep_answers_with_the_worst_of_each_label_and_its_speed():
         "Surge amplitude (N)": ("64.99 at 7454.55 rpm", "64.8 at 4727.27 rpm"), "Coil clash": (),
         "Clash energy (mJ)": ("11 at 8000 rpm", "13.2 at 8000 rpm"), "Seating and contact": (),
         "Seating velocity (m/s)": ("0.42 at 8000 rpm",) * 2, "Lift lost (mm)": ("0.11 at 8000 rpm",) * 2, "Loss of control": (),
-        "Engine speed of float (rpm)": ("6694", "–"),
+        "Loss of contact from (rpm)": ("not computed",) * 2, "Float from (rpm)": ("not computed",) * 2,
+        "Bounce from (rpm)": ("not computed",) * 2,
     }  # fmt: skip
 
 
@@ -231,7 +232,8 @@ def row(quantity: str, unit: str, given: float, computed: float | None, verdict:
 
 COMPARED = (
     row("stage_2_peak_force", "N", 790.0, 805.0, "within tolerance", tolerance=24.0, source="table 3"),
-    row("coil_1_2_installed_gap", "mm", 2e-3, 1.5e-3, "misses by -25.0 %, tolerance 3.0 %", engine_speed=None, role="calibration"),
+    row("coil_1_2_installed_gap", "mm", 2e-3, 1.5e-3, "misses by -25.0 %, tolerance 3.0 %", engine_speed=None, role="calibration",
+        used_for="the pitch"),
     row("stage_2_peak_cam_angle", "deg", np.radians(170), np.radians(171.5), "differs by +1.5 deg", model="modal-varied",
         origin="solid finite elements"),
     row("preload", "N", 280.0, None, "not computed", engine_speed=None, model=""),
@@ -252,6 +254,7 @@ def test_given_and_computed_stand_in_their_own_columns():
         ["Stage II peak force", "5600 rpm", "EX", "790", NAMES[0], "805", "+15", "+1.9 %", "N", "prediction", "within tolerance"],
         ["Stage II peak, cam angle", "5600 rpm", "FE", "170", NAMES[1], "171.5", "+1.5", "", "deg", "prediction", "no tolerance stated"],
     ]  # fmt: skip
+    assert {cells_of[0].words: cells_of[-2].hint for cells_of, _ in grid.rows}["Installed gap of coils 1 and 2"] == "the pitch"
     tones = {cells_of[0].words: cells_of[-1].tone for cells_of, _ in grid.rows}
     assert (tones["Stage II peak force"], tones["Installed gap of coils 1 and 2"], tones["Preload"]) == ("good", "bad", "quiet")
 
@@ -329,3 +332,12 @@ def test_tabs_and_titles_bear_the_speed_that_they_show():
     told = STUDIES["published"]()
     titles = [inner[0].chart.title for _, inner in the(Tabs, blocks("gu2021", told)).items]
     assert titles == ["Force by stages at 4200 rpm", "Force by stages at 5600 rpm"]
+
+
+def test_a_source_speaks_where_its_values_or_its_findings_stand_beside_the_runs():
+    told = published_study()
+    remarks = replace(told.record, remarks=("Said of the original.",))
+    for comparisons, findings, speaks in ((told.comparisons, (), True), ((), told.findings, True), ((), (), False)):
+        study = replace(told, record=remarks, comparisons=comparisons, findings=findings)
+        assert bool(study_page(study).lead) is speaks and bool(blocks("gu2021", study)) is speaks
+        assert any(isinstance(one, Text) and one.html == "Said of the original." for one in blocks("case", study)) is speaks

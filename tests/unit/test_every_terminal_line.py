@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import re
 from dataclasses import replace
 from io import StringIO
@@ -69,18 +70,13 @@ def test_springs_at_rest_stand_beside_the_first_model():
 def test_a_sweep_says_the_worst_of_each_label_and_where():
     told = {line[0]: line[1:] for line in lines(sweep_study())}
     assert told["Peak spring force"] == ["N", "820 at 8000", "864 at 8000"] and told["Least spring force"] == ["N"] + ["181 at 8000"] * 2
-    assert told["Surge frequency"] == ["Hz", "560", "672"] and told["Engine speed of float"] == ["rpm", "6694", "–"]
+    assert told["Surge frequency"] == ["Hz", "560", "672"] and told["Float from"] == ["rpm", "not computed", "not computed"]
     assert told["Surge amplitude"] == ["N", "64.99 at 7454.55", "64.8 at 4727.27"]
     assert told["Clash energy"] == ["mJ", "11 at 8000", "13.2 at 8000"] and told["Lift lost"] == ["mm"] + ["0.11 at 8000"] * 2
     assert told["Engine speeds run"] == ["12", "12"] and told["that did not settle"] == ["1", "1"]
     study = sweep_study()
-    settled = tuple(replace(run, status=study.solutions[0].status, quantities={**run.quantities, "float_excess_lift": 0.0})
-                    for run in study.solutions)  # fmt: skip
-    told = {line[0]: line[1:] for line in lines(replace(study, solutions=settled, still={"stock": {"float_engine_speed": 701.0}}))}
-    assert told["Engine speed of float"] == ["rpm", "6694", "never"] and "that did not settle" not in told
-    assert told["Contact loss engine speed" if "Contact loss engine speed" in told else "Engine speed of the first loss of contact"] == [
-        "rpm", "never", "never",
-    ]  # fmt: skip
+    settled = tuple(replace(run, status=study.solutions[0].status) for run in study.solutions)
+    assert "that did not settle" not in [line[0] for line in lines(replace(study, solutions=settled))]
 
 
 def test_many_runs_stand_below_each_other():
@@ -172,18 +168,59 @@ def test_static_curves_are_printed_thinned_and_written_whole():
     console = Console(file=StringIO(), width=140, no_color=True)
     _show(console, study, Path("curve.csv"))
     told = [re.split(r"\s{2,}", line.strip()) for line in console.file.getvalue().splitlines()]
-    printed = [line for line in told if len(line) == 3 and line[0][:1].isdigit()]
+    printed = [line for line in told if line[0][:1].isdigit()]
     each = next(n for n in range(1, 99) if 40 / n <= MOST_ROWS)
-    steps = np.linspace(0, 18, 40)[::each]
-    rows = [[x, 41 * x, 41.0] for x in steps] + [[x, 0.98 * 41 * x, 40.18] for x in steps]
+    steps = np.linspace(0, 18, 40)[::each]  # the stress of the made-up wire is 41 MPa per mm
+    rows = [[x, 41 * x, 41.0, 41 * x] for x in steps] + [[x, 0.98 * 41 * x, 40.18] for x in steps]
     assert [[float(cell) for cell in line] for line in printed] == [pytest.approx(row, rel=1e-4) for row in rows]
-    assert told.count(["compression (mm)", "force (N)", "stiffness (N/mm)"]) == 2 and ["Preload", "287", "N"] in told
+    heads = ["compression (mm)", "force (N)", "stiffness (N/mm)"]
+    assert told.count(heads) == 1 and told.count([*heads, "wire shear (MPa)"]) == 1 and ["Preload", "287", "N"] in told
     assert ["written to curve.csv"] in told
-    text = curve_text(study).splitlines()
-    assert text[0] == "spring,model,compression [mm],force [N],stiffness [N/mm]" and len(text) == 81
-    name, model, *numbers = text[-1].split(",")
-    assert (name, model) == ("spring", "multi-mass") and [float(one) for one in numbers] == pytest.approx([18.0, 723.24, 40.18])
-    alone = curve_text(replace(study, rest=study.rest[:1])).splitlines()
-    assert alone[0] == "compression [mm],force [N],stiffness [N/mm]" and [float(one) for one in alone[-1].split(",")] == pytest.approx(
-        [18.0, 738.0, 41.0]
+    text = list(csv.DictReader(curve_text(study).splitlines()))
+    assert len(text) == 80 and (text[-1]["spring"], text[-1]["model"]) == ("spring", "multi-mass")
+    last = [
+        text[place][f"{name} [{unit}]"]
+        for place in (39, 79)
+        for name, unit in (("compression", "mm"), ("force", "N"), ("stiffness", "N/mm"))
+    ]
+    assert [float(one) for one in last] == pytest.approx([18.0, 738.0, 41.0, 18.0, 723.24, 40.18])
+    alone = list(csv.DictReader(curve_text(replace(study, rest=study.rest[:1])).splitlines()))
+    assert len(alone) == 40 and "spring" not in alone[0] and float(alone[-1]["force [N]"]) == pytest.approx(738.0)
+
+
+def test_what_a_case_holds_is_said_in_the_fields_units():
+    from valvetrain.cli.case_facts import case_facts, case_quantities
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.system.build import build
+
+    case = load_case("uniform-spring")
+    told, turning = dict(case_facts(case)), 2 * np.pi * 600  # both dampings take half of the ratio at 600 Hz
+    end = "open, 0 coils inactive, 0 ground"
+    assert told["wire diameter"] == "3.8 mm" and told["mean coil diameter"] == "22 mm" and told["pitch"] == "7 mm"
+    assert told["damping"] == f"ratio 0.016: mass {four(0.016 * turning)} 1/s, stiffness {four(0.016 / turning * 1e6)} µs"
+    assert told["end coils"] == f"lower {end}; upper {end}" and told["seats"] == "inactive ends only"
+    assert told["spring"] == "uniform-spring, right-handed" and told["cam turns"] == "2, the last one reported"
+    assert told["title"] == case.title and "206 GPa" in told["material"] and "7850 kg/m³" in told["material"]
+    train = load_case("vaz-ohc")
+    told = dict(case_facts(train))
+    assert told["lift law"] == "ramped, lift of the valve" and told["train"] == "finger, planar model, multi-mass springs, lash 0 mm"
+    assert (
+        told["contacts"] == "cam hunt-crossley, valve tip hunt-crossley, seat linear" and told["engine speeds"] == "4136 rpm of the crank"
     )
+    assert told["springs 'nested'"] == "outer: wire known, installed 16.3 mm short; inner: wire known, installed 9.5 mm short"
+    cards = "outer: rate 17.39 N/mm, preload 283.4 N, mass 31.8 g; inner: rate 14.35 N/mm, preload 136.3 N, mass 11.5 g"
+    assert told["springs 'nested-cards'"] == cards
+    numbers = case_quantities(train, build(train))
+    assert numbers["maximum_lift"] == pytest.approx(9.7e-3, rel=1e-6) and numbers["outer_free_length"] == pytest.approx(0.05, rel=1e-4)
+    assert numbers["maximum_lift_cam_angle"] == pytest.approx(np.radians(78), abs=1e-3) and numbers["inner_free_length"] == pytest.approx(
+        39.2e-3, rel=1e-4
+    )
+
+
+def test_sizes_are_said_as_people_say_them():
+    from valvetrain.cli.limits import memory_words, time_words
+
+    assert [memory_words(size) for size in (3e5, 4.4e7, 9.99e8, 2.5e9)] == ["1 MB", "44 MB", "999 MB", "2.5 GB"]
+    assert [time_words(size) for size in (0.2, 42.0, 89.0, 91.0, 5399.0, 7200.0, 129599.0, 259200.0)] == [
+        "1 s", "42 s", "89 s", "1.52 min", "90 min", "2 h", "36 h", "3 d",
+    ]  # fmt: skip

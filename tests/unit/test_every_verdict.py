@@ -10,16 +10,17 @@ import pytest
 
 from valvetrain.quantities.compare import compare, verdict
 from valvetrain.report.comparison_grid import tone
-from valvetrain.report.uncertainty_section import belongs
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.studies.uncertainty import Uncertainty
+from valvetrain.studies.uncertainty_file import belongs
 
 DEG = np.pi / 180
 
 
 def given(value: float, quantity: str = "peak_spring_force", unit: str = "N", **more) -> SimpleNamespace:
-    known = {"model": "m", "role": "prediction", "engine_speed": 100.0, "source": "s", "tolerance": None, "relation": "equal"}
+    known = {"model": "m", "role": "prediction", "engine_speed": 100.0, "source": "s", "tolerance": None, "relation": "equal",
+             "used_for": "", "doubt": ""}  # fmt: skip
     return SimpleNamespace(quantity=quantity, value=value, unit=unit, **(known | more))
 
 
@@ -36,6 +37,7 @@ def given(value: float, quantity: str = "peak_spring_force", unit: str = "N", **
         (given(2.0, "peak_spring_force_cam_angle", "deg", tolerance=2 * DEG), 3 * DEG, "misses by +3.0 deg, tolerance 2.0 deg"),
         (given(2.0, "peak_spring_force_cam_angle", "deg", tolerance=4 * DEG), 3 * DEG, "within tolerance"),
         (given(0.0, "coil_bind_clearance", "mm"), 2e-5, "differs by +0.02 mm"), (given(800.0), None, "not computed"),
+        (given(800.0, doubt="misprint", tolerance=24.0), -40.0, "in doubt, misprint: differs by -5.0 %"),
     ],
 )  # fmt: skip
 def test_a_published_value_is_judged_by_what_it_states(value, difference, words):

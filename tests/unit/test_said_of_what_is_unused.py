@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.constructors import cylindrical
+from valvetrain.parameters.guide import Guide
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.studies.api import static_curve
+from valvetrain.studies.notes import buckling_notes
 from valvetrain.studies.run import run_study
+from valvetrain.system.build import build
 
 PAIR = """
 [[spring]]
@@ -56,3 +63,17 @@ def test_a_run_tells_no_option_that_its_spring_has_not():
     (run,) = run_study(load_case("job-t", {"spring.options.finite-element.elements_per_coil": 6}), engine_speeds=[400.0],
                        spring_models=["finite-element"], workers=1).solutions  # fmt: skip
     assert "elements_per_coil" in run.provenance.options and "card_lift" not in run.provenance.options
+
+
+def test_a_train_says_that_its_spring_buckles_by_the_formula_unless_it_is_guided():
+    problem = build(load_case("vaz-ohc"))
+    wire = cylindrical("1 mm", "10 mm", "4 mm", 20, closed_coils=0, name="slender")
+
+    def said(**how):
+        spring = InstalledSpring(wire, **how)
+        return buckling_notes(replace(problem, members=tuple(replace(member, springs=(spring,)) for member in problem.members)))
+
+    assert buckling_notes(problem) == ()
+    (sentence,) = said(precompression=12e-3)
+    assert sentence.startswith("Spring 'slender' buckles at 15.84 mm compression by the formula of EN 13906-1, before the")
+    assert said(precompression=2e-3) == () == said(precompression=12e-3, guide=Guide(bore="12 mm"))

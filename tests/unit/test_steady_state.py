@@ -73,6 +73,6 @@ def test_a_train_that_needs_two_cycles_says_so():
         found = steady_train(ready, "repeat", 1e-6, 80)
         periods.add(found.search.period)
         if not found.search.converged:
-            assert found.status.code == "not-converged"
+            assert found.status.completed is found.scatter.repeats  # the valve decides
             assert ("every" in found.status.message) is (found.search.period > 1)
     assert periods - {1}, "every speed settled, so nothing was tested; raise the speeds"

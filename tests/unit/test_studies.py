@@ -75,14 +75,14 @@ def counts(monkeypatch) -> Counter[object]:
     """How often each part was made; spring models by their word and the installed spring they stand for."""
     from valvetrain.mechanism import build as mechanisms
     from valvetrain.mechanism import parts
-    from valvetrain.springs import finite_element
+    from valvetrain.springs import finite_element_model
     from valvetrain.studies import ready
     from valvetrain.system import build as building
 
     found: Counter[object] = Counter()
     counted(monkeypatch, building, "build_lift_law", found)
     counted(monkeypatch, building, "build_mechanism", found)
-    counted(monkeypatch, finite_element, "mesh_spring", found)
+    counted(monkeypatch, finite_element_model, "mesh_spring", found)
     counted(monkeypatch, ready, "rest_of", found)
     counted(monkeypatch, ready, "rigid_motion", found)
     for module in (mechanisms, parts):

@@ -184,3 +184,13 @@ def test_times_and_torque_of_a_cycle():
     assert (run["peak_cam_torque"], run["minimum_cam_torque"]) == pytest.approx((2.0, -4.0))
     assert run["mean_cam_power"] == pytest.approx(2.0 / period)
     assert run["peak_valve_lift"] == pytest.approx(8e-3)
+
+
+def test_a_landing_is_as_hard_as_the_hardest_of_its_samples():
+    """The cam opens from 150 to 165 degrees; the blow of 1234 N comes three samples after, a weaker one later on."""
+    force = np.where(degrees(150, 165), 0.0, 300.0)
+    land = int(np.argmax(ANGLE >= np.radians(165)))
+    force[land + 2], force[land + 30] = 1234.0, 5000.0
+    (loft,) = of_kind(found(cam_gap=np.where(degrees(150, 165), 1e-4, -1e-5), cam_contact_force=force).events, "loft")
+    assert loft.details["landing_force"] == 1234.0
+    assert np.degrees(loft.details["landing_cam_angle"]) == pytest.approx(165, abs=0.3)

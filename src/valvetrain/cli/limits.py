@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 WORTH_SAYING = 20.0
 #: Options of spring models that set the number of unknowns.
 REFINES = ("elements_per_coil", "masses_per_coil", "elements", "modes")
-#: Runs that the search for a train's critical speeds takes besides those of its sweep, of each member (15 to 90 seen).
+#: Runs that the search for a train's critical speeds takes besides those of its sweep, of each member (20 to 115 seen).
 SEARCH_RUNS = 60
 #: Cam turns until a train repeats itself, where fewer are not asked for; coils and samples where a case does not tell.
 USUAL_CYCLES, USUAL_COILS, USUAL_STEP = 20, 8.0, math.radians(0.5)

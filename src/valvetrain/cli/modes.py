@@ -31,6 +31,10 @@ if TYPE_CHECKING:
     from valvetrain.solution.train_modes import TrainModes
 
 
+#: Cam orders at which a surge of 300 to 700 Hz meets the lift between 3000 and 12000 rpm.
+SURGE_ORDERS = range(6, 13)
+
+
 def register(app: typer.Typer) -> None:
     """Add the command."""
     app.command("modes")(modes)
@@ -142,3 +146,11 @@ def _show(console: Console, study: Study) -> None:
         end = "" if mass is None else f", {number(mass * 1e3)} g on the retainer" if mass else ", retainer's end free"
         title = f"{one.spring} by {one.model}, at {number(one.modes.compression * 1e3)} mm compression{end}"
         console.print(plain_table(("mode", "frequency (Hz)", "axial transmission", ""), rows, title, right=(0, 1, 2)))
+        if len(one.modes.axial_modes) and mass is None:
+            console.print(_surge_words(float(one.modes.axial_frequencies[0])), soft_wrap=True)
+
+
+def _surge_words(frequency: float) -> str:
+    """Engine speeds at which the surge (Hz) meets the cam orders of :data:`SURGE_ORDERS`."""
+    met = ", ".join(f"{order} at {120 * frequency / order:.0f}" for order in SURGE_ORDERS)
+    return f"the first axial mode meets cam order {met} rpm of the crank"

@@ -70,12 +70,12 @@ def _outcome(request: RefineRequest, engine_speeds: tuple[float, ...] | None, wo
     from valvetrain.report.words import rpm
     from valvetrain.report.write import write_page
     from valvetrain.solution.atomic import write_text
-    from valvetrain.studies.uncertainty import uncertainty_study
+    from valvetrain.studies.refined import refined
 
     case = request.case
     announce_compilation(*(("train",) if case.train is not None else ("statics", "transient")))
     with progress_bar(case.name) as report:
-        study = uncertainty_study(case, engine_speeds=engine_speeds, workers=workers, progress=report)
+        study = refined(case, engine_speeds=engine_speeds, workers=workers, progress=report)
     data = {
         "command": "refine", "case": case.name, "title": case.title, "elements_per_coil": list(study.elements_per_coil),
         "uncertainties": [uncertainty_object(row) for row in study.rows], "completed": not study.failures, "page": "report.html",

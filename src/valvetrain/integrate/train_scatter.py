@@ -23,17 +23,17 @@ PREFIX = "cycle_scatter_"
 
 @dataclass(frozen=True)
 class Scatter:
-    """Over :data:`COMPARED` cycles: ``valve`` (m), largest spread of the valve lift at one cam angle; ``lift`` (m), the largest one;
+    """Over :data:`COMPARED` cycles: ``valve`` (m), largest spread of the valve lift at one cam angle; ``peak_valve_lift`` (m), the largest;
     ``numbers``: largest less least value of each number (SI) by the name of its quantity."""
 
     valve: float
-    lift: float
+    peak_valve_lift: float
     numbers: dict[str, float]
 
     @property
     def repeats(self) -> bool:
         """Whether the valve does the same in every cycle, whatever loose parts do."""
-        return self.valve <= STEADY_VALVE * self.lift
+        return self.valve <= STEADY_VALVE * self.peak_valve_lift
 
     @property
     def statistics(self) -> dict[str, float]:

@@ -39,10 +39,10 @@ class SteadyTrain:
         if self.search.converged:
             return self.record.status
         spread = "" if self.scatter is None else f"{1e6 * self.scatter.valve:.2g} um over {COMPARED} cycles"
-        if self.scatter is not None and self.scatter.repeats and self.search.cycles >= LONG_SEARCH:
-            return Status("completed", f"the valve repeats to {spread}; parts that are loose between events do not, see the scatter")
         period = self.search.period
         words = f"repeats only every {period} cycles (sub-harmonic)" if period > 1 else "does not repeat, not over up to 8 cycles either"
+        if self.scatter is not None and self.scatter.repeats and self.search.cycles >= LONG_SEARCH:
+            return Status("completed", f"the valve repeats to {spread}; the motion of all parts {words}, see the scatter")
         cycles, last = self.search.cycles, self.search.residuals[-1]
         change = f"after {cycles} cycles it still changes by {last:.1e} of its size (accepted: {self.tolerance:.0e})"
         reached = self.search.cycles * self.runner.steps * self.runner.time_step

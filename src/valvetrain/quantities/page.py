@@ -50,12 +50,13 @@ object from the names above to such numbers.
 | `changed` | key paths set from outside the file |
 | `completed`, `failures` | true when nothing failed; a sentence per part that did |
 | `quantities`, `quantities_by_label` | what belongs to no run; the same by label, such as what a sweep found |
+| `critical_speeds` | of a sweep of a train: a row per label and `kind` (`contact-loss`, `float`, `bounce`) with its `limit`, the speeds `searched`, `engine_speed` (null for never), the brackets `begins` and `ends` (`from_rest`, `rising`, `falling`), and further stretches `again` |
 | `springs_at_rest` | per spring and model `spring`, `model`, `precompression`, and what was found of `static_curve` and `modes` |
 | `static_curve` | `status`; `compression`, `force`, `stiffness`, each with `values` and `unit` |
 | `modes` | `status`, `compression`, and per mode `mode`, `natural_frequency`, `axial_transmission_ratio`, `axial` (number among the axial modes, or null) |
 | `train_modes` | of `modes` of a train: per variant and `state` (`closed`, `full_lift`) `label`, `cam_angle`, `valve_lift`, `closed` and `open` contacts, and per mode `natural_frequency`, `shape` by body, `energy_share` by body and spring |
 | `runs` | per run `label`, `model`, `spring_set`, `engine_speed`, `status`, `quantities`, `clash_count`, `events`, `options`, `statistics` |
-| `status` | `code` (`completed`, `not-converged`, `diverged`, `coil-bind`, `solid`, `buckled`, `refused`, `interrupted`); unless completed also `message`, `time`, `where`, `remedy` |
+| `status` | `code` (`completed`, `not-converged`, `diverged`, `coil-bind`, `solid`, `buckled`, `refused`, `interrupted`); `message` where there is one; unless completed also `time`, `where`, `remedy` |
 | `events` | per event `kind`, `cam_angle`, `time`, `duration`, `size`, `where`, `details`; of a clash `lower_coil`, `upper_coil`, `impulse`, `energy`, `peak_cam_angle` |
 | `options`, `statistics` | of a run: options of its model, and step, counts, residuals; numbers as value and unit, unit `1` for counts and shares |
 | `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `used_for`, `doubt`, `published`, `computed`, `difference`, `tolerance`, `verdict`, `source` |
@@ -65,7 +66,7 @@ object from the names above to such numbers.
 | `folder`, `files`, `page` | where the results were written |
 | `holds`, `facts` | of `check`: tables of the case; what it says, in words |
 | `cases` | of `cases`: per case `name`, `title`, `holds`, `sources`; with a name, `text` of the file instead |
-| `uncertainties` | of `refine`: per number `quantity`, `engine_speed`, `value`, `numerical_uncertainty`, `observed_order` (null: not monotonic), `extrapolated`, `step_part`, and `contact_stiffness`, `contact_damping` each with `least` and `largest` |
+| `uncertainties` | of `refine`, and of a run whose case ships with its error bars: per number `quantity`, `label` of a variant of a train, `engine_speed`, `value`, `numerical_uncertainty`, `observed_order` (null: not monotonic), `extrapolated`, `step_part`, and `contact_stiffness`, `contact_damping` each with `least` and `largest` |
 | `inputs`, `results` | of `compare-runs`, with the folders `a` and `b`: per input `key`, `a`, `b`; per number `quantity`, `run`, `a`, `b`, `difference` |
 | `runs` | of the command `runs`: per kept run `created_at`, `case`, `digest`, `asked`, `spring_models`, `engine_speeds`, `completed`, `headline`, `folder` |
 | `error` | in place of all of these: `message`, `where`, `code` (the exit code) |

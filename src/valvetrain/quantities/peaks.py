@@ -24,6 +24,14 @@ def prominent_peaks(values: ArrayLike, prominence: float) -> Index:
     return standing
 
 
+def ring_peak(values: Array) -> float:
+    """Largest value of one closed turn of even samples: the top of the parabola through the largest sample and its neighbours."""
+    place = int(np.argmax(values))
+    before, top, after = (float(values[(place + step) % len(values)]) for step in (-1, 0, 1))
+    bend = before - 2 * top + after
+    return top - (after - before) ** 2 / (8 * bend) if bend < 0 else top
+
+
 def prominences(values: Array, peaks: Index) -> Array:
     """How far each peak rises above the higher of the lowest points on its two sides, up to a higher value or the end."""
     rises = np.zeros(len(peaks))

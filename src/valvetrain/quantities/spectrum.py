@@ -53,6 +53,15 @@ def surge_order(natural_frequency: float, engine_speed: float) -> float:
     return natural_frequency * 2 * np.pi / (engine_speed / 2)
 
 
+def surge_engine_speeds(natural_frequency: float, lowest: float, highest: float) -> dict[str, float]:
+    """Engine speeds (rad/s) from ``lowest`` to ``highest`` at which a cam order, to :data:`ORDERS`, meets a natural frequency (Hz).
+
+    By order: 4 pi f / n, where harmonic n of the lift turns n times as fast as the cam.
+    """
+    met = {n: 4 * np.pi * natural_frequency / n for n in range(1, ORDERS + 1)}
+    return {f"surge_order_{n}_engine_speed": speed for n, speed in met.items() if lowest <= speed <= highest}
+
+
 def surge_residual(cycle: Cycle, frame: Frame) -> tuple[Array, Array] | None:
     """Cam angle (rad) and seat force less the static force at the same lift (N) over the cycle, as finely as the run holds the force.
 

@@ -137,6 +137,9 @@ RUNS: tuple[QuantityRow, ...] = (
     row("surge_amplitude_force", "surge amplitude",
         "Largest amplitude (0 to peak), among the cam orders from half to one and a half times the surge order, of the spring force less "
         "its static value at the same lift.", sense=LESS, systems=BOTH),
+    row("surge_order_{n}_engine_speed", "surge at cam order {n}, engine speed",
+        "Engine speed at which cam order {n} of the lift meets the surge frequency, among those run and a quarter beyond.",
+        systems=TRAIN),
     row("surge_order_{n}_force", "surge at cam order {n}",
         "Amplitude (0 to peak) of cam order {n} of the spring force less its static value at the same lift.", sense=LESS, systems=BOTH),
     row("clash_count", "coil clashes", "Clashes of coils over the reported cycle, found on the integrator's own steps; pairs that always "

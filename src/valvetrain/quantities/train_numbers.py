@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from valvetrain.quantities.kinematics import RigidTable
+from valvetrain.quantities.peaks import ring_peak
 from valvetrain.quantities.train_events import PLACES, SMALLEST_GAP, RigidCycle
 from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
@@ -46,7 +47,7 @@ def train_quantities(solution: Solution, rigid: RigidCycle, events: Sequence[Eve
     }  # fmt: skip
     if solution.has("cam_torque"):
         torque = solution.channel("cam_torque")
-        values |= {"peak_cam_torque": float(torque.max()), "minimum_cam_torque": float(torque.min())}
+        values |= {"peak_cam_torque": ring_peak(torque), "minimum_cam_torque": -ring_peak(-torque)}
     if "cycle_work_energy" in solution.statistics:
         values["mean_cam_torque"] = float(solution.statistics["cycle_work_energy"]) / (2 * np.pi)
         values["mean_cam_power"] = values["mean_cam_torque"] * solution.engine_speed / 2

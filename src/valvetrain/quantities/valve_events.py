@@ -24,8 +24,8 @@ GRID = 1440
 
 
 def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[float, float] | None:
-    """Cam angles (rad) at which ``cam_lift`` (m over cam rad, periodic) rises through ``height`` (m) before its largest value and falls through
-    it after; the first in one turn from zero, the second after it. None where it never stands above, or always."""
+    """Cam angles (rad) at which ``cam_lift`` (m over cam rad, periodic) rises through ``height`` (m) before its largest value and falls
+    through it after; the first in one turn from zero, the second after it. None where it never stands above, or always."""
     angle = np.arange(GRID) * _TURN / GRID
     above = np.asarray(cam_lift(angle)) > height
     if not np.any(above) or np.all(above):

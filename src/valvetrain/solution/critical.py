@@ -115,6 +115,10 @@ class CriticalSpeeds:
         """The first answer of ``kind`` and, where given, ``label``; None where that was not searched."""
         return next((one for one in self.rows if one.kind == kind and label in ("", one.label)), None)
 
+    def quantities(self, label: str) -> dict[str, float]:
+        """The engine speeds (rad/s) of one label by the names of the quantities, of what was found."""
+        return {KINDS[one.kind]: one.engine_speed for one in self.rows if one.label == label and one.found}
+
     @property
     def labels(self) -> tuple[str, ...]:
         """Labels in order of first appearance."""

@@ -161,7 +161,7 @@ def critical_speeds(
     >>> import valvetrain as vt
     >>> vt.critical_speeds("tdi-pushrod", "6800:7600:200 rpm", spring_models=["massless"], spring_sets=["stock"], resolution="50 rpm")
     critical engine speeds (rpm)
-      massless, contact-loss: 7150–7200 (cam)
+      massless, contact-loss: 7100–7150 (cam)
       massless, float: never up to 7600
       massless, bounce: never up to 7600
     """

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from valvetrain.system.problem import Member
+from valvetrain.quantities.buckling import formula_compression
+from valvetrain.studies.rest_study import largest_lift
+from valvetrain.system.contract import TRAIN
+from valvetrain.system.problem import Member, Problem
 
 
 def undamped_notes(members: Iterable[Member]) -> tuple[str, ...]:
@@ -19,3 +22,22 @@ def undamped_notes(members: Iterable[Member]) -> tuple[str, ...]:
         f"A {word} spring has no inner motion: the damping of {' and '.join(repr(name) for name in names)} has no effect in it."
         for word, names in left_out.items()
     )
+
+
+def buckling_notes(problem: Problem) -> tuple[str, ...]:
+    """A sentence on each wire of a train that buckles by the formula before the largest lift and stands in no guide.
+
+    The rod at rest is not solved for a train's run; what it says is a command away.
+    """
+    found: list[str] = []
+    if problem.kind != TRAIN:
+        return ()
+    for spring in dict.fromkeys(spring for member in problem.members for spring in member.springs):
+        place = None if spring.wire is None or spring.guide is not None else formula_compression(spring.wire)
+        if place is not None and place < (open_compression := spring.precompression + largest_lift(problem)):
+            found.append(
+                f"Spring '{spring.name}' buckles at {place * 1e3:.4g} mm compression by the formula of EN 13906-1, before the "
+                f"{open_compression * 1e3:.4g} mm at full lift: guide it, or make it shorter or wider; 'valvetrain static' "
+                "finds the place by finite elements."
+            )
+    return tuple(found)

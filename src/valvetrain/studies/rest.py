@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from valvetrain.cosserat.static import Equilibrium
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.buckling import formula_compression
 from valvetrain.quantities.stress import EQUIVALENT, SHEAR
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.static import SpringAtRest, StaticCurve, StaticStress
@@ -24,6 +25,8 @@ from valvetrain.studies.buckling import find_buckling, find_leaning, path_status
 from valvetrain.studies.rest_points import force_of, point_of, slope_of
 
 Array = NDArray[np.float64]
+#: End of a curve without lift over the compression at which the spring buckles by the formula.
+BEYOND_BUCKLING = 1.25
 #: Steps of a static curve, modes about the installed state.
 STEPS, MODES = 64, 24
 #: Even steps of the path that named numbers are read from: up to the installed state, and from there to the end.
@@ -31,11 +34,14 @@ APPROACH, BEYOND = 24, 28
 
 
 def reach_of(spring: InstalledSpring, maximum_lift: float) -> float:
-    """Largest compression (m) of a static curve: a little beyond the largest lift (m), or near solid when there is none."""
+    """Largest compression (m) of a static curve: a little beyond the largest lift (m), or near solid when there is none, but little beyond
+    where a slender spring buckles by the formula: what follows is long to compute and no use."""
     assert spring.wire is not None
     travel = spring.wire.free_length - spring.wire.solid_height
     top = maximum_lift if maximum_lift > 0 else 0.8 * travel
-    return float(min(spring.precompression + 1.06 * top, 0.98 * travel))
+    reach = float(min(spring.precompression + 1.06 * top, 0.98 * travel))
+    place = formula_compression(spring.wire) if maximum_lift <= 0 and spring.guide is None else None
+    return reach if place is None else min(reach, max(1.06 * spring.precompression, BEYOND_BUCKLING * place))
 
 
 def path_points(precompression: float, reach: float) -> Array:

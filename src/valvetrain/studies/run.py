@@ -16,6 +16,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.steel_contacts import usual_contacts
 from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.quantities.design import closing_quantities
+from valvetrain.quantities.spectrum import surge_engine_speeds
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.quantities.valve_events import rigid_events
 from valvetrain.solution.critical import CriticalSpeeds
@@ -29,7 +30,7 @@ from valvetrain.springs.spec import spring_model
 from valvetrain.studies.batch import available_cores
 from valvetrain.studies.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.studies.engine import Progress, map_points
-from valvetrain.studies.notes import undamped_notes
+from valvetrain.studies.notes import buckling_notes, undamped_notes
 from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
 from valvetrain.studies.spread import spread_sentences
 from valvetrain.studies.uncertainty_file import uncertainty_sentences
@@ -87,7 +88,7 @@ def run_problem(
         ready, rest = ready_trains(problem, speeds)
         part = (lambda done, text: progress(GRID_SHARE * done, text)) if progress is not None and critical is not None else progress
         solutions = _run_trains(problem, ready, speeds, plan, count, part)
-        still = _rigid(problem, ready)
+        still = _rigid(problem, ready, speeds)
         if critical is not None:
             found = find_critical_speeds(problem, ready, plan, solutions, critical, count, _search_progress(progress))
     else:
@@ -100,7 +101,7 @@ def run_problem(
         (CARD_WIRE_NOTE,) if any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members) else ()
     )
     notes += tuple(dict.fromkeys(said for m in problem.members if m.gear and (said := usual_contacts(m.gear.parameters.contacts))))
-    notes += undamped_notes(problem.members)
+    notes += (*undamped_notes(problem.members), *buckling_notes(problem))
     study = Study(
         problem.record, command, solutions, rest, still, notes=notes, lift_event=problem.lift_event, provenance=provenance,
         wall_time=time.perf_counter() - begun, critical_speeds=found,
@@ -223,8 +224,13 @@ def _run_trains(
     return map_points(train_point, shared, points, workers, processes=True, tell=tell)
 
 
-def _rigid(problem: Problem, ready: tuple[Ready, ...]) -> dict[str, dict[str, float]]:
-    """What rigid theory says of each spring set."""
+def _surge_speeds(frequency: float | None, speeds: tuple[float, ...]) -> dict[str, float]:
+    """Engine speeds (rad/s) at which the surge (Hz) meets a cam order, a quarter around those that were run."""
+    return surge_engine_speeds(frequency, 0.8 * min(speeds), 1.25 * max(speeds)) if frequency is not None and speeds else {}
+
+
+def _rigid(problem: Problem, ready: tuple[Ready, ...], speeds: tuple[float, ...]) -> dict[str, dict[str, float]]:
+    """What rigid theory says of each spring set, its valve events, and where its surge meets the lift around the ``speeds`` run."""
     still: dict[str, dict[str, float]] = {}
     made: dict[Hashable, Ready] = {(m.gear, m.model.word, m.springs, m.rubbing): one for one in ready for m in (one.member,)}
     for one in ready:
@@ -234,7 +240,7 @@ def _rigid(problem: Problem, ready: tuple[Ready, ...]) -> dict[str, dict[str, fl
             cam_speed, angle = (plain.motion or one.motion).contact_loss()
             values = {"rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle}
             values["rigid_maximum_valve_lift"] = float(np.max(one.motion.derivatives[0]))
-            values |= rigid_events(one.motion.kinematics)
+            values |= rigid_events(one.motion.kinematics) | _surge_speeds(one.frame.surge_frequency, speeds)
             still[one.member.spring_set] = {name: float(value) for name, value in values.items() if np.isfinite(value)}
     return still
 

@@ -154,7 +154,7 @@ def _turns(one: Ready, ramp: Ramp) -> list[tuple[CycleRecord, dict[str, float], 
 
 
 def bind_clearance(record: CycleRecord, system: TrainSystem, springs: Sequence[InstalledSpring]) -> dict[str, float]:
-    """Length (m) left to coil bind at the largest lift of a turn, of the spring with the least; none where no spring tells its solid height."""
+    """Length (m) left to coil bind at the largest lift of a turn, of the spring with the least; none where none is told."""
     rooms = [spring.room for spring in springs if spring.room is not None]
     return {"coil_bind_clearance": min(rooms) - float(record.q[:, system.arrays.retainer].max())} if rooms else {}
 

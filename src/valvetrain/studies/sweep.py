@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
-from valvetrain.solution.critical import KINDS
 from valvetrain.solution.study import Study
 from valvetrain.studies.critical_speeds import CriticalOptions
 from valvetrain.studies.engine import Progress
@@ -36,7 +34,6 @@ def sweep_study(
         problem, speeds, workers=workers, progress=progress, created_at=created_at, command="sweep", whole=whole, critical=critical
     )
     still = {**study.still}
-    for one in study.critical_speeds:
-        if math.isfinite(one.engine_speed):
-            still[one.label] = {**still.get(one.label, {}), KINDS[one.kind]: one.engine_speed}
+    for label in study.critical_speeds.labels:
+        still[label] = {**still.get(label, {}), **study.critical_speeds.quantities(label)}
     return replace(study, still=still)

@@ -22,6 +22,8 @@ from valvetrain.system.problem import Member, Problem
 
 #: Elements, masses or modes of a spring over the case's; step over the usual one; samples per cam turn beside the usual 1440.
 SPRINGS, STEPS, SAMPLES = (1.5, 2.25), (0.5, 0.25), 720
+#: What is below (SI) is rounding: the surge of a spring without mass.
+ROUNDING = 1e-9
 #: Options of spring models that say how finely a spring is divided.
 DIVISIONS = ("elements", "masses_per_coil", "modes", "elements_per_coil")
 #: Headline numbers of a train; those that a run does not have are left out.
@@ -40,7 +42,7 @@ class _Job:
 
     variant: str
     place: int
-    speed: float
+    engine_speed: float
     step: float = 1.0
     samples: int | None = None
 
@@ -50,8 +52,8 @@ def train_uncertainty(
 ) -> UncertaintyStudy:
     """Every variant of a train's case at ``engine_speeds`` (rad/s of the crank; None: the case's own), each number with its uncertainty.
 
-    Variants that rest on a finite-element spring are left out, since a run of theirs takes minutes. Raises :class:`InputError` for a case
-    that cannot be built.
+    Runs go over ``workers`` processes. Variants on a finite-element spring are left out, since a run of theirs takes minutes.
+    Raises :class:`InputError` for a case that cannot be built.
     """
     problem = build(case)
     speeds = problem.engine_speeds if engine_speeds is None else tuple(float(speed) for speed in engine_speeds)
@@ -71,7 +73,7 @@ def train_uncertainty(
     values: dict[tuple[float, int], dict[str, Numbers]] = {}
     failures = []
     for job, (numbers, failed) in zip(jobs, found, strict=True):
-        values.setdefault((job.speed, job.place), {})[job.variant] = numbers
+        values.setdefault((job.engine_speed, job.place), {})[job.variant] = numbers
         if failed and job.variant == OWN:
             failures.append(failed)
     rows = [row for (speed, place), here in values.items() for row in _rows(here, speed, problem.members[place].label)]
@@ -154,19 +156,18 @@ def _solution(problem: Problem, ready: Ready, job: _Job) -> Solution:
     assert isinstance(ready.system, TrainSystem)
     step = None
     if job.step != 1.0 or job.samples is not None:
-        usual = runner(ready.system, job.speed / 2, TrainOptions(), rest=ready.rest).time_step
+        usual = runner(ready.system, job.engine_speed / 2, TrainOptions(), rest=ready.rest).time_step
         step = usual * job.step * (1 + 1e-9)
     options = RunOptions(job.samples, time_step=step, rest=ready.rest)
-    found = run(
-        ready.system, job.speed / 2, Periodic(problem.cycles_to_settle), options, provenance_of(problem, ready.member, job.speed, "")
-    )
+    provenance = provenance_of(problem, ready.member, job.engine_speed, "")
+    found = run(ready.system, job.engine_speed / 2, Periodic(problem.cycles_to_settle), options, provenance)
     return judge(ready, found, Plan(), {})
 
 
 def _rows(values: Mapping[str, Numbers], speed: float, label: str) -> list[Uncertainty]:
     rows = []
     for name, value in values[OWN].items():
-        if name not in HEADLINES:
+        if name not in HEADLINES or 0 < abs(value) < ROUNDING:
             continue
 
         def of(variant: str, name: str = name) -> float | None:

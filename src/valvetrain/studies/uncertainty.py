@@ -87,16 +87,13 @@ def uncertainty_study(
 ) -> UncertaintyStudy:  # fmt: skip
     """Refine meshes and step, vary the contact, and state the uncertainty of each headline number.
 
-    ``engine_speeds`` in rad/s of the crank (None: the case's own). Runs go over ``workers`` threads. A valvetrain is refined as
-    :func:`valvetrain.studies.train_uncertainty.train_uncertainty` says. Raises :class:`InputError` for a case without wire or lift law,
-    and other than three meshes.
+    ``engine_speeds`` in rad/s of the crank (None: the case's own). Runs go over ``workers`` threads. Raises :class:`InputError` for a
+    valvetrain, a case without wire or lift law, and other than three meshes.
     """
     if len(refinements) != 3 or list(refinements) != sorted(set(refinements)):
         raise InputError("three meshes are needed, coarse to fine, such as 1, 1.5 and 2.25 times the elements per coil")
     if case.train is not None:
-        from valvetrain.studies.train_uncertainty import train_uncertainty
-
-        return train_uncertainty(case, engine_speeds, workers=workers, progress=progress)
+        raise InputError(f"case '{case.name}' is a valvetrain; refine it with valvetrain.studies.refined.refined")
     if case.lift_law is None or not case.springs or any(spring.wire is None for spring in case.springs):
         raise InputError(f"case '{case.name}' needs a [spring] with its wire and a [lift_law] to be refined; give it both")
     problem = build(case, spring_models=("finite-element",))

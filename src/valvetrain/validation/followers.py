@@ -91,10 +91,10 @@ def gas_between_its_angles() -> list[Row]:
     return rows
 
 
-def follower(law: Law, lift: LiftLaw, force: float = 0.0) -> TrainSystem:
+def follower(law: Law, lift_law: LiftLaw, force: float = 0.0) -> TrainSystem:
     """One mass on a cam whose lift it feels through ``law``; ``force`` (N) pulls it away from the cam."""
     contact = Interaction("cam", CAM_LIFT, ("valve",), (0.0, 1.0, 0.0, 0.0, 0.0, 1.0), law, "cam lift")
-    tables = {"cam lift": lift_table(lift)}
+    tables = {"cam lift": lift_table(lift_law)}
     return TrainSystem(AssembledMechanism("follower", (Coordinate("valve", MASS, force=force),), (contact,), tables, "valve", "valve"))
 
 

@@ -1,0 +1,84 @@
+"""Trains whose loose parts rattle: judged by the valve, with their scatter told; what is not settled or floats stays named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_scatter import COMPARED, STEADY_VALVE, cycle_numbers
+from valvetrain.integrate.train_steady import steady_train
+from valvetrain.parameters.loading import parse_case
+from valvetrain.studies.run import run_study
+from valvetrain.system.build import build
+
+RPM = np.pi / 30
+
+
+def pushrod(lash: str, torque: str = "0.3 N m", model: str = "multi-mass"):
+    """The pushrod train that `valvetrain new` writes, with other lash, hold of its rocker while the lash is open, and spring model."""
+    from importlib import resources
+
+    text = resources.files("valvetrain").joinpath("templates/pushrod.toml").read_text(encoding="utf-8")
+    changes = {"0.3 N m": torque, 'lash = "0 in"': f'lash = "{lash}"', 'spring_model = "multi-mass"': f'spring_model = "{model}"'}
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
+    return parse_case(text)
+
+
+@pytest.fixture(scope="module")
+def rattling():
+    return run_study(pushrod("0.1 mm"), engine_speeds=[3000 * RPM], workers=1)
+
+
+def test_rattle_between_events_is_no_failure_and_its_scatter_is_told(rattling):
+    (found,) = rattling.solutions
+    assert found.status.completed and "the valve repeats to" in found.status.sentence()
+    assert found.quantities["motion_period_count"] != 1 and found.quantities["steady_residual_ratio"] > 1e-4
+    assert found.quantities["bounce_height"] == pytest.approx(11e-6, abs=3e-6)  # some ten micrometres are no failure
+    scatter = {name: value for name, value in found.quantities.items() if name.startswith("cycle_scatter_")}
+    assert {"cycle_scatter_seating_velocity", "cycle_scatter_peak_cam_contact_force", "cycle_scatter_bounce_height"} <= scatter.keys()
+    assert 0 < scatter["cycle_scatter_valve_lift"] < STEADY_VALVE * found.quantities["peak_valve_lift"]
+    assert scatter["cycle_scatter_valve_lift"] < 2e-6 < 1e-3 < scatter["cycle_scatter_peak_rocker_contact_force"]
+    assert not rattling.failures
+
+
+def test_scatter_stands_in_table_page_and_json(rattling):
+    import valvetrain as vt
+    from valvetrain.report.headlines import headline_rows
+
+    rows = {row.name: row for row in headline_rows(rattling)}
+    (value,) = rows["cycle_scatter_seating_velocity"].values
+    assert value == pytest.approx(rattling.solutions[0].quantities["cycle_scatter_seating_velocity"])
+    (told,) = vt.study_json(rattling)["runs"]
+    assert told["quantities"]["cycle_scatter_bounce_height"]["unit"] == "m" and "the valve repeats" in told["status"]["message"]
+
+
+def test_a_train_that_repeats_has_no_scatter():
+    (found,) = run_study(pushrod("0.1 mm"), engine_speeds=[1000 * RPM], workers=1).solutions
+    assert found.status.sentence() == "completed" and found.quantities["motion_period_count"] == 1
+    assert not [name for name in found.quantities if name.startswith("cycle_scatter_")]
+
+
+def test_a_valve_that_floats_does_not_settle():
+    (found,) = run_study(pushrod("0.56 mm", "0 N m", "massless"), engine_speeds=[8000 * RPM], workers=1).solutions
+    assert found.status.code == "not-converged" and "the valve lift by" in found.status.message
+    assert found.quantities["cycle_scatter_valve_lift"] > STEADY_VALVE * found.quantities["peak_valve_lift"]
+
+
+def test_scatter_is_the_range_over_plain_cycles():
+    """The same cycles run by hand."""
+    built = build(pushrod("0.3 mm", model="massless")).members[0].system()
+    ready = runner(built, 1500 * RPM, TrainOptions(samples=360))
+    found = steady_train(ready, "repeat", cycles=3)
+    assert found.status.code == "not-converged"  # three cycles tell nothing of rattle
+    state, numbers = steady_train(ready, "repeat", cycles=3, compared=False).start, []
+    for _ in range(COMPARED):
+        end, record = ready.cycle(state)
+        state = replace(end, cam_angle=0.0)
+        numbers.append(cycle_numbers(built, record))
+    by_hand = {name: float(np.ptp([one[name] for one in numbers])) for name in numbers[0]}
+    assert found.scatter.numbers == pytest.approx(by_hand, rel=1e-9, abs=1e-15)

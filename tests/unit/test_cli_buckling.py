@@ -1,0 +1,77 @@
+"""Buckling and guides on the command line, in JSON and on the page."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from unit.cli_parts import call
+from valvetrain.parameters.loading import load_case
+from valvetrain.report.build import study_page
+from valvetrain.report.page import render
+from valvetrain.studies.rest_study import rest_study
+
+SLENDER = """
+[spring]
+wire_diameter = "1 mm"
+mean_diameter = "10 mm"
+pitch = "4 mm"
+total_coils = 20
+ends = "open"
+material = { youngs_modulus = "206 GPa", shear_modulus = "79.6 GPa", density = "7850 kg/m^3" }
+precompression = "8 mm"
+[spring.options.finite-element]
+elements_per_coil = 8
+[lift_law]
+kind = "sine-power"
+maximum_lift = "4 mm"
+opening_start = "100 deg"
+closing_end = "260 deg"
+power = 4
+"""
+GUIDED = SLENDER + '[spring.guide]\nbore = "12 mm"\n'
+
+
+@pytest.fixture
+def slender(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "slender.toml").write_text(SLENDER)
+    (tmp_path / "guided.toml").write_text(GUIDED)
+
+
+def test_a_curve_beyond_buckling_fails_with_the_place_and_what_to_do(slender):
+    result = call("static", "slender.toml", "--to", "18 mm", "--steps", "6", "--json")
+    found = json.loads(result.stdout)
+    assert result.exit_code == 1 and "buckles at 15.7" in result.stderr and "guide it in a bore" in result.stderr
+    assert found["springs_at_rest"][0]["static_curve"]["status"]["code"] == "buckled"
+    place, height, formula = (
+        found["quantities"][name]["value"] for name in ("buckling_compression", "buckling_height", "formula_buckling_compression")
+    )
+    assert place == pytest.approx(formula, rel=0.01) and height == pytest.approx(81e-3 - place, abs=1e-9)
+
+
+def test_one_below_buckling_does_not(slender):
+    result = call("static", "slender.toml", "--to", "14 mm", "--steps", "6")
+    assert result.exit_code == 0 and "by formula" in result.stdout and "Height at which" not in result.stdout
+
+
+def test_modes_about_a_buckled_state_fail_too(slender):
+    result = call("modes", "slender.toml", "--compression", "16.5 mm", "--count", "4")
+    assert result.exit_code == 1 and "modes: buckled" in result.stderr
+
+
+def test_in_its_guide_it_says_that_it_leans(slender):
+    result = call("static", "guided.toml", "--to", "18 mm", "--steps", "6")
+    assert result.exit_code == 0 and "leans on its guide from" in result.stdout and "Force on its guide" in result.stdout
+    assert "bore of 12 mm, without friction" in call("check", "guided.toml").stdout
+
+
+def test_a_bore_too_narrow_is_refused_with_its_place(slender):
+    result = call("check", "guided.toml", "--set", "spring.guide.bore=10.5 mm")
+    assert result.exit_code == 2 and "spring.guide" in result.stderr and "outer diameter is 11 mm; widen the bore" in result.stderr
+
+
+def test_the_page_shows_where_it_buckles(slender):
+    page = render(study_page(rest_study(load_case("slender.toml"), largest_compression=0.018, steps=6)))
+    assert "what lies beyond is a spring bent sideways" in page and "buckles" in page
