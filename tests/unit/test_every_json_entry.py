@@ -290,7 +290,7 @@ def test_quick_plots_of_studies_at_one_speed_and_over_several():
     assert axes(other)["yaxis"].startswith("peak clash force")
     energy = tuple(replace(run, quantities={"clash_energy": 2e-3}) for run in study.solutions)
     drawn = plot_study(replace(study, solutions=energy))
-    assert axes(drawn)["yaxis"] == "clash energy (J)" and traces(drawn)["stock"][1][3] == pytest.approx(2e-3)
+    assert axes(drawn)["yaxis"] == "clash energy (mJ)" and traces(drawn)["stock"][1][3] == pytest.approx(2.0)
 
 
 def test_quick_plots_of_springs_at_rest():
