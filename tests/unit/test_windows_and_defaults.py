@@ -17,7 +17,8 @@ WINDOWS = {
     "wire_diameter": (1e-3, "mm", 0.2, 20), "mean_diameter": (1e-3, "mm", 3, 200), "pitch": (1e-3, "mm", 0.2, 100),
     "spring_length": (1e-3, "mm", 3, 1000), "compression": (1e-3, "mm", 1e-6, 500), "valve_lift": (1e-3, "mm", 1e-6, 100),
     "engine_speed": (np.pi / 30, "rpm", 10, 30000), "cam_speed": (np.pi / 30, "rpm", 5, 15000),
-    "cam_angle": (np.pi / 180, "deg", 1e-9 * 180 / np.pi, 1440), "spring_rate": (1e3, "N/mm", 0.1, 5000), "modulus": (1e9, "GPa", 0.1, 2000),
+    "cam_angle": (np.pi / 180, "deg", 1e-9 * 180 / np.pi, 1440), "spring_rate": (1e3, "N/mm", 0.1, 5000),
+    "modulus": (1e9, "GPa", 0.1, 2000),
     "density": (1.0, "kg/m^3", 100, 100000), "mass": (1e-3, "g", 1e-3, 20000),
 }  # fmt: skip
 
