@@ -51,6 +51,7 @@ class KernelCache(FunctionCache):
         self._cache_file = IndexDataCacheFile(self._cache_path, self._impl.filename_base, stamp)  # type: ignore[no-untyped-call]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Kept machine code for a signature, None where there is none that can be read."""
         try:
             return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         except Exception as reason:  # damaged bytes raise whatever they happen to spell
@@ -62,6 +63,7 @@ class KernelCache(FunctionCache):
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep machine code for a signature, if the disk takes it."""
         try:
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
         except OSError as reason:
