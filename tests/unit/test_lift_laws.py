@@ -50,7 +50,12 @@ CASES = {
     "modified-trapezoid": FLANKS,
     "cam-card": {"maximum_lift": 0.009, "nose": 3.1, "duration": 2.1, "ramp_lift": 3e-4},
     "cam-card of three durations": {
-        "maximum_lift": 0.009, "nose": 3.1, "duration": 2.1, "advertised_duration": 2.5, "upper_duration": 1.37, "ramp_blend": 1.0,
+        "maximum_lift": 0.009,
+        "nose": 3.1,
+        "duration": 2.1,
+        "advertised_duration": 2.5,
+        "upper_duration": 1.37,
+        "ramp_blend": 1.0,
     },
     "harmonic": FLANKS,
     "harmonic without dwell": FLANKS | {"closing_start": 3.0},

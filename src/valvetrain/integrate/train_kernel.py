@@ -16,9 +16,10 @@ import warnings
 from typing import Any
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
+from valvetrain.compiled import njit
 from valvetrain.contact.kernels import (
     ELASTIC_LINK,
     FLORES,

@@ -134,7 +134,7 @@ class StaticCurve:
         return float(np.interp(place, known.compression, known.stiffness))
 
     def compression_at(self, force: Given) -> float:
-        """Least compression (m) at which the spring carries a ``force`` (N, "400 N" or a pint quantity), between points as :meth:`force_at`.
+        """Least compression (m) of a spring that carries a ``force`` (N, "400 N" or a pint quantity), between points as :meth:`force_at`.
 
         Raises :class:`InputError` for a force that the curve does not reach.
         """
