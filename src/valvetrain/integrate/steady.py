@@ -113,7 +113,8 @@ def _attracts(cycle: CycleMap, orbit: Array, weights: Array, tolerance: float) -
         image = cycle(x)
         sizes.append(float(np.linalg.norm((image - x) * weights)))
         x = image
-    return bool(sizes[-1] < sizes[0] or sizes[-1] <= tolerance), x
+    grows = sizes[-1] > sizes[-2] > sizes[-3]  # what decays fast hides what grows slowly in the first cycles
+    return bool((sizes[-1] < sizes[0] and not grows) or sizes[-1] <= tolerance), x
 
 
 def _mixed(inputs: list[Array], changes: list[Array], weights: Array) -> Array:
