@@ -14,8 +14,9 @@ from valvetrain.solution.study import Study
 from valvetrain.studies.compare import compare_study
 from valvetrain.studies.critical_speeds import read_options
 from valvetrain.studies.engine import Progress
+from valvetrain.studies.largest_lift import largest_lift
 from valvetrain.studies.rest import STEPS
-from valvetrain.studies.rest_study import curve_by_model, largest_lift
+from valvetrain.studies.rest_study import curve_by_model
 from valvetrain.studies.run import run_study
 from valvetrain.studies.sweep import sweep_study
 from valvetrain.system.build import build

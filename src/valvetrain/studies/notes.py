@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from valvetrain.quantities.buckling import formula_compression
-from valvetrain.studies.rest_study import largest_lift
+from valvetrain.studies.largest_lift import largest_lift
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
 

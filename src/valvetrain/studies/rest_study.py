@@ -21,10 +21,10 @@ from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.engine import Progress
+from valvetrain.studies.largest_lift import largest_lift
 from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
 from valvetrain.studies.rest_points import points_asked
 from valvetrain.system.build import build
-from valvetrain.system.problem import Problem
 
 #: What computes a spring at rest where nothing else is asked for: of a wire, of a card with and without a mass.
 WIRE, CARD, BARE = "finite-element", "modal-uniform", "massless"
@@ -97,12 +97,6 @@ def curve_by_model(spring: InstalledSpring, word: str, valve_lift: float, wanted
 def _by_rod(rod: SpringModel, reach: float, steps: int | None, modes: int, attached_mass: float | None = None) -> SpringAtRest:
     assert isinstance(rod, FiniteElementRod)
     return at_rest(rod, reach, steps, modes, attached_mass=attached_mass)
-
-
-def largest_lift(problem: Problem) -> float:
-    """Largest valve lift (m): of the rigid train, or of the law that drives the spring."""
-    lifts = [float(member.gear.mechanism.kinematics.maximum_lift) for member in problem.members if member.gear is not None]
-    return max(lifts, default=float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721)))))
 
 
 def _compressed(spring: InstalledSpring, compression: float) -> InstalledSpring:
