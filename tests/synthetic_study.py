@@ -10,6 +10,7 @@ import xarray
 from synthetic_spring import ENGINE_SPEED, bump
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.comparison import Comparison, Finding
+from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
 from valvetrain.solution.event import Event
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Provenance
@@ -234,4 +235,22 @@ def sweep_study(speeds: int = 12) -> Study:
         tuple(runs),
         still={"stock": {"float_engine_speed": 701.0}},
         lift_event=EVENT,
+        critical_speeds=critical_speeds(),
     )
+
+
+def critical_speeds() -> CriticalSpeeds:
+    """Answers for ``stock`` alone: contact is lost and regained, and again; float with a hysteresis; no bounce."""
+
+    def at(speed: float) -> SpeedBracket:
+        return SpeedBracket(speed, speed + 1)
+
+    searched = (2000 * np.pi / 30, 8000 * np.pi / 30, 10 * np.pi / 30)
+    again = (SpeedBracket(690.0, 8000 * np.pi / 30),)
+    return CriticalSpeeds((
+        CriticalSpeed(
+            "stock", "contact-loss", 0.0, *searched, True, "cam", Crossing(*[at(650.0)] * 3), Crossing(*[at(680.0)] * 3), again, 31
+        ),
+        CriticalSpeed("stock", "float", 5e-5, *searched, True, "valve", Crossing(at(700.0), at(720.0), at(690.0)), None, (), 23),
+        CriticalSpeed("stock", "bounce", 1e-4, *searched),
+    ))  # fmt: skip

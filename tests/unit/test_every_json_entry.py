@@ -80,6 +80,7 @@ def test_a_study_is_told_entry_by_entry():
          "tolerance": None, "verdict": "misses by -25.0 %, tolerance 3.0 %", "source": "",
          "used_for": "the pitch", "doubt": ""},
     ]  # fmt: skip
+    assert told.pop("critical_speeds") == []
     failures = told.pop("failures")
     assert len(failures) == 1 and "the force is not finite" in failures[0]
     expected = {
@@ -98,6 +99,27 @@ def test_numbers_at_rest_stand_under_their_labels():
     assert told["quantities_by_label"] == {"stock": {"float_engine_speed": known(701, "rad/s")}} and told["quantities"] == {}
     assert told["completed"] is True and told["cite"][0] == CITED[0]  # motion that does not settle is a finding of a sweep
     assert study_json(replace(sweep_study(), command="run"))["completed"] is False
+
+
+def test_critical_speeds_are_told_bracket_by_bracket():
+    contact, floats, bounce = study_json(sweep_study())["critical_speeds"]
+
+    def bracket(low: float, high: float) -> dict:
+        return {"lower": known(low * 30 / np.pi, "rpm"), "upper": known(high * 30 / np.pi, "rpm")}
+
+    each = {"label": "stock", "searched": bracket(2000 * RPM, 8000 * RPM), "resolution": known(10, "rpm")}
+    assert contact == each | {
+        "kind": "contact-loss", "place": "cam", "limit": known(0, "N"), "engine_speed": known(651 * 30 / np.pi, "rpm"),
+        "begins": dict.fromkeys(("from_rest", "rising", "falling"), bracket(650, 651)),
+        "ends": dict.fromkeys(("from_rest", "rising", "falling"), bracket(680, 681)), "again": [bracket(690, 8000 * RPM)],
+        "runs_count": known(31, "1"),
+    }  # fmt: skip
+    assert floats["begins"] == {"from_rest": bracket(700, 701), "rising": bracket(720, 721), "falling": bracket(690, 691)}
+    assert (floats["limit"], floats["place"], floats["ends"]) == (known(5e-5, "m"), "valve", None)
+    assert bounce == each | {
+        "kind": "bounce", "place": "", "limit": known(1e-4, "m"), "engine_speed": None, "begins": None, "ends": None, "again": [],
+        "runs_count": known(0, "1"),
+    }  # fmt: skip
 
 
 def rows(path) -> list[dict[str, str]]:

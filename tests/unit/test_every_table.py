@@ -100,9 +100,19 @@ def test_a_sweep_answers_with_the_worst_of_each_label_and_its_speed():
         "Surge amplitude (N)": ("64.99 at 7454.55 rpm", "64.8 at 4727.27 rpm"), "Coil clash": (),
         "Clash energy (mJ)": ("11 at 8000 rpm", "13.2 at 8000 rpm"), "Seating and contact": (),
         "Seating velocity (m/s)": ("0.42 at 8000 rpm",) * 2, "Lift lost (mm)": ("0.11 at 8000 rpm",) * 2, "Loss of control": (),
-        "Loss of contact from (rpm)": ("not computed",) * 2, "Float from (rpm)": ("not computed",) * 2,
-        "Bounce from (rpm)": ("not computed",) * 2,
+        "Loss of contact from (rpm)": ("6207–6217 (cam)", "not computed"), "Float from (rpm)": ("6685–6694", "not computed"),
+        "Bounce from (rpm)": ("never up to 8000", "not computed"),
     }  # fmt: skip
+
+
+def test_critical_speeds_stand_in_a_table_with_how_they_were_searched():
+    grid, note = blocks("critical-speeds", sweep_study())
+    told = cells(grid)
+    assert told[0] == ["Loss of contact from", "6207–6217 (cam)", "not computed"] and told[6][1] == "never up to 8000"
+    assert [row[0].strip() for row in told[1:6]] == ["until", "again", "Float from", "until", "rising / falling speed"]
+    assert told[5][1] == "6875–6885 / 6589–6599"
+    assert "from 2000 to 8000 rpm" in note.html and "0.05 mm" in note.html and "0.1 mm" in note.html and "10 rpm" in note.html
+    assert blocks("critical-speeds", STUDIES["own"]()) == ()
 
 
 def test_many_runs_stand_below_each_other_a_question_a_table():

@@ -86,8 +86,8 @@ def test_text_speaks_the_units_of_the_field():
     assert repr(modes()) == "ModalResult at 7 mm compression, 5 modes, completed\n  3 axial: 630, 1120, 1639 Hz"
     assert repr(study()).splitlines()[:2] == ["Study of own <i> (sweep): 4 runs", "  rod, chain; 4200 rpm, 5600 rpm"]
     assert repr(quantities()).splitlines()[-1] == "  and 2 more"
-    assert [words(*one) for one in ((0.007, "m"), (41e3, "N/m"), (7.5e8, "Pa"), (0.5, "1"), (3.0, "J"))] == [
-        "7 mm", "41 N/mm", "750 MPa", "0.5", "3 J",
+    assert [words(*one) for one in ((0.007, "m"), (41e3, "N/m"), (7.5e8, "Pa"), (0.5, "1"), (3e-3, "J"))] == [
+        "7 mm", "41 N/mm", "750 MPa", "0.5", "3 mJ",
     ]  # fmt: skip
 
 

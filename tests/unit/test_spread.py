@@ -120,3 +120,12 @@ def test_targets_are_the_values_whose_role_is_calibration(case):
         if name != "node_2_installed_gap":  # between no gap and the 0.07 mm of the 4200 rpm run
             target = targets[name]
             assert target.value == pytest.approx(math.degrees(value.value) if quantity.endswith("_angle") else value.value)
+
+
+def test_the_search_computes_every_target_of_the_shipped_case():
+    """On a coarse mesh, beside the numbers of docs/beehive.md: the script and the package read one case alike."""
+    found = SCRIPT["evaluate"](12, SCRIPT["library_values"]())
+    assert set(SCRIPT["PUBLISHED"]) <= set(found)
+    assert found["preload"] == pytest.approx(288.9, rel=2e-3) and found["stage_2_peak_force"] == pytest.approx(816.5, rel=2e-3)
+    # the free swing to 120 degrees, not the study's Stage I, whose range is 18.9 N
+    assert found["free_swing_force_range"] == pytest.approx(14.7, abs=0.3)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 
-def solve(error: Callable[[float], float], bounds: tuple[float, float]) -> float | None:
-    """Where ``error`` crosses zero between ``bounds``, by regula falsi (Illinois) to rounding; None where it has one sign at both."""
+def solve(error: Callable[[float], float], bounds: tuple[float, float], within: float = 0.0) -> float | None:
+    """Where ``error`` crosses zero between ``bounds``, by regula falsi (Illinois) until a step is no more than ``within`` (0: to rounding);
+    None where it has one sign at both."""
     (before, now), (at_before, at_now) = bounds, (error(bounds[0]), error(bounds[1]))
     if at_before * at_now > 0:
         return None
@@ -19,7 +20,8 @@ def solve(error: Callable[[float], float], bounds: tuple[float, float]) -> float
             before, at_before = now, at_now
         else:
             at_before /= 2
-        if found == now:
-            break
+        close = abs(found - now) <= within
         now, at_now = found, at_found
+        if close:
+            break
     return now

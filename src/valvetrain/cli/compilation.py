@@ -26,5 +26,7 @@ def _compiled(kernel: Any) -> bool:
     try:
         # Numba keeps its index private; it checks version and age of the source, which a look at file names would not.
         return bool(kernel._cache._cache_file._load_index())
-    except (AttributeError, OSError):
+    except AttributeError:
         return True
+    except Exception:  # damaged bytes raise whatever they happen to spell; they are compiled anew
+        return False

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from valvetrain.compiled import njit
 
 WIDTH = 8
 STIFFNESS, EXPONENT, DAMPING, RESTITUTION, DEPTH, SLOWEST = range(6)

@@ -7,9 +7,10 @@ from typing import Any
 
 import numba
 from llvmlite import ir  # type: ignore[import-untyped]
-from numba import cfunc, njit, types
+from numba import cfunc, types
 from numba.extending import intrinsic
 
+from valvetrain.compiled import njit
 from valvetrain.contact.kernels import WIDTH
 from valvetrain.contact.law import LawKernel
 

@@ -7,7 +7,8 @@ Stretch strain u = R^T (x_{i+1} - x_i) / h; bending strain 2 vec(conj(q_i) q_{i+
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from valvetrain.compiled import njit
 
 #: Half bandwidth of the tangent without contact: vertex, edge, vertex, edge couple over 9 unknowns each way.
 HALF_BAND = 11

@@ -7,8 +7,8 @@ mesh and however short the stretch of wire in contact. Measured per core against
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from valvetrain.compiled import njit
 from valvetrain.cosserat.layout import GROUP as _GROUP
 from valvetrain.cosserat.layout import ROW
 from valvetrain.cosserat.step_kernels import (

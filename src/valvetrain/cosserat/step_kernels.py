@@ -13,8 +13,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from valvetrain.compiled import njit
 from valvetrain.cosserat.layout import GROUP as _GROUP
 from valvetrain.cosserat.layout import ROW
 

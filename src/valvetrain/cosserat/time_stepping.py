@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from valvetrain.compiled import njit
 from valvetrain.cosserat.layout import GROUP as _GROUP
 from valvetrain.cosserat.layout import ROW
 from valvetrain.cosserat.layout import STRIDE as _STRIDE

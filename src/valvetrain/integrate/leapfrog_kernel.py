@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from numba import njit, types
+from numba import types
 
+from valvetrain.compiled import njit
 from valvetrain.integrate.spring_slot import SPRING_FUNCTION, write_contacts
 
 _f8, _vector, _matrix = types.float64, types.Array(types.float64, 1, "C"), types.Array(types.float64, 2, "C")

@@ -5,8 +5,10 @@ from __future__ import annotations
 import warnings
 from typing import Any
 
-from numba import njit, types
+from numba import types
 from numba.core.errors import NumbaExperimentalFeatureWarning
+
+from valvetrain.compiled import njit
 
 # Spring kernels enter as first-class functions; numba calls that experimental each time it compiles a loop.
 warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)

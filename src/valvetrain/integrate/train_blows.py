@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from valvetrain.compiled import njit
 from valvetrain.contact.kernels import OWN_LAW, WIDTH, contact_force
 from valvetrain.contact.own_law import call_law
 from valvetrain.mechanism.gaps import OPTIONS

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from valvetrain.compiled import njit
 from valvetrain.mechanism.gaps import OPTIONS
 
 

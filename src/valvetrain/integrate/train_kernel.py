@@ -16,9 +16,10 @@ import warnings
 from typing import Any
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
+from valvetrain.compiled import njit
 from valvetrain.contact.kernels import (
     ELASTIC_LINK,
     FLORES,
@@ -166,7 +167,7 @@ def _account(laws, body, motion, scratch, records, first, cam_angle, step):
 
 
 @njit(forceinline=True, **OPTIONS)
-def _record(row, records, q, v, old, step, now, cam_angle, power, gaps, clock):
+def _record(row, records, q, v, old, step, now, cam_angle, power, gaps, share, clock):
     count, motion = q.shape[0], records.motion
     for i in range(count):
         motion[row, i] = q[i]
@@ -174,7 +175,7 @@ def _record(row, records, q, v, old, step, now, cam_angle, power, gaps, clock):
         motion[row, 2 * count + i] = (v[i] - old[i]) / step
     motion[row, 3 * count], motion[row, 3 * count + 1] = cam_angle, power
     for k in range(gaps.shape[0]):
-        records.force[row, k], records.gap[row, k] = gaps[k, 2], -gaps[k, 0]
+        records.force[row, k], records.gap[row, k] = gaps[k, 2] / share[k], -gaps[k, 0]
     for j in range(4):
         records.spring[row, j] = clock[4 + j]
 
@@ -272,7 +273,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
             totals[1] += kick * pressed * 0.5 * (old[gas_coordinate] + v[gas_coordinate])
         totals[3] += kick * pull * 0.5 * (old[retainer] + v[retainer])
         if recording:
-            _record(sample, records, q, v, old, kick, now, cam_angle, power, gaps, clock)
+            _record(sample, records, q, v, old, kick, now, cam_angle, power, gaps, scratch.share, clock)
             sample += 1
         for i in range(q.shape[0]):
             q[i] += part * v[i]

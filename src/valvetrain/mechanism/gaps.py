@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from numba import njit
-
+from valvetrain.compiled import njit
 from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_LIFT, CAM_ROUND, LINEAR, POINT_PLANE
 
 #: No reference counting: nothing is allocated, and counting the arrays passed along would cost more than the geometry.

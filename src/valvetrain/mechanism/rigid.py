@@ -88,10 +88,10 @@ class RigidKinematics:
         value = tight - self.lash if derivative == 0 else self._tight(cam_angle, derivative)
         return np.where(tight > self.lash, value, 0.0)
 
-    def law_lift(self, valve_lift: float) -> float:
-        """What the law lifts (m) when the rigid valve stands at ``valve_lift`` (m), the lash taken up."""
-        tight = valve_lift + self.lash
-        return tight if self.law_of == "valve" else float(self.ratio.inverse(np.array(tight)) * self.drive_scale)
+    def law_lift(self, valve_lift: ArrayLike) -> Array:
+        """What the law lifts (m) when the rigid valve stands at ``valve_lift`` (m), the lash taken up; the shape kept."""
+        tight = np.asarray(valve_lift, dtype=float) + self.lash
+        return tight if self.law_of == "valve" else self.ratio.inverse(tight) * self.drive_scale
 
     def motion_ratio(self, cam_angle: ArrayLike) -> Array:
         """Valve travel per drive travel d(valve)/d(drive length) (1), from geometry."""

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from valvetrain.compiled import njit
 from valvetrain.mechanism.gap_kinds import ARC_RADIUS, CAM_FLAT, CAM_ROUND, POINT_PLANE
 from valvetrain.mechanism.gaps import OPTIONS, _planar_point, table_value
 

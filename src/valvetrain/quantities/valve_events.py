@@ -27,10 +27,11 @@ def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[f
     """Cam angles (rad) at which ``cam_lift`` (m over cam rad, periodic) rises through ``height`` (m) before its largest value and falls
     through it after; the first in one turn from zero, the second after it. None where it never stands above, or always."""
     angle = np.arange(GRID) * _TURN / GRID
-    above = np.asarray(cam_lift(angle)) > height
+    lift = np.asarray(cam_lift(angle))
+    above = lift > height
     if not np.any(above) or np.all(above):
         return None
-    top = int(np.argmax(np.asarray(cam_lift(angle))))
+    top = int(np.argmax(lift))
     down = np.flatnonzero(~above)
     before, after = int(down[np.argmin((top - down) % GRID)]), int(down[np.argmin((down - top) % GRID)])
     step = _TURN / GRID
@@ -41,7 +42,7 @@ def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[f
 
 def _between(lift: Callable[[Array], Array], height: float, low: float, high: float) -> float:
     """Where ``lift`` passes ``height`` between an angle at which it is at most that and one at which it is more."""
-    found = solve(lambda angle: float(lift(np.array(angle))) - height, (low, high))
+    found = solve(lambda angle: float(lift(np.array(angle))) - height, (low, high), within=1e-12)
     return low if found is None else found
 
 
@@ -63,8 +64,9 @@ def rigid_events(kinematics: RigidKinematics) -> dict[str, float]:
     if kinematics.law_of == "drive":
         for word, height in HEIGHTS.items():
             found |= event_numbers("lobe", word, lift_crossings(law, height))
-    for word, height in {"lash": 0.0, **HEIGHTS}.items():
-        found |= event_numbers("rigid_valve", word, lift_crossings(law, kinematics.law_lift(height)))
+    words, heights = ("lash", *HEIGHTS), np.array([0.0, *HEIGHTS.values()])
+    for word, height in zip(words, kinematics.law_lift(heights).tolist(), strict=True):
+        found |= event_numbers("rigid_valve", word, lift_crossings(law, height))
     return found
 
 

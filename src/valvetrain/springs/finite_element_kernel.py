@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from valvetrain.compiled import njit
 from valvetrain.cosserat.layout import SIZE
 from valvetrain.cosserat.time_stepping import (
     DT,
@@ -27,7 +27,7 @@ STATE_SIZE = STRETCH + 2 * STRETCHES
 NUMBERS, NUMBER_COUNT = 2, 10
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def advance_rod(parameters, integers, state, retainer_displacement, retainer_velocity, time_step):
     """Both end forces at t_n, then one step of the rod; contract in ``springs.contract``."""
     buffer = state[:SIZE]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from numba import njit
+from valvetrain.compiled import njit
 
 HEADER = 4
 PER_MODE = 5

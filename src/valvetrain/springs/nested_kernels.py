@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from numba import njit
+from valvetrain.compiled import njit
 
 HEADER = 1
 INTEGER_HEADER = 8

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from numba import njit
+from valvetrain.compiled import njit
 
 #: Nothing is allocated, so no reference counting; sums may be reordered, nothing that hides a NaN.
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": {"reassoc", "contract", "nsz"}}

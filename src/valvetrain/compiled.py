@@ -1,0 +1,118 @@
+"""Compiled kernels: numba's ``njit`` with a cache on disk that never serves old code, mends itself and finds a place of its own."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba import njit as compile_kernel
+from numba.core.caching import FunctionCache, IndexDataCacheFile
+
+PACKAGE = Path(__file__).parent
+_IMPORT = re.compile(rb"^\s*from valvetrain\.([\w.]+) import|^\s*import valvetrain\.([\w.]+)", re.MULTILINE)
+
+
+def njit(*given: Any, **options: Any) -> Any:
+    """``numba.njit`` whose option ``cache`` keeps the machine code by :class:`KernelCache`; to be used as a decorator, as numba's is."""
+    kept = options.pop("cache", False)
+    if given:
+        return compile_kernel(*given, **options)
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        kernel = compile_kernel(**options)(function)
+        if kept:
+            try:
+                kernel._cache = _cache_of(kernel.py_func)
+            except (AttributeError, OSError, RuntimeError, TypeError) as reason:
+                _tell_once(f"compiled kernels cannot be kept ({reason}); each run compiles them anew")
+        return kernel
+
+    return decorate
+
+
+class KernelCache(FunctionCache):
+    """Numba's cache of one kernel, valid for all sources that kernels are made of, not for the kernel's own file alone.
+
+    A kernel holds the code of those it calls and the constants of other files, which numba does not look at. An entry that cannot be
+    read is dropped and made anew; one that cannot be written is left out.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        stamp = (self._impl.locator.get_source_stamp(), sources_digest(PACKAGE))
+        self._cache_file = IndexDataCacheFile(self._cache_path, self._impl.filename_base, stamp)  # type: ignore[no-untyped-call]
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        except Exception as reason:  # damaged bytes raise whatever they happen to spell
+            _tell_once(f"compiled kernels in {self._cache_path} are damaged ({type(reason).__name__}); they are compiled anew")
+            try:
+                self.flush()  # type: ignore[no-untyped-call]
+            except OSError:
+                self.disable()  # type: ignore[no-untyped-call]
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        try:
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        except OSError as reason:
+            self.disable()  # type: ignore[no-untyped-call]
+            _tell_once(f"compiled kernels cannot be kept in {self._cache_path} ({reason.strerror or reason}); runs compile them anew")
+
+
+def _cache_of(function: Callable[..., Any]) -> KernelCache:
+    """Cache beside the source or in the user's own folder; where neither can be written, in a private one for temporary files."""
+    try:
+        return KernelCache(function)
+    except RuntimeError:
+        usual = numba.config.CACHE_DIR  # type: ignore[attr-defined]
+        if usual:
+            raise
+        numba.config.CACHE_DIR = str(_private_folder())  # type: ignore[attr-defined]
+        try:
+            return KernelCache(function)
+        finally:
+            numba.config.CACHE_DIR = usual  # type: ignore[attr-defined]
+
+
+def _private_folder() -> Path:
+    """Folder for temporary files that nobody else can write: kept code is run, so it must be this user's own."""
+    owner = os.getuid() if hasattr(os, "getuid") else 0
+    folder = Path(tempfile.gettempdir()) / f"valvetrain-kernels-{owner}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    facts = folder.lstat()
+    if hasattr(os, "getuid") and (folder.is_symlink() or facts.st_uid != owner or facts.st_mode & 0o077):
+        raise OSError(f"{folder} belongs to others")
+    return folder
+
+
+@cache
+def sources_digest(package: Path) -> str:
+    """Digest of what kernels in ``package`` are made of."""
+    digest = hashlib.blake2b(digest_size=16)
+    for name, text in sorted(kernel_sources(package).items()):
+        digest.update(name.encode() + b"\0" + text + b"\0")
+    return digest.hexdigest()
+
+
+def kernel_sources(package: Path) -> dict[str, bytes]:
+    """File -> text of the files with kernels and of those that they import, by name from the folder ``package`` on."""
+    texts = {path.relative_to(package).as_posix(): path.read_bytes() for path in package.rglob("*.py")}
+    made_here = [name for name, text in texts.items() if b"@njit(" in text]
+    modules = {(found[1] or found[2]).decode().replace(".", "/") for name in made_here for found in _IMPORT.finditer(texts[name])}
+    named = {file for module in modules for file in (f"{module}.py", f"{module}/__init__.py")}
+    return {name: texts[name] for name in texts.keys() & {*made_here, *named}}
+
+
+@cache
+def _tell_once(sentence: str) -> None:
+    print(f"valvetrain: {sentence}", file=sys.stderr)
