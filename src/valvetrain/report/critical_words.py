@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from valvetrain.report.words import in_unit, rpm
+from valvetrain.report.words import in_unit, number, rpm
 from valvetrain.solution.critical import KINDS, CriticalSpeed
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.study import Study
@@ -51,7 +51,7 @@ def critical_notes(study: Study) -> tuple[str, ...]:
     if not len(study.critical_speeds):
         return ()
     one = study.critical_speeds.rows[0]
-    limits = {row.kind: in_unit(row.limit, "mm") for row in study.critical_speeds}
+    limits = {row.kind: f"{number(in_unit(row.limit, 'mm'))} mm" for row in study.critical_speeds}
     return (
         f"Searched from {rpm(one.first_engine_speed):.6g} to {rpm(one.last_engine_speed):.6g} rpm, every speed from rest, and about each "
         f"change with the motion of the neighbouring speed carried on, rising and falling; brackets of {rpm(one.resolution):.3g} rpm or "
