@@ -51,7 +51,7 @@ def critical_notes(study: Study) -> tuple[str, ...]:
     if not len(study.critical_speeds):
         return ()
     one = study.critical_speeds.rows[0]
-    limits = {row.kind: in_unit(row.limit, "mm") for row in study.critical_speeds}
+    limits = {row.kind: f"{in_unit(row.limit, 'mm')} mm" for row in study.critical_speeds}
     return (
         f"Searched from {rpm(one.first_engine_speed):.6g} to {rpm(one.last_engine_speed):.6g} rpm, every speed from rest, and about each "
         f"change with the motion of the neighbouring speed carried on, rising and falling; brackets of {rpm(one.resolution):.3g} rpm or "
