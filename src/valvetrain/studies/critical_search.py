@@ -17,7 +17,7 @@ from valvetrain.solution.critical import Crossing, SpeedBracket
 
 #: The steepest slope seen within this share of the speed counts, times this factor.
 NEAR, FACTOR = 0.1, 2.0
-#: Largest step of a march with carried motion, in resolutions.
+#: Largest step between speeds with carried motion, in resolutions.
 STRIDE = 4.0
 
 
