@@ -57,7 +57,8 @@ class CriticalSpeed:
     ``kind``: ``contact-loss`` (a contact of the drive opens while the valve is open), ``float`` (the valve runs above its rigid lift by
     more than ``limit``, in m) or ``bounce`` (it leaves its seat again by more than ``limit``). ``place``: the contact that opens first,
     ``valve`` or ``seat``. ``begins``: the lowest onset, None where there is none or control is lost already at ``first_engine_speed``.
-    ``ends``: where that stretch of speeds ends, None where it lasts to ``last_engine_speed``. ``again``: further stretches above it, by the
+    ``ends``: where that stretch of speeds ends, from rest, None where it lasts to ``last_engine_speed``. ``again``: further
+    stretches above it, by the
     lowest and highest speed at which they were seen. ``runs_count``: runs of the search besides the sweep's own.
     """
 

@@ -19,6 +19,8 @@ from valvetrain.solution.critical import Crossing, SpeedBracket
 NEAR, FACTOR = 0.1, 2.0
 #: Largest step between speeds with carried motion, in resolutions.
 STRIDE = 4.0
+#: Distance from a bracket, in resolutions, at which the motion is taken that is carried towards it.
+AWAY = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,13 +122,23 @@ class Search:
     def crossing(self, kind: str, bracket: SpeedBracket) -> Crossing:
         """The bracket found from rest with those of rising and of falling speed."""
         low, high = bracket.lower_engine_speed, bracket.upper_engine_speed
-        return Crossing(bracket, self._carried(kind, low, high), self._carried(kind, high, low))
+        return Crossing(bracket, self._carried(kind, self._away(kind, low, -1), high), self._carried(kind, self._away(kind, high, 1), low))
+
+    def _away(self, kind: str, engine_speed: float, sign: int) -> float:
+        """The nearest speed looked at that lies :data:`AWAY` from a bracket's end on the same side of the change, or that end: just
+        beyond a change the motion from rest may not have jumped yet."""
+        place, side = bisect_left(self._speeds, engine_speed), self._lost(kind, engine_speed)
+        while 0 <= place < len(self._speeds) and self._lost(kind, self._speeds[place]) == side:
+            if abs(self._speeds[place] - engine_speed) >= AWAY * self._resolution:
+                return self._speeds[place]
+            place += sign
+        return engine_speed
 
     def _carried(self, kind: str, begin: float, towards: float) -> SpeedBracket | None:
         """From the motion at ``begin`` on, each speed from the one before, in steps that grow and, since a long one may leave a motion
         that lives on, come back to one resolution before a change is believed."""
         last = self._speeds[-1 if towards > begin else 0]
-        sign, most, step = math.copysign(1.0, towards - begin), STRIDE * self._resolution, abs(towards - begin)
+        sign, most, step = math.copysign(1.0, towards - begin), STRIDE * self._resolution, self._resolution / (1 + 1e-9)
         first, here = self.look(begin), begin
         side, orbit = first.lost(kind), first.orbit
         while orbit is not None:

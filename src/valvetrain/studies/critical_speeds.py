@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.solution.critical import KINDS, CriticalSpeed, CriticalSpeeds
+from valvetrain.solution.critical import KINDS, CriticalSpeed, CriticalSpeeds, Crossing
 from valvetrain.solution.result import Solution
 from valvetrain.studies.critical_search import Limit, Look, Search
 from valvetrain.studies.engine import map_points
@@ -121,7 +121,7 @@ def critical_speed(
     from_speed = onset if isinstance(onset, float) else onset.upper_engine_speed
     end = search.end(kind, from_speed)
     begins = None if isinstance(onset, float) else search.crossing(kind, onset)
-    ends = None if end is None else search.crossing(kind, end)
+    ends = None if end is None else Crossing(end)
     again = tuple(one for one in search.stretches(kind) if one.lower_engine_speed > from_speed)
     place = search.known(from_speed).places[kind]
     return replace(none, found=True, place=place, begins=begins, ends=ends, again=again, runs_count=search.runs_count - before)
