@@ -203,7 +203,7 @@ def test_units_follow_the_last_word():
 
 def _published(quantity, value, **more):
     defaults = {"unit": "N", "model": "solid finite elements", "role": "prediction", "engine_speed": 100.0}
-    defaults |= {"source": "s", "tolerance": None, "relation": "equal"}
+    defaults |= {"source": "s", "tolerance": None, "relation": "equal", "used_for": "", "doubt": ""}
     return SimpleNamespace(quantity=quantity, value=value, **{**defaults, **more})
 
 

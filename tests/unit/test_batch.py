@@ -91,14 +91,14 @@ def test_a_sweep_needs_a_speed():
 def test_a_sweep_survives_one_bad_speed_and_names_it(monkeypatch):
     from valvetrain.integrate.train_leapfrog import TrainLeapfrog
 
-    real = TrainLeapfrog.run
+    real = TrainLeapfrog.run_to_orbit
 
     def picky(self, system, cam_speed, *rest):
         if cam_speed > 200:
             raise InputError("the spring finds no equilibrium")
         return real(self, system, cam_speed, *rest)
 
-    monkeypatch.setattr(TrainLeapfrog, "run", picky)
+    monkeypatch.setattr(TrainLeapfrog, "run_to_orbit", picky)
     case = load_case("tdi-pushrod")
     found = sweep_study(case, [300.0, 500.0], spring_sets=("stock",), spring_models=("massless",), workers=1)
     (sentence,) = found.failures

@@ -98,7 +98,8 @@ def test_a_problem_travels_between_processes(name):
 #: Who may take a case: what loads it, what builds from it, and the entries of studies, commands and figures of a case.
 MAY_SEE_A_CASE = (
     "parameters", "cli", "system/build.py", "studies/run.py", "studies/sweep.py", "studies/compare.py", "studies/api.py",
-    "studies/rest_study.py", "studies/uncertainty.py", "studies/uncertainty_file.py", "studies/identification.py",
+    "studies/rest_study.py", "studies/uncertainty.py", "studies/train_uncertainty.py", "studies/refined.py", "studies/uncertainty_file.py",
+    "studies/identification.py", "studies/run_up.py", "studies/train_modes.py",
 )  # fmt: skip
 
 

@@ -142,12 +142,12 @@ def test_failed_write_leaves_the_old_file_and_no_other(tmp_path, monkeypatch, fa
 def test_csv_broken_off_in_the_middle_leaves_nothing(tmp_path, monkeypatch):
     calls = iter(range(100))
 
-    def rows(values):
+    def written(value):
         if next(calls) == 3:
             raise KeyboardInterrupt
-        return values.reshape(values.shape[0], -1).tolist()
+        return str(value)
 
-    monkeypatch.setattr(textfile, "_rows_of", rows)
+    monkeypatch.setattr(textfile, "repr", written, raising=False)
     with pytest.raises(KeyboardInterrupt):
         textfile.save_csv(_solution(), tmp_path / "run.csv")
     assert list(tmp_path.iterdir()) == []
