@@ -23,6 +23,10 @@ WORTH_SAYING = 20.0
 REFINES = ("elements_per_coil", "masses_per_coil", "elements", "modes")
 #: Runs that the search for a train's critical speeds takes besides those of its sweep, of each member (20 to 115 seen).
 SEARCH_RUNS = 60
+#: Chain of masses: its word, masses of a usual wire's (whose time :attr:`SpringModelSpec.processor_time` tells) and of a card's.
+CARD_CHAIN, CHAIN, MASSES = "multi-mass", 96.0, 5.0
+#: Seconds of one core per simulated second that a train takes besides its springs.
+TRAIN_TIME = 0.06
 #: Cam turns until a train repeats itself, where fewer are not asked for; coils and samples where a case does not tell.
 USUAL_CYCLES, USUAL_COILS, USUAL_STEP = 20, 8.0, math.radians(0.5)
 
@@ -67,13 +71,17 @@ def request_cost(request: StudyRequest, whole: bool = True, searches: bool = Fal
                 continue  # refused, with its reason, where the parts are built
             refinement, unknowns = (sum(found) for found in zip(*(_unknowns(spec, spring) for spring in springs), strict=True))
             channels = 30 + unknowns * (12 if "stress" in spec.shows else 3)
+            own_time = 0.0 if case.train is None else TRAIN_TIME
             total += estimate(
                 runs=len(engine_speeds), simulated_time=simulated_time, processor_time=spec.processor_time, refinement=refinement,
-                samples=samples * (cycles if case.train is None else 1), channels=channels, workers=request.workers, whole=whole,
+                own_time=own_time, samples=samples * (cycles if case.train is None else 1), channels=channels,
+                workers=request.workers, whole=whole,
             )  # fmt: skip
             if searches and case.train is not None:  # one member is one chain of runs, most of them at the upper speeds
                 time = SEARCH_RUNS * cycles * 4 * math.pi / max(engine_speeds)
-                found = estimate(runs=SEARCH_RUNS, simulated_time=time, processor_time=spec.processor_time, refinement=refinement)
+                found = estimate(
+                    runs=SEARCH_RUNS, simulated_time=time, processor_time=spec.processor_time, refinement=refinement, own_time=own_time
+                )
                 chains.append(found.seconds)
     if chains:
         total += Cost(max(max(chains), sum(chains) / max(1, request.workers)))
@@ -126,12 +134,16 @@ def _planned(request: StudyRequest) -> list[tuple[tuple[str, ...], Sequence[Inst
 
 
 def _unknowns(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, float]:
-    """(unknowns over those of the default options, unknowns) of one installed spring by one model."""
+    """(unknowns over those of a usual spring by the default options, unknowns) of one installed spring by one model."""
     coils = spring.wire.total_coils if spring.wire is not None else USUAL_COILS
     options = spring.options_of(spec.word)
-    ratio, unknowns = 1.0, 1.0
+    ratio, unknowns = (MASSES / CHAIN, MASSES) if spec.word == CARD_CHAIN and spring.wire is None else (1.0, 1.0)
     for name, model_field in spec.options.model_fields.items():
-        if name in REFINES and isinstance(model_field.default, int):
-            value = float(options.get(name, model_field.default))
-            ratio, unknowns = max(ratio, value / model_field.default), max(unknowns, value * (coils if name.endswith("per_coil") else 1.0))
+        if name not in REFINES or not isinstance(model_field.default, int):
+            continue
+        value = float(options.get(name, model_field.default))
+        if spec.word == CARD_CHAIN and (name == "elements") == (spring.wire is not None):
+            continue  # a wire's chain has masses per coil, a card's has elements
+        usual = CHAIN if name == "elements" else float(model_field.default)
+        ratio, unknowns = max(ratio, value / usual), max(unknowns, value * (coils if name.endswith("per_coil") else 1.0))
     return ratio, unknowns

@@ -245,7 +245,7 @@ def _make(spring: InstalledSpring, options: MultiMassOptions, rest: SpringAtRest
 
 
 SPEC = SpringModelSpec(
-    "multi-mass", "multi-mass chain", "#7a4fa0", MultiMassOptions, _make, shows=("sections", "clash"), processor_time=1.0,
+    "multi-mass", "multi-mass chain", "#7a4fa0", MultiMassOptions, _make, shows=("sections", "clash"), processor_time=0.5,
     knows="chain along the wire, clash between all coils from the real gaps", leaves_out="lateral and torsional motion",
     citation="vasilyev2016",
 )  # fmt: skip
