@@ -103,7 +103,7 @@ def _over_speeds(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence
     control = critical_rows(study, [column.label for column in columns]) if searched(study) else []
     for name in SWEPT:
         row = known.get(name)
-        if name in KINDS.values():
+        if name in KINDS.values() and control:
             for line in control:
                 if line.name == name:
                     table.add_row(line.words if line.main else f"  {line.words}", "rpm", *line.cells)
