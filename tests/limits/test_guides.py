@@ -18,7 +18,7 @@ from valvetrain.parameters.guide import Guide
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import rod_channels
-from valvetrain.studies.rest import static_curve
+from valvetrain.studies.rest import at_rest, static_curve
 
 #: L0/D = 7.2, outer diameter 11.2 mm, inner 8.8 mm; buckles at 18.2 mm where nothing holds it.
 SPRING = cylindrical("1.2 mm", "10 mm", "6 mm", 12, closed_coils=0, name="slender")
@@ -159,3 +159,10 @@ def test_a_guide_that_cannot_be_is_refused(guide, words):
 def test_a_card_has_no_wire_to_lean():
     with pytest.raises(InputError, match="cannot lean on a guide"):
         InstalledSpring(card=SpringCard(preload=300.0, rate=40e3), guide=BORE)
+
+
+def test_modes_about_a_state_that_leans_say_so_as_its_curve_does():
+    spring = cylindrical("2 mm", "12 mm", total_coils=12, free_length="100 mm")
+    one = at_rest(FiniteElementRod(spring, 30e-3, 8, guide=Guide(bore="22 mm")), 32e-3, 8, 6)
+    assert one.curve.leaning is not None and "leans on its guide" in one.modes.status.message
+    assert "does not yet touch" not in one.modes.status.message

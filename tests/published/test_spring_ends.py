@@ -129,3 +129,9 @@ def test_a_case_file_that_contradicts_itself_is_refused_at_its_line(lines, words
     with pytest.raises(InputError, match=words) as caught:
         parse_case(BLOCK + lines, where="own.toml")
     assert "own.toml, line" in str(caught.value)
+
+
+def test_ends_ground_over_all_turns_are_refused():
+    ends = {"lower_end": EndCoil("open-ground", 1, 1), "upper_end": EndCoil("open-ground", 1, 1)}
+    with pytest.raises(InputError, match="leave nothing of 2 turns"):
+        vt.cylindrical("4 mm", "24 mm", total_coils=2, free_length="52 mm", **ends)

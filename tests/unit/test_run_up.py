@@ -102,3 +102,21 @@ def test_the_terminal_says_from_where_contact_is_lost(tmp_path):
         line.split("  ")[0].strip(): line.split()[-1] for line in call(*asked, "--output", str(tmp_path / "up")).stdout.splitlines() if line
     }
     assert 6800 < float(told["Loss of contact from"]) < 7000 and 7000 < float(told["Float from"]) < 7400
+
+
+def test_a_model_that_cannot_run_floats_at_no_speed():
+    models = ["massless", "wave-rod-clash"]
+    found = vt.run_up("tdi-pushrod", "1000 rpm", "1100 rpm", "0.4 s", spring_models=models, spring_sets=["stock"], workers=1)
+    (refused,) = found.failures
+    assert "wave-rod-clash" in refused and found.still.get("wave-rod-clash", {}) == {}
+
+
+@pytest.mark.parametrize(("first", "last"), [("1000 rpm", "6000 rpm"), ("6000 rpm", "1000 rpm")])
+def test_a_run_up_of_less_than_a_few_turns_is_refused(first, last):
+    with pytest.raises(InputError, match=r"0\.29 cam turns, .*take a longer time"):
+        vt.run_up("tdi-pushrod", first, last, "0.01 s", spring_models=["massless"], spring_sets=["stock"])
+
+
+def test_a_time_beyond_all_bounds_is_refused_before_it_is_counted(tmp_path):
+    result = call("run-up", "tdi-pushrod", "--duration", "1e12 s", "--output", str(tmp_path / "up"))
+    assert result.exit_code == 2 and "beyond the bound of 10 min" in sentence(result)

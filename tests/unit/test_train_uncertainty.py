@@ -83,3 +83,10 @@ def test_runs_tell_the_bars_of_their_numbers_and_no_others():
 def test_a_train_refined_by_the_common_way_is_refined_as_a_train():
     found = refined(one_variant("performance, as printed"), (2000 * RPM,), workers=1)
     assert {row.label for row in found.rows} == {"performance, as printed"} and found.elements_per_coil == ()
+
+
+def test_a_member_that_cannot_run_is_named_and_the_others_are_refined():
+    """A chain that clashes needs a wire; the cards of this train have none."""
+    case = load_case("tdi-pushrod", {"train.spring_model": "wave-rod-clash"})
+    found = train_uncertainty(case, [1000 * np.pi / 30], workers=1)
+    assert found.failures and all("wave-rod-clash" in one or "wire" in one for one in found.failures)

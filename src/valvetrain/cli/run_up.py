@@ -11,6 +11,9 @@ import typer
 from valvetrain.cli.study_command import StudyRequest, answer_study, study_command
 from valvetrain.errors import InputError
 
+#: Runs to which a request is counted; so many lie beyond every bound.
+MOST_RUNS = 1_000_000
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
@@ -41,7 +44,7 @@ def run_up(
     request = replace(request, command="run-up")
     # as many steady runs as take the same simulated time
     mean = (begin + end) / 2
-    runs = max(1, math.ceil(seconds * mean / (4 * math.pi) / USUAL_CYCLES))
+    runs = max(1, math.ceil(min(seconds * mean / (4 * math.pi) / USUAL_CYCLES, MOST_RUNS)))
     refuse_beyond(replace(request, engine_speeds=(mean,) * runs), whole=False)
     announce_compilation("train")
     answer_study(

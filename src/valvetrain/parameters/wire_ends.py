@@ -76,6 +76,8 @@ def wind(
 
     # the length is a straight line over the pitch, whatever the ends
     solid, slope = length(wire), (length(3 * wire) - length(wire)) / (2 * wire)
+    if not slope > 1e-9:
+        raise InputError(f"the ground turns of both ends leave nothing of {total_coils:g} turns; grind fewer or wind more", "total_coils")
     pitch = wire + (free_length - solid) / slope
     if not pitch > wire * (1 + 1e-9):
         raise InputError(

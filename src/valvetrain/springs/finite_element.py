@@ -36,9 +36,13 @@ class FiniteElementRod(RodModel):
     def static_curve(self, largest_compression: Given, steps: int = 64) -> StaticCurve:
         """Force and tangent stiffness from the free state to ``largest_compression`` (m, "8 mm"), in even ``steps``, coils closing.
 
-        Raises :class:`InputError` for a compression at which the coils are solid.
+        Raises :class:`InputError` for a compression that is not positive or at which the coils are solid, and for less than one step.
         """
         reach = si(largest_compression, "compression", "largest_compression")
+        if not reach > 0:
+            raise InputError(f"a static curve needs a positive compression; it is {reach * 1e3:g} mm", "largest_compression")
+        if steps < 1:
+            raise InputError(f"a static curve takes one step or more; steps is {steps}", "steps")
         if self.dynamics.contact_stiffness > 0:
             self.definition.refuse_solid(reach)
         return curve_over(self, np.linspace(0.0, reach, steps + 1))[0]
@@ -51,8 +55,10 @@ class FiniteElementRod(RodModel):
         """The lowest ``count`` modes about the installed state: both ends fixed, or with ``attached_mass`` (kg, "50 g"; 0 for a free end)
         on a retainer that moves along the axis.
 
-        Raises :class:`InputError` for a negative mass.
+        Raises :class:`InputError` for a negative mass, and for less than one mode.
         """
+        if count < 1:
+            raise InputError(f"one mode or more can be asked for; count is {count}", "count")
         mass = None if attached_mass is None else si(attached_mass, "mass", "attached_mass")
         if mass is not None and mass < 0:
             raise InputError(f"an attached mass is zero or more; it is {mass:g} kg", "attached_mass")

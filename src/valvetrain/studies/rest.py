@@ -66,7 +66,7 @@ def at_rest(
     facts = {"elements per coil": rod.elements_per_coil, "elements": rod.mesh.elements}
     found = modal_result(rod, modes, attached_mass) if modes else None
     if found is not None and curve.buckling is not None and rod.precompression >= curve.buckling.compression:
-        found = replace(found, status=path_status(rod, curve.buckling, None) or found.status)
+        found = replace(found, status=path_status(rod, curve.buckling, curve.leaning) or found.status)
     return SpringAtRest(
         rod.definition.name, rod.name, rod.precompression, curve, found, stress, facts, time.perf_counter() - begun,
         rest_point(rod, rod.installed), stress_per_force=nominal_stress_per_force(rod.definition),

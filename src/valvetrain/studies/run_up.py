@@ -33,6 +33,8 @@ from valvetrain.units import Given, si
 
 #: Speeds of the crank (rad/s), first and last, and time (s) between them.
 Ramp = tuple[float, float, float]
+#: Cam turns that a run-up must hold; its last one is finished beyond the last speed.
+LEAST_TURNS = 1
 
 
 def run_up(
@@ -83,6 +85,10 @@ def run_up_study(
     first, last, duration = ramp
     if not (min(first, last, duration) > 0 and first != last and np.isfinite(sum(ramp))):
         raise InputError("a run-up goes from one positive engine speed to another in a positive time; correct them", "--from")
+    if (turns_count := (first + last) / 2 * duration / (4 * np.pi)) < LEAST_TURNS:
+        raise InputError(
+            f"this run-up holds {turns_count:.2g} cam turns, and its values are of whole ones; take a longer time", "--duration"
+        )
     problem = build(case, spring_models=spring_models, spring_sets=spring_sets)
     if problem.kind != TRAIN:
         raise InputError(f"case '{problem.record.name}' holds no train, and a run-up is of a train; sweep a spring instead")
@@ -163,9 +169,6 @@ def _lost(study: Study, label: str) -> dict[str, float]:
     """Engine speeds (rad/s) of the first turn that lets the cam go while the valve is open, and of the first of two that float."""
     speeds, least = study.series(label, "minimum_cam_contact_force")
     _, excess = study.series(label, "float_excess_lift")
-    floats = (excess > CriticalOptions().float_lift) | np.isnan(excess)
-    places = {
-        "contact_loss_engine_speed": np.flatnonzero(least <= 0),
-        "float_engine_speed": np.flatnonzero(floats & np.append(floats[1:], True)),
-    }
+    floats = excess > CriticalOptions().float_lift  # a turn without numbers tells nothing
+    places = {"contact_loss_engine_speed": np.flatnonzero(least <= 0), "float_engine_speed": np.flatnonzero(floats[:-1] & floats[1:])}
     return {name: float(speeds[found[0]]) for name, found in places.items() if len(found)}

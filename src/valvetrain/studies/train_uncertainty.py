@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from valvetrain.contact.restitution import damping_number, rebound
+from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Periodic, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.parameters.case import Case
@@ -16,6 +17,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.studies.engine import Progress, map_points
 from valvetrain.studies.grid_convergence import grid_convergence
 from valvetrain.studies.ready import FAILURES, Plan, Ready, judge, make_ready, provenance_of
+from valvetrain.studies.run import member_rest
 from valvetrain.studies.uncertainty import CONTACT_FACTORS, OWN, Numbers, Range, Uncertainty, UncertaintyStudy
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
@@ -58,11 +60,16 @@ def train_uncertainty(
     problem = build(case)
     speeds = problem.engine_speeds if engine_speeds is None else tuple(float(speed) for speed in engine_speeds)
     places = [place for place, member in enumerate(problem.members) if member.model.word != "finite-element"]
+    if not places:
+        raise InputError(
+            "all springs of this train are finite elements, of which a run takes minutes; choose another model", "train.spring_model"
+        )
     variants: dict[str, dict[int, Ready]] = {
         name: {place: ready for place in places if (ready := _ready(other, place, factor)) is not None}
         for name, (other, factor) in _problems(case, problem).items()
     }
-    jobs = [job for speed in speeds for place in places for job in _jobs(variants, place, speed)]
+    failures = [f"{problem.members[place].label}: {_refusal(problem, place)}" for place in places if place not in variants[OWN]]
+    jobs = [job for speed in speeds for place in places if place in variants[OWN] for job in _jobs(variants, place, speed)]
     total = len(jobs)
 
     def tell(done: int, _: int) -> None:
@@ -71,7 +78,6 @@ def train_uncertainty(
 
     found = map_points(_one, (problem, variants), jobs, workers, processes=True, tell=tell)
     values: dict[tuple[float, int], dict[str, Numbers]] = {}
-    failures = []
     for job, (numbers, failed) in zip(jobs, found, strict=True):
         values.setdefault((job.engine_speed, job.place), {})[job.variant] = numbers
         if failed and job.variant == OWN:
@@ -116,8 +122,14 @@ def _ready(problem: Problem, place: int, factor: float) -> Ready | None:
         if finer.springs == member.springs:
             return None
         member = finer
-    ready = make_ready(problem, member, {}, problem.record.study)
+    ready = make_ready(problem, member, member_rest(problem, member), problem.record.study)
     return None if ready.refusal else ready
+
+
+def _refusal(problem: Problem, place: int) -> str:
+    """Why a member cannot run as it is."""
+    member = problem.members[place]
+    return make_ready(problem, member, member_rest(problem, member), problem.record.study).refusal
 
 
 def _divided(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
