@@ -33,9 +33,22 @@ SpeedOption = Annotated[
         help="Crank speeds instead of the case's own: '4200, 5600 rpm' or '1000:9000:500 rpm'.",
     ),
 ]  # fmt: skip
+
+
+def read_folder(text: str) -> Path:
+    """The folder of that name; an empty name, as a variable without a value gives it, is refused with an :class:`InputError`."""
+    if not text.strip():
+        raise InputError("the name of the folder is empty; give one, or leave the option out", "--output")
+    return Path(text)
+
+
 OutputOption = Annotated[
-    Path | None, typer.Option("--output", metavar="FOLDER", help="Folder of the results (default: a new one, runs/CASE/DATE-TIME-DIGEST).")
-]
+    Path | None,
+    typer.Option(
+        "--output", metavar="FOLDER", parser=read_folder,
+        help="Folder of the results (default: a new one, runs/CASE/DATE-TIME-DIGEST).",
+    ),
+]  # fmt: skip
 WorkersOption = Annotated[
     int | None, typer.Option("--workers", metavar="N", help="Runs at a time (default: the cores there are, at most 4).")
 ]

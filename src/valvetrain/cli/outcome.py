@@ -13,6 +13,8 @@ from typing import Any
 import typer
 from rich.console import Console
 
+from valvetrain.cli.streams import reader_left
+
 #: Width of tables where the output is no terminal.
 PLAIN_WIDTH = 100
 
@@ -50,21 +52,36 @@ class Outcome:
 
 def deliver(outcome: Outcome) -> None:
     """Print an outcome on standard output, failures on standard error; exit code 1 where a run failed."""
-    if manner().json:
-        sys.stdout.write(to_json(outcome.data) + "\n")
-    elif not manner().quiet:
-        outcome.show(output_console())
-    sys.stdout.flush()
+    try:
+        if manner().json:
+            sys.stdout.write(to_json(outcome.data) + "\n")
+        elif not manner().quiet:
+            outcome.show(output_console())
+        sys.stdout.flush()
+    except BrokenPipeError:  # whoever read it has left; the exit code still tells of the work
+        if not reader_left():
+            raise
+    except OSError as error:
+        error.filename = error.filename or "standard output"
+        raise
     for sentence in outcome.failures:
         complain(f"failed: {sentence}")
     if outcome.failures:
         raise typer.Exit(1)
 
 
+class OutputConsole(Console):
+    """A console that leaves it to its caller what follows when its reader has left; rich would end the process with code 1."""
+
+    def on_broken_pipe(self) -> None:
+        """Called inside the handling of the error, which goes on."""
+        raise BrokenPipeError
+
+
 def output_console() -> Console:
     """Standard output for people: a terminal as wide as it is, anything else :data:`PLAIN_WIDTH` columns."""
     width = None if sys.stdout.isatty() else PLAIN_WIDTH
-    return Console(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
+    return OutputConsole(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
 
 
 def tell(sentence: str) -> None:

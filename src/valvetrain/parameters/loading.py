@@ -74,7 +74,8 @@ def load_case(name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] |
 
 def read_case(path: Path, changes: Mapping[str, Any] | None = None) -> Case:
     """The case in the file ``path``; errors as :func:`load_case`."""
-    return parse_case(_read_text(path), name=path.stem, folder=path.parent, where=path.name, changes=changes)
+    name = os.fsencode(path.stem).decode("utf-8", "replace")  # the name of a case is text, that of its file any bytes
+    return parse_case(_read_text(path), name=name, folder=path.parent, where=path.name, changes=changes)
 
 
 def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str = "case", changes: Mapping[str, Any] | None = None) -> Case:

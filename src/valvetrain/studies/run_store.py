@@ -10,6 +10,7 @@ import hashlib
 import json
 import os
 import re
+import tempfile
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
@@ -20,6 +21,7 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.solution.atomic import write_bytes, write_text
+from valvetrain.units.text import clipped
 
 ROOT, LATEST, CASE_FILE, ANSWER = Path("runs"), "latest", Path("inputs") / "case.toml", "run.json"
 
@@ -123,17 +125,23 @@ def new_folder(inputs: Inputs, created_at: datetime, root: Path = ROOT) -> Path:
 def check_folder(folder: Path, kept: bool = False) -> None:
     """Refuse, with an :class:`InputError`, a folder that cannot be written, or, unless runs are ``kept`` in it, one that holds something
     else than an earlier run."""
+    shown = clipped(str(folder), 120)
     try:
-        there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+        there = next(path for path in (folder.absolute(), *folder.absolute().parents) if os.path.lexists(path) or path.exists())
         foreign = not kept and folder.is_dir() and not (folder / ANSWER).is_file() and any(folder.iterdir())
     except (OSError, ValueError) as error:
-        raise InputError(f"'{folder}' is no usable folder name ({error}); choose another", "--output") from None
+        words = getattr(error, "strerror", None) or error
+        raise InputError(f"'{shown}' is no usable folder name ({words}); choose another", "--output") from None
+    place = clipped(str(there), 120)
     if not there.is_dir():
-        raise InputError(f"'{there}' is a file, not a folder; choose another", "--output")
-    if not os.access(there, os.W_OK):
-        raise InputError(f"folder '{there}' may not be written to; choose another", "--output")
+        what = "a link that leads nowhere" if there.is_symlink() and not there.exists() else "a file, not a folder"
+        raise InputError(f"'{place}' is {what}; choose another", "--output")
+    try:
+        os.rmdir(tempfile.mkdtemp(prefix=".valvetrain.", dir=there))  # some folders take nothing, whatever their permissions say
+    except OSError as error:
+        raise InputError(f"folder '{place}' may not be written to ({error.strerror}); choose another", "--output") from None
     if foreign:
-        raise InputError(f"folder '{folder}' holds files that no run wrote; choose an empty or a new one", "--output")
+        raise InputError(f"folder '{shown}' holds files that no run wrote; choose an empty or a new one", "--output")
 
 
 def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> KeptRun:
