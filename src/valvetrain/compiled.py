@@ -80,12 +80,18 @@ class KernelCache(FunctionCache):
         stamp = (self._impl.locator.get_source_stamp(), sources_digest(PACKAGE))
         self._cache_file = CheckedFile(self._cache_path, f"{self._impl.filename_base}.checked", stamp)  # type: ignore[no-untyped-call]
 
+    @property
+    def _place(self) -> Path:
+        """One folder for all kernels of a package, so that one sentence speaks of all of them."""
+        folder = Path(self._cache_path)
+        return PACKAGE if PACKAGE in folder.parents else folder.parent
+
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Kept machine code for a signature, None where there is none that can be read."""
         try:
             return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         except Exception as reason:  # damaged bytes raise whatever they happen to spell
-            _tell_once(f"compiled kernels in {self._cache_path} are damaged ({type(reason).__name__}); they are compiled anew")
+            _tell_once(f"compiled kernels in {self._place} are damaged ({type(reason).__name__}); they are compiled anew")
             try:
                 self.flush()  # type: ignore[no-untyped-call]
             except OSError:
@@ -98,7 +104,7 @@ class KernelCache(FunctionCache):
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
         except OSError as reason:
             self.disable()  # type: ignore[no-untyped-call]
-            _tell_once(f"compiled kernels cannot be kept in {self._cache_path} ({reason.strerror or reason}); runs compile them anew")
+            _tell_once(f"compiled kernels cannot be kept in {self._place} ({reason.strerror or reason}); runs compile them anew")
 
 
 def _cache_of(function: Callable[..., Any]) -> KernelCache:
