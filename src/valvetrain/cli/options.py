@@ -73,6 +73,10 @@ LimitOption = Annotated[
         help="Let a request be larger than the default bounds of 10 min and 2 GB: '2 h', '8 GB'. Repeatable.",
     ),
 ]  # fmt: skip
+ImplausibleOption = Annotated[
+    bool,
+    typer.Option("--implausible", help="Let values pass that no valvetrain can have (docs/plausible.md); without it they are refused."),
+]
 PublishedOption = Annotated[bool, typer.Option("--published", help="Print every published value beside the computed one, and findings.")]
 
 

@@ -17,6 +17,7 @@ from valvetrain.cli.options import (
     CaseArgument,
     ElementsOption,
     FiguresOption,
+    ImplausibleOption,
     JsonOption,
     LimitOption,
     OpenOption,
@@ -37,11 +38,11 @@ from valvetrain.cli.options import (
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
-    from valvetrain.cli.bounds import Limits
     from valvetrain.cli.progress import Report
     from valvetrain.parameters.case import Case
     from valvetrain.solution.provenance import Provenance
     from valvetrain.solution.study import Study
+    from valvetrain.studies.cost import Limits
 
 
 class KeepRequest(Protocol):
@@ -72,6 +73,7 @@ class StudyRequest:
     spring_sets: tuple[str, ...]
     workers: int
     limits: Limits
+    implausible: bool
     output: Path | None
     report: bool
     figures: bool
@@ -83,11 +85,12 @@ class StudyRequest:
 def _shared(
     case: CaseArgument, engine_speed: SpeedOption = None, spring: SpringOption = None, spring_set: SpringSetOption = None,
     settings: SetOption = None, elements_per_coil: ElementsOption = None, output: OutputOption = None, workers: WorkersOption = None,
-    limit: LimitOption = None, report: ReportOption = True, figures: FiguresOption = False, published: PublishedOption = False,
+    limit: LimitOption = None, implausible: ImplausibleOption = False, report: ReportOption = True, figures: FiguresOption = False,
+    published: PublishedOption = False,
     open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False, more: Mapping[str, Any] = MappingProxyType({}),
 ) -> dict[str, Any]:  # fmt: skip
     """Read the options that all studies share; :func:`valvetrain.cli.outcome.set_manner` has read the last two."""
-    from valvetrain.cli.bounds import read_limits
+    from valvetrain.studies.cost import read_limits
     from valvetrain.studies.run_store import check_folder
 
     chosen = choose_case(case, settings, elements_per_coil, more)
@@ -97,7 +100,8 @@ def _shared(
         raise InputError(f"case '{chosen.name}' has no lift law, so nothing moves at an engine speed; add a [lift_law] table")
     return {
         "case": chosen, "folder": folder_of(case), "engine_speeds": speeds, "spring_models": read_models(spring),
-        "spring_sets": read_words(spring_set), "workers": read_workers(workers), "limits": read_limits(limit), "output": output,
+        "spring_sets": read_words(spring_set), "workers": read_workers(workers), "limits": read_limits(limit), "implausible": implausible,
+        "output": output,
         "report": report or open_page, "figures": figures, "published": published, "open_page": open_page,
         "created_at": datetime.now(UTC).replace(microsecond=0),
     }  # fmt: skip

@@ -8,6 +8,7 @@ from dataclasses import replace
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.solution.study import Study
+from valvetrain.studies.cost import Limits
 from valvetrain.studies.critical_speeds import CriticalOptions
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.run import run_problem
@@ -17,7 +18,7 @@ from valvetrain.system.build import build
 def sweep_study(
     case: Case, engine_speeds: Sequence[float], *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
     whole: bool = False, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
-    critical: CriticalOptions | None = CriticalOptions(),
+    critical: CriticalOptions | None = CriticalOptions(), limits: Limits = Limits(), implausible: bool = False,
 ) -> Study:  # fmt: skip
     """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and of a train its critical speeds between
     the lowest and the highest of them (``critical`` None: not searched).
@@ -31,8 +32,9 @@ def sweep_study(
     sets = tuple(spring_sets) or (tuple(case.train.springs) if case.train is not None else ())
     problem = build(case, spring_models=spring_models, spring_sets=sets)
     study = run_problem(
-        problem, speeds, workers=workers, progress=progress, created_at=created_at, command="sweep", whole=whole, critical=critical
-    )
+        problem, speeds, workers=workers, progress=progress, created_at=created_at, command="sweep", whole=whole, critical=critical,
+        limits=limits, implausible=implausible,
+    )  # fmt: skip
     still = {**study.still}
     for label in study.critical_speeds.labels:
         still[label] = {**still.get(label, {}), **study.critical_speeds.quantities(label)}
