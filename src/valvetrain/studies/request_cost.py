@@ -22,6 +22,10 @@ SEARCH_RUNS = 60
 CARD_CHAIN, CHAIN, MASSES = "multi-mass", 96.0, 5.0
 #: Seconds of one core per simulated second that a train takes besides its springs.
 TRAIN_TIME = 0.06
+#: Seconds that the states at rest of a spring alone take; usual step of a spring (s); bytes of a step while it is run, and as kept.
+REST, STEP, STEP_BYTES, KEPT_BYTES = 0.3, 2e-6, 128.0, 16.0
+#: Points along the wire that a model of a wave shows, whatever its options.
+POINTS = 100.0
 #: Cam turns until a train repeats itself, where fewer are not asked for; coils and samples where a case does not tell.
 USUAL_CYCLES, USUAL_COILS, USUAL_STEP = 20, 8.0, math.radians(0.5)
 
@@ -63,6 +67,7 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
     if not engine_speeds or case.lift_law is None:
         return total
     cycles = _cycles(case)
+    total += Cost(REST * max(1, len(case.springs)) * (case.train is None))
     simulated_time = cycles * sum(4 * math.pi / engine_speed for engine_speed in engine_speeds)
     samples = 2 * math.pi / (getattr(case.operation, "output_step", None) or USUAL_STEP)
     for models, springs in _planned(request):
@@ -73,6 +78,10 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
             refinement, unknowns = (sum(found) for found in zip(*(_unknowns(spec, spring) for spring in springs), strict=True))
             channels = 30 + unknowns * (12 if "stress" in spec.shows else 3)
             own_time = 0.0 if case.train is None else TRAIN_TIME
+            if case.train is None:  # forces are kept at every step, and one run at a time per worker holds its motion too
+                steps = [4 * math.pi / speed / STEP * refinement for speed in engine_speeds]
+                at_a_time = max(1, min(request.workers, len(steps)))
+                total += Cost(0.0, STEP_BYTES * max(steps) * at_a_time + (KEPT_BYTES * sum(steps) if whole else 0.0))
             total += estimate(
                 runs=len(engine_speeds), simulated_time=simulated_time, processor_time=spec.processor_time, refinement=refinement,
                 own_time=own_time, samples=samples, channels=channels,
@@ -116,7 +125,8 @@ def _unknowns(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, fl
     """(unknowns over those of a usual spring by the default options, unknowns) of one installed spring by one model."""
     coils = spring.wire.total_coils if spring.wire is not None else USUAL_COILS
     options = spring.options_of(spec.word)
-    ratio, unknowns = (MASSES / CHAIN, MASSES) if spec.word == CARD_CHAIN and spring.wire is None else (1.0, 1.0)
+    usual_points = 1.0 if any(name in REFINES for name in spec.options.model_fields) or "sections" not in spec.shows else POINTS
+    ratio, unknowns = (MASSES / CHAIN, MASSES) if spec.word == CARD_CHAIN and spring.wire is None else (1.0, usual_points)
     for name, model_field in spec.options.model_fields.items():
         if name not in REFINES or not isinstance(model_field.default, int):
             continue
