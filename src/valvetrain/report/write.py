@@ -118,14 +118,14 @@ def write_page(page: Page, folder: Path, name: str = "report.html", figures: boo
 
 def at_wire_points(solution: Solution, spacing: float) -> Solution:
     """The solution with the wire points nearest to every ``spacing`` turns only, of each spring; unchanged without wire points."""
-    channels = solution.channels
-    for coordinate in list(channels.coords.values()):
-        dimension = str(coordinate.dims[0]) if len(coordinate.dims) == 1 else ""
-        if dimension.endswith("wire_point") and channels.sizes[dimension]:
+    places: dict[str, list[int]] = {}
+    for coordinate in solution.arrays.coords.values():
+        dimension = coordinate.dims[0] if len(coordinate.dims) == 1 else ""
+        if dimension.endswith("wire_point") and dimension not in places and len(coordinate.values):
             coils = np.asarray(coordinate.values, dtype=float)
             wanted: Iterable[float] = np.arange(np.ceil(coils.min() / spacing), np.floor(coils.max() / spacing) + 1) * spacing
-            channels = channels.isel({dimension: sorted({int(np.argmin(np.abs(coils - coil))) for coil in wanted}) or [0]})
-    return replace(solution, channels=channels)
+            places[dimension] = sorted({int(np.argmin(np.abs(coils - coil))) for coil in wanted}) or [0]
+    return replace(solution, channels=solution.arrays.at(places)) if places else solution
 
 
 def _write_rest(study: Study, folder: Path, names: _Names) -> list[Path]:
