@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import os
+from collections.abc import Hashable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +12,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.solution import metadata
-from valvetrain.solution.atomic import atomic_path
+from valvetrain.solution.atomic import write_bytes
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
@@ -49,7 +51,7 @@ def save_netcdf(solution: Solution, path: _PathLike) -> Path:
     """
     text = metadata.pack(
         "solution", status=solution.status, provenance=solution.provenance, events=solution.events, statistics=dict(solution.statistics),
-        quantities=dict(solution.quantities),
+        quantities=dict(solution.quantities), **({"gaps": list(solution.gaps)} if solution.gaps else {}),
     )  # fmt: skip
     return _write(solution.channels, text, path)
 
@@ -78,7 +80,7 @@ def load_netcdf(path: _PathLike) -> Solution:
     """
     dataset, content = _read(path, "solution")
     words = content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", "")
-    return Solution(dataset, *words, content.get("quantities", {}))
+    return Solution(dataset, *words, content.get("quantities", {}), tuple(content.get("gaps", ())))
 
 
 def save_static_curve(curve: StaticCurve, path: _PathLike, provenance: Provenance | None = None) -> Path:
@@ -164,9 +166,18 @@ def _write(dataset: xarray.Dataset, text: str, path: _PathLike) -> Path:
     stored = dataset.assign({_METADATA: xarray.DataArray(np.array(text, dtype=object))})
     # A fill value would turn one legal number into "missing"; every number is data here.
     encoding = {name: {"_FillValue": None} for name in stored.variables if stored[name].dtype.kind == "f"}
-    with atomic_path(path) as temporary:
-        stored.to_netcdf(temporary, engine="h5netcdf", encoding=encoding)
-    return Path(path)
+    return write_bytes(path, _image(stored, encoding))
+
+
+def _image(dataset: xarray.Dataset, encoding: dict[Hashable, dict[str, Any]]) -> bytes:
+    """The bytes of a NetCDF-4 file, made in memory: a disk that is full then stops a plain write, not the library of the format."""
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
+    with io.BytesIO() as memory:
+        with h5netcdf.File(memory, "w") as file:
+            dataset.dump_to_store(H5NetCDFStore(file), encoding=encoding)
+        return memory.getvalue()
 
 
 def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:

@@ -55,7 +55,7 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     text = metadata.pack(
         "solution", status=solution.status, provenance=solution.provenance, events=solution.events,
         statistics=dict(solution.statistics), quantities=dict(solution.quantities), columns=layout, constants=still,
-        attributes=dict(dataset.attrs),
+        attributes=dict(dataset.attrs), **({"gaps": list(solution.gaps)} if solution.gaps else {}),
     )  # fmt: skip
     header = [label for name in rows for label in column_labels(dataset, name)]
     blocks = [values.reshape(len(values), int(np.prod(values.shape[1:]))) for values in (np.asarray(dataset[name].values) for name in rows)]
@@ -106,7 +106,7 @@ def load_csv(path: str | os.PathLike[str]) -> Solution:
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"is damaged: its rows do not fit its description ({error}); write it again", where) from error
     words = content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", "")
-    return Solution(dataset, *words, content.get("quantities", {}))
+    return Solution(dataset, *words, content.get("quantities", {}), tuple(content.get("gaps", ())))
 
 
 def column_labels(dataset: xarray.Dataset, name: str) -> list[str]:
