@@ -177,7 +177,9 @@ def answer_study(
     with suppress(typer.Exit):
         deliver(outcome)
     done = sum(run.status.code != "interrupted" for run in study.solutions)
-    words = f"{done} of {len(study.solutions)} runs were finished and are kept" if done else "springs at rest, which were finished, are kept"
+    words = (
+        f"{done} of {len(study.solutions)} runs were finished and are kept" if done else "springs at rest, which were finished, are kept"
+    )
     raise typer.Exit(interrupted(f"interrupted: {words} in '{outcome.data['folder']}'; start the command again for the rest"))
 
 

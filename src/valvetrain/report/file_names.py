@@ -23,7 +23,7 @@ class FreeNames:
     def free(self, words: str) -> str:
         """A name of letters, digits, points and dashes that was not given before."""
         composed = unicodedata.normalize("NFC", words)
-        plain = "-".join("".join(char if char.isalnum() or char in ".+" else " " for char in composed).split()).strip(".") or "run"
+        plain = "-".join("".join(char if char.isalnum() or char in ".+" else " " for char in composed).split()).strip(".-") or "run"
         tries = ((plain, "") if number == 1 else (plain, f"-{number}") for number in range(1, len(self.taken) + 2))
         name = next(one for words, ending in tries if _key(one := _short(words, ending)) not in self.taken)
         self.taken.add(_key(name))
