@@ -45,7 +45,7 @@ def raw():
         patch.setattr("valvetrain.studies.ready.evaluate", lambda run, frame: seen.append((run, frame)) or usual(run, frame))
         run_study(load_case("job-t"), engine_speeds=(400.0,), spring_models=("multi-mass",))
         run_study(load_case("tdi-pushrod"), engine_speeds=(300.0,), spring_models=("multi-mass",), spring_sets=("stock",), workers=1)
-    run, frame = seen[0]
+    _, frame = seen[0]
     seen.append((rod_run(), replace(frame, surge_frequencies=(500.0,), source="gu2021")))
     return seen
 
@@ -98,8 +98,11 @@ def test_a_figure_that_fails_is_named_and_the_others_are_drawn(tmp_path, monkeyp
     assert {path.stem for path in pictures} == set(keys[:-1]) and any(f"{keys[-1]}.svg" in gap for gap in gaps.sentences)
 
 
-@pytest.mark.parametrize("name", ["quantity_table", "event_table", "save_csv", "save_static_curve", "save_modal_result", "study_page", "render",
-                                  "static_table", "frequency_table", "remove_earlier", "write_page", "at_wire_points"])  # fmt: skip
+WRITERS = ("quantity_table", "event_table", "save_csv", "save_static_curve", "save_modal_result", "study_page", "render", "static_table",
+           "frequency_table", "remove_earlier", "write_page", "at_wire_points")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", WRITERS)
 def test_a_file_that_fails_is_named_and_the_others_are_written(tmp_path, monkeypatch, name):
     study, drawn = own_study(), name in ("study_page", "render", "write_page")
     whole = {path.name for path in write_parts(study, tmp_path / "whole", page=False).data}
@@ -115,8 +118,11 @@ def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch
     """Numbers, sections, tables, page, JSON and terminal at once: the solution and the reasons are there."""
     for name in parts():
         monkeypatch.setattr(evaluate, name, broken)
-    for place in ("report.write.study_page", "report.write.quantity_table", "report.json.study_json", "cli.answers._tables",
-                  "studies.run.beside_published", "studies.run.closing_quantities", "studies.run._notes", "report.write.remove_earlier"):  # fmt: skip
+    places = (
+        "report.write.study_page", "report.write.quantity_table", "report.write.remove_earlier", "report.json.study_json",
+        "cli.answers._tables", "studies.run.beside_published", "studies.run.closing_quantities", "studies.run._notes",
+    )  # fmt: skip
+    for place in places:
         monkeypatch.setattr(f"valvetrain.{place}", broken)
     out = tmp_path / "out"
     result = call("run", "job-t", "--engine-speed", "2000 rpm", "--spring", "massless", "--output", str(out))
@@ -139,8 +145,10 @@ def test_json_and_page_name_the_gaps(tmp_path, monkeypatch):
     assert gap in (out / "report.html").read_text() and "peak_shear_stress" not in answer["runs"][0]["quantities"]
 
 
-LABELS = ["x 1", "x/1", "x 1", "X 1", "X-1", "", ".", "..", "x 1-2", "caf\u00e9", "cafe\u0301", "CAF\u00c9", "\ufb01n", "fin", "stra\u00dfe", "STRASSE",
-          "a" * 300, "a" * 299 + "b", "a" * 300, "\u6c34" * 300, "nul\0", "con", "-rf", "~", "x\n1"]  # fmt: skip
+LABELS = [
+    "x 1", "x/1", "x 1", "X 1", "X-1", "", ".", "..", "x 1-2", "caf\u00e9", "cafe\u0301", "CAF\u00c9", "\ufb01n", "fin", "stra\u00dfe",
+    "STRASSE", "a" * 300, "a" * 299 + "b", "a" * 300, "\u6c34" * 300, "nul\0", "con", "-rf", "~", "x\n1",
+]  # fmt: skip
 
 
 def test_no_two_results_share_a_file_name():

@@ -61,7 +61,10 @@ def test_a_speed_whose_worker_is_killed_is_a_status_and_the_others_are_there(mon
 
 
 def test_workers_end_with_a_parent_that_is_killed(tmp_path):
-    code = f"from pathlib import Path; from fault_parts import slow; from valvetrain.studies.engine import map_points\nmap_points(slow, Path({str(tmp_path)!r}), (1, 2), 2, processes=True)"
+    code = (
+        "from pathlib import Path; from fault_parts import slow; from valvetrain.studies.engine import map_points\n"
+        f"map_points(slow, Path({str(tmp_path)!r}), (1, 2), 2, processes=True)"
+    )
     tests = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     path = os.pathsep.join((tests, os.path.join(os.path.dirname(tests), "src")))
     with started(folder=tmp_path, code=code, PYTHONPATH=path) as (run, mark):
@@ -77,7 +80,7 @@ def test_a_sweep_that_is_stopped_keeps_what_was_finished(tmp_path, number):
     with started(*SWEEP, folder=tmp_path) as (run, mark):
         wait_until(lambda: rows_of(tmp_path / "out") >= 3, "three runs are finished")
         run.send_signal(number)
-        output, errors = run.communicate(timeout=60)
+        _, errors = run.communicate(timeout=60)
         gone(mark)
     assert run.returncode == 128 + number and errors.splitlines()[-1].startswith("interrupted: ") and "Traceback" not in errors
     answer = json.loads((tmp_path / "out" / "run.json").read_text())
