@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 from dataclasses import replace
+from importlib import resources
 
+import numpy as np
 import pytest
 
 import valvetrain.quantities.evaluate as evaluate
@@ -17,6 +20,7 @@ from valvetrain.report import build, page, plotly_chart, write
 from valvetrain.report.file_names import FreeNames
 from valvetrain.report.page import charts, gaps_of, render
 from valvetrain.report.write import write_parts
+from valvetrain.solution.atomic import write_text
 from valvetrain.solution.gaps import Gaps
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.studies.run import run_study
@@ -159,10 +163,56 @@ def test_no_two_results_share_a_file_name():
 
 
 def test_every_labelled_run_has_a_file_of_its_own(tmp_path, monkeypatch):
-    monkeypatch.setattr(write, "save_csv", lambda run, path: path)
+    monkeypatch.setattr(write, "save_csv", lambda run, path: write_text(path, ""))
     runs = [rod_run(samples=24, label=label or "-") for label in LABELS]
     runs += [rod_run(samples=24, label="speed", engine_speed=speed * 3.141592653589793 / 30) for speed in (3000.001, 3000.002)]
     files = write_parts(replace(own_study(), solutions=tuple(runs), rest=()), tmp_path, page=False)
     assert not files.gaps
     kept = [load_netcdf(path) for path in files.data if path.suffix == ".nc"]
     assert sorted((run.label, run.engine_speed) for run in kept) == sorted((run.label, run.engine_speed) for run in runs)
+
+
+TWO = """
+[[train.variants]]
+label = "{0}"
+spring_model = "massless"
+spring_set = "stock"
+
+[[train.variants]]
+label = "{1}"
+spring_model = "multi-mass"
+spring_set = "stock"
+"""
+
+
+def two_variants(folder, first: str, second: str) -> str:
+    """A train of the library with two variants of one's own, as a case file."""
+    source = (resources.files("valvetrain") / "parameters" / "library" / "tdi-pushrod.toml").read_text("utf-8")
+    head, *tables = re.split(r"(?m)^(?=\[)", source)
+    kept = [table for table in tables if not table.startswith("[[train.variants]]")]
+    path = folder / "two.toml"
+    path.write_text(head + "".join(kept) + TWO.format(first, second), "utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize("labels", [("x 1", "x/1"), ("x 1", "x 1"), ("x", "X"), ("caf\u00e9", "cafe\u0301")])
+def test_variants_of_like_labels_each_keep_their_numbers(tmp_path, labels):
+    out = tmp_path / "out"
+    speeds = ("--engine-speed", "3000.001, 3000.002 rpm", "--workers", "1", "--no-report")
+    result = call("run", two_variants(tmp_path, *labels), *speeds, "--output", str(out), "--json")
+    assert result.exit_code == 0, result.stderr
+    answer = json.loads(result.stdout)
+    assert len({run["label"] for run in answer["runs"]}) == 2
+    kept = [load_netcdf(path) for path in out.glob("*.nc") if not path.name.startswith(("static", "modes"))]
+    told = {(run["label"], run["model"], round(run["engine_speed"]["value"], 3)) for run in answer["runs"]}
+    assert {(run.label, run.model, round(run.engine_speed * 30 / np.pi, 3)) for run in kept} == told and len(told) == 4
+    rows = (out / "quantities.csv").read_text().splitlines()[1:]
+    assert len({tuple(row.split(",")[:-2]) for row in rows}) == len(rows)
+
+
+@pytest.mark.parametrize("damping", ["1e6 1/s", "1e9 1/s"])
+def test_a_damping_that_one_model_refuses_costs_that_model_alone(tmp_path, damping):
+    words = ("--engine-speed", "2000 rpm", "--spring", "modal-varied,massless", "--set", f"spring.damping.mass_damping={damping}")
+    result = call("run", "job-t", *words, "--no-report", "--output", str(tmp_path / "out"))
+    states = {run["label"]: run["status"]["code"] for run in json.loads((tmp_path / "out" / "run.json").read_text())["runs"]}
+    assert result.exit_code == 1 and states == {"modal-varied": "refused", "massless": "completed"}
