@@ -161,11 +161,12 @@ def test_failed_write_leaves_the_old_file_and_no_other(tmp_path, monkeypatch, fa
     path = netcdf.save_netcdf(_solution(), tmp_path / "run.nc")
     before = path.read_bytes()
 
-    def break_off(target, *_):
-        Path(target).write_bytes(b"half of it")
+    def break_off(self, content):
+        with self.open("wb") as stream:
+            stream.write(content[: len(content) // 2])
         raise failure
 
-    monkeypatch.setattr(netcdf, "write_arrays", break_off)
+    monkeypatch.setattr(Path, "write_bytes", break_off)
     with pytest.raises(type(failure)):
         netcdf.save_netcdf(_solution(), path)
     assert path.read_bytes() == before

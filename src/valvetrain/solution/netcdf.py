@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike
 from valvetrain.errors import InputError
 from valvetrain.solution import metadata
 from valvetrain.solution.arrays import ChannelArrays, Variable
-from valvetrain.solution.atomic import atomic_path
+from valvetrain.solution.atomic import write_bytes
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.netcdf_layout import write_arrays
 from valvetrain.solution.provenance import Provenance
@@ -52,7 +53,7 @@ def save_netcdf(solution: Solution, path: _PathLike) -> Path:
     """
     text = metadata.pack(
         "solution", status=solution.status, provenance=solution.provenance, events=solution.events, statistics=dict(solution.statistics),
-        quantities=dict(solution.quantities),
+        quantities=dict(solution.quantities), **({"gaps": list(solution.gaps)} if solution.gaps else {}),
     )  # fmt: skip
     return _write(solution.arrays, text, path)
 
@@ -81,7 +82,7 @@ def load_netcdf(path: _PathLike) -> Solution:
     """
     dataset, content = _read(path, "solution")
     words = content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", "")
-    return Solution(dataset, *words, content.get("quantities", {}))
+    return Solution(dataset, *words, content.get("quantities", {}), tuple(content.get("gaps", ())))
 
 
 def save_static_curve(curve: StaticCurve, path: _PathLike, provenance: Provenance | None = None) -> Path:
@@ -160,9 +161,10 @@ def _labelled(dims: tuple[str, ...], values: ArrayLike, unit: str, words: str) -
 
 
 def _write(arrays: ChannelArrays, text: str, path: _PathLike) -> Path:
-    with atomic_path(path) as temporary:
-        write_arrays(temporary, arrays, {_METADATA: text})
-    return Path(path)
+    """Made in memory first: a disk that is full then stops a plain write, not the library of the format."""
+    with io.BytesIO() as memory:
+        write_arrays(memory, arrays, {_METADATA: text})
+        return write_bytes(path, memory.getvalue())
 
 
 def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from valvetrain.solution.arrays import ChannelArrays, Variable
 
 
-def write_arrays(path: Path, arrays: ChannelArrays, texts: Mapping[str, str]) -> None:
-    """Write channels, their coordinates and ``texts`` (name -> words) to a new file; no value is marked as missing, all are data."""
+def write_arrays(target: Path | BinaryIO, arrays: ChannelArrays, texts: Mapping[str, str]) -> None:
+    """Write channels, their coordinates and ``texts`` (name -> words) to a new file or into memory; no value is marked as missing."""
     import h5netcdf
     import h5py
 
     variables = {**arrays.variables, **arrays.coords}
     on_variables, on_file = _coordinate_words(arrays)
-    with h5netcdf.File(path, "w", invalid_netcdf=None, decode_vlen_strings=True) as file:
+    with h5netcdf.File(target, "w", invalid_netcdf=None, decode_vlen_strings=True) as file:
         file.dimensions = {dim: size for one in variables.values() for dim, size in zip(one.dims, one.values.shape, strict=True)}
         for key, words in {**arrays.attributes, **on_file}.items():
             file.attrs[key] = words

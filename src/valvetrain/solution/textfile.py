@@ -57,7 +57,7 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     text = metadata.pack(
         "solution", status=solution.status, provenance=solution.provenance, events=solution.events,
         statistics=dict(solution.statistics), quantities=dict(solution.quantities), columns=layout, constants=still,
-        attributes=dict(arrays.attributes),
+        attributes=dict(arrays.attributes), **({"gaps": list(solution.gaps)} if solution.gaps else {}),
     )  # fmt: skip
     header = [label for name in rows for label in _column_labels(arrays, name)]
     blocks = [one.values.reshape(len(one.values), int(np.prod(one.values.shape[1:]))) for one in rows.values()]
@@ -108,7 +108,7 @@ def load_csv(path: str | os.PathLike[str]) -> Solution:
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"is damaged: its rows do not fit its description ({error}); write it again", where) from error
     words = content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", "")
-    return Solution(dataset, *words, content.get("quantities", {}))
+    return Solution(dataset, *words, content.get("quantities", {}), tuple(content.get("gaps", ())))
 
 
 def _row(blocks: list[np.ndarray[Any, Any]], row: int) -> str:
