@@ -227,12 +227,12 @@ def render(page: Page) -> str:
 
 def _drawn(chart: Chart) -> str:
     """The figure as JSON, or the reason why it cannot be drawn, which the page then shows in its place."""
-    from valvetrain.report.plotly_chart import to_json
+    from valvetrain.report.plotly_chart import in_script, to_json
 
     try:
         return to_json(chart)
     except Exception as error:  # one figure must not cost the page
-        return json.dumps({"gap": f"The figure could not be drawn: {type(error).__name__}: {error}"}).replace("</", "<\\/")
+        return in_script(json.dumps({"gap": f"The figure could not be drawn: {type(error).__name__}: {error}"}))
 
 
 def plotly_script() -> str:

@@ -49,6 +49,7 @@ class _Names:
     def free(self, words: str) -> str:
         """A name of letters, digits, points and dashes that was not given before."""
         plain = "-".join("".join(char if char.isalnum() or char in ".+" else " " for char in words).split()).strip(".") or "run"
+        plain = plain.encode()[:120].decode(errors="ignore")
         name = next(one for n in range(1, len(self.taken) + 2) if (one := plain if n == 1 else f"{plain}-{n}").lower() not in self.taken)
         self.taken.add(name.lower())
         return name

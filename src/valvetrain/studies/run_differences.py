@@ -52,7 +52,7 @@ def result_differences(one: KeptRun, other: KeptRun) -> tuple[ResultDifference, 
 def _inputs_of(run: KeptRun) -> dict[str, Any]:
     try:
         values = dict(_leaves(tomllib.loads(run.case_file.read_text("utf-8"))))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         values = {}
     about = {"case": run.case, "command": run.answer.get("command"), "choices": run.answer.get("choices")}
     return dict(_leaves(about | {"versions": run.answer.get("versions")})) | values

@@ -20,8 +20,9 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.solution.atomic import write_bytes, write_text
+from valvetrain.studies.run_answer import ANSWER, answer_text, read_answer
 
-ROOT, LATEST, CASE_FILE, ANSWER = Path("runs"), "latest", Path("inputs") / "case.toml", "run.json"
+ROOT, LATEST, CASE_FILE = Path("runs"), "latest", Path("inputs") / "case.toml"
 
 
 @dataclass(frozen=True)
@@ -147,7 +148,7 @@ def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> KeptRun:
     files = [*dict.fromkeys((*answer.get("files", ()), *written))]
     whole = {**answer, "digest": inputs.digest, "choices": dict(inputs.choices), "files": files}
     _remove(folder, set(map(str, earlier.get("files", ()))) - set(map(str, files)))
-    write_text(folder / ANSWER, json.dumps(whole, indent=2, allow_nan=False, default=str) + "\n")
+    write_text(folder / ANSWER, answer_text(whole))
     return KeptRun(folder, whole)
 
 
@@ -197,13 +198,14 @@ def find_run(name: str, root: Path = ROOT) -> KeptRun:
 
 
 def run_of_path(path: Path) -> KeptRun | None:
-    """The run that a folder, its ``run.json`` or its case file belongs to; None where there is none."""
+    """The run that a folder, its ``run.json`` or its case file belongs to; None where there is none. Raises :class:`InputError` where its
+    ``run.json`` is damaged."""
     try:
         places = (path, path.parent) if path.name == ANSWER else (path, path.parent.parent) if path.name == CASE_FILE.name else (path,)
         for folder in places:
             if folder.name == LATEST and folder.is_file():  # where links are not possible
                 folder = folder.parent / folder.read_text("utf-8").strip()
-            if folder.is_dir() and (answer := _read_answer(folder)):
+            if folder.is_dir() and (answer := read_answer(folder)):
                 return KeptRun(folder, answer)
     except (OSError, ValueError):
         return None
@@ -212,7 +214,8 @@ def run_of_path(path: Path) -> KeptRun | None:
 
 def safe_name(text: str) -> str:
     """A name as a folder may bear it."""
-    return re.sub(r"[^\w.-]+", "-", text)[:80].strip(".-") or "case"
+    short = re.sub(r"[^\w.-]+", "-", text)[:80].encode()[:120].decode(errors="ignore")
+    return short.strip(".-") or "case"
 
 
 def _tables(item: Any) -> Iterator[Any]:
@@ -236,10 +239,9 @@ def _free_name(name: str, content: bytes, taken: Mapping[str, bytes]) -> str:
 def _read_answer(folder: Path) -> dict[str, Any]:
     """The ``run.json`` of a folder; empty where there is none that can be read."""
     try:
-        found = json.loads((folder / ANSWER).read_text("utf-8"))
-    except (OSError, ValueError):
+        return read_answer(folder)
+    except InputError:
         return {}
-    return found if isinstance(found, dict) and "created_at" in found else {}
 
 
 def _remove(folder: Path, names: Iterable[str]) -> None:
