@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import os
 import random
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from fuzz import trees
+from fuzz import files, runs, trees
 from valvetrain.errors import InputError
 
 #: A sentence of a refusal is no longer than this.
@@ -55,5 +58,21 @@ def case(content: bytes) -> str:
     return "accepted"
 
 
+def command(*words: str) -> tuple[int, str]:
+    """Exit code of a command, in this process, and what it said on both streams; an error that is no sentence is raised."""
+    from valvetrain.cli.guard import TRACEBACK_VARIABLE
+    from valvetrain.cli.main import app
+
+    os.environ[TRACEBACK_VARIABLE] = "1"
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        code = app(list(words), standalone_mode=False)
+    if "\x1b" in said.getvalue():
+        raise Finding(f"a control sequence reaches the terminal: {said.getvalue()[:300]!r}")
+    return (code if isinstance(code, int) else 0), said.getvalue()
+
+
 #: Kind -> (makes an input, asks about it).
-KINDS: dict[str, tuple[Callable[[random.Random], bytes], Callable[[bytes], str]]] = {"cases": (trees.case_mutant, case)}
+KINDS: dict[str, tuple[Callable[[random.Random], bytes], Callable[[bytes], str]]] = {
+    "cases": (trees.case_mutant, case), "runs": (runs.make, runs.ask), "files": (files.make, files.ask),
+}  # fmt: skip

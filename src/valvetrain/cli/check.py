@@ -45,17 +45,18 @@ def check(
 
 def _put_together(case: Case, models: tuple[str, ...]) -> Problem | None:
     """Build everything that ``run`` builds, the springs of every set too: what is wrong may only show there. None for a lift law alone."""
+    from valvetrain.studies.before_run import refusals_before_run
     from valvetrain.system.build import build
 
     if case.train is None and not case.springs:
         return None
     problem = build(case, spring_models=models)
     problem.must_run()
+    refused = refusals_before_run(problem)
+    if refused and (models or len(refused) == len(problem.members)):
+        raise InputError(next(iter(refused.values())), "--spring" if models else "")
     sets = tuple(case.train.springs) if case.train is not None else ()
-    members = (*problem.members, *(build(case, spring_models=models, spring_sets=sets).members if sets else ()))
-    for member in members:
-        if member.refusal and models:
-            raise InputError(member.refusal, "--spring")
+    for member in build(case, spring_models=models, spring_sets=sets).members if sets else ():
         if not member.refusal and not member.model.needs_rest:
             member.system(built=problem.built)
     return problem

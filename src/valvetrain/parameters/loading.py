@@ -100,6 +100,8 @@ def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str 
         raise _located(text, tuple(context.get("path", ())), str(context.get("reason", error)), where) from None
     except RecursionError:
         raise InputError("the tables are nested too deeply; flatten them", where) from None
+    except ArithmeticError as error:
+        raise InputError(f"its numbers are too large or too small to compute with ({error}); check them and their units", where) from error
 
 
 def library_names() -> tuple[str, ...]:

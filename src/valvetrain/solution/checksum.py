@@ -10,6 +10,8 @@ from valvetrain.errors import InputError
 
 _MARK, _HEX = b"# blake2b ", 32
 _LINE = re.compile(rb"# blake2b [0-9a-f]{32}\n\Z")
+#: What a cut leaves of the line, from the length on at which chance no longer makes it.
+_CUT = re.compile(rb"# bl(a|ak|ake|ake2|ake2b|ake2b [0-9a-f]{0,32})?\Z")
 
 
 def digest(content: bytes) -> str:
@@ -44,6 +46,8 @@ def checked_content(path: Path) -> bytes:
         raise InputError(f"cannot be read ({reason}); check the path and its permissions", str(path)) from error
     length = len(_MARK) + _HEX + 1
     if not _LINE.search(content[-length:]):
+        if _CUT.search(content[-length:]):
+            raise InputError("was cut short: its closing line is not whole; write it again, or fetch it again", str(path))
         return content
     body = content[:-length]
     if closing_line(body) != content[-length:]:

@@ -152,6 +152,19 @@ def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> KeptRun:
     return KeptRun(folder, whole)
 
 
+def check_inputs(run: KeptRun) -> None:
+    """Raise :class:`InputError` where the inputs of a kept run are not those that it was made from; a run without a digest passes."""
+    names = [str(name) for name in run.answer.get("files", ()) if str(name).startswith(f"{CASE_FILE.parent.as_posix()}/")]
+    try:
+        text = run.case_file.read_bytes().decode()
+        side_files = {Path(name).name: (run.folder / name).read_bytes() for name in names if Path(name).name != CASE_FILE.name}
+        same = Inputs(run.case, text, side_files, run.answer.get("choices", {})).digest == run.digest
+    except (OSError, ValueError) as error:
+        raise InputError("the inputs of this run cannot be read; repeat the run", str(run.folder)) from error
+    if run.digest and not same:
+        raise InputError("the inputs in this folder are not those of its run, they were changed or damaged; repeat the run", str(run.folder))
+
+
 def link_latest(folder: Path) -> None:
     """Point ``latest`` beside ``folder`` to it: a link, or where links are not possible a text file with the folder's name."""
     link, new = folder.parent / LATEST, folder.parent / f".{LATEST}.{os.getpid()}"
