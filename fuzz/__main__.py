@@ -25,7 +25,7 @@ PLACE = Path(__file__).resolve().parents[1] / "build" / "fuzz"
 #: Inputs that one process is asked in a row.
 CHUNK = {"cases": 500, "runs": 10, "files": 250}
 #: A process that is this long (s) at one input, its start included, is stopped from outside.
-STUCK = SECONDS + 40
+STUCK = SECONDS + 160
 
 
 class Told:
