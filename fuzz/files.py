@@ -86,7 +86,8 @@ def lie(rng: random.Random, item: Any, depth: int = 0) -> Any:
         place = rng.randrange(min(len(item), 30))
         return [*item[:place], lie(rng, item[place], depth + 1), *item[place + 1 :]]
     return rng.choice((None, True, [], {}, "x", "", 0, -1, 10**30, 1e308, float("nan"), [[]], {"value": []}, {"value": "7", "unit": 3},
-                       "\x1b[2J", "a\nb", values.leaf(rng), values.near(rng, item) if not isinstance(item, dict) else {"a": item}))  # fmt: skip
+                       "\x1b[2J", "a\nb", values.leaf(rng), values.near(rng, item) if not isinstance(item,
+                       dict) else {"a": item}))  # fmt: skip
 
 
 def _text_of(rng: random.Random, text: str) -> str:
@@ -165,8 +166,8 @@ def lying_netcdf(rng: random.Random, content: bytes) -> bytes:
             elif action == 9:
                 file.create_group(f"group{rng.randrange(9)}/a/b")
             elif action == 10:
-                file[name].attrs[rng.choice(("units", "long_name", "coordinates", "_FillValue", "DIMENSION_LIST", "NAME", "CLASS"))] = rng.choice(
-                    (1.0, "x", "\x1b[1m", "a" * 5000, np.zeros(3), b"\xff")
+                file[name].attrs[rng.choice(("units", "long_name", "coordinates", "_FillValue", "DIMENSION_LIST", "NAME", "CLASS"))] = (
+                    rng.choice((1.0, "x", "\x1b[1m", "a" * 5000, np.zeros(3), b"\xff"))
                 )
             else:
                 for key in rng.sample(sorted(file[name].attrs), min(1, len(file[name].attrs))):

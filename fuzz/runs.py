@@ -84,5 +84,3 @@ def ask(content: bytes) -> str:
     if (checked == 0) != integrated:
         raise Finding(f"check gives {checked} ({reason[-250:]}), run gives {ran} ({said[-250:]})")
     return ("completed", "failed in time" if integrated else "refused", "refused")[ran]
-
-

@@ -124,7 +124,9 @@ def scrambled(rng: random.Random, text: str) -> bytes:
             start = rng.randrange(len(other))
             content[first:last] = other[start : start + rng.choice((10, 100, 1000))]
         elif action == 6:
-            content[first:first] = rng.choice((b"[" * 2000, b"{a=" * 500, b" " * 20000, b"'" * 3, b'"""', b"a." * 800, b"\n" * 5000, b"=", b"#"))
+            content[first:first] = rng.choice(
+                (b"[" * 2000, b"{a=" * 500, b" " * 20000, b"'" * 3, b'"""', b"a." * 800, b"\n" * 5000, b"=", b"#")
+            )
         else:
             lines = bytes(content).split(b"\n")
             rng.shuffle(lines)

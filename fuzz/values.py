@@ -6,28 +6,36 @@ import random
 from typing import Any
 
 NUMBERS = (
-    "0", "-0", "1", "-1", "2", "3", "4", "5", "7", "13", "100", "400", "1000", "65536", "1000000", "2147483648", "1e9", "-1e9", "1e-9", "1e-30",
+    "0", "-0", "1", "-1", "2", "3", "4", "5", "7", "13", "100", "400", "1000", "65536", "1000000", "2147483648", "1e9", "-1e9", "1e-9",
+    "1e-30",
     "1e30", "1e-300", "1e300", "1e308", "1e309", "5e-324", "nan", "inf", "-inf", "0.1", "0.5", "0.999999", "1.0000001", "1e15", "1e-15",
     "9" * 40, "9" * 400, "1e1000", "1e99999", "0x10", "1_000", "1,5", "1/2", "١٢", "½", "+-1", "1e", "--", ".",
 )  # fmt: skip
 UNITS = (
-    "mm", "m", "km", "nm", "um", "in", "N", "kN", "N/mm", "N/m", "GPa", "MPa", "Pa", "g", "kg", "kg/m^3", "g/cm^3", "deg", "rad", "rpm", "Hz",
+    "mm", "m", "km", "nm", "um", "in", "N", "kN", "N/mm", "N/m", "GPa", "MPa", "Pa", "g", "kg", "kg/m^3", "g/cm^3", "deg", "rad", "rpm",
+    "Hz",
     "rad/s", "s", "ms", "%", "", "1/s", "N*s/m", "N/m^1.5", "N/m^2", "m/s^2", "J", "K", "degC", "furlong", "mm^9", "mm**-3", "lb", "lbf/in",
-    "mm mm mm", "µm", "°", "parsec", "1", "mm/", "light_year", "Ångström", "banana", "mm^1.999", "()", "decibel", "delta_degC", "dimensionless",
+    "mm mm mm", "µm", "°", "parsec", "1", "mm/", "light_year", "Ångström", "banana", "mm^1.999", "()", "decibel", "delta_degC",
+    "dimensionless",
 )  # fmt: skip
 TEXTS = (
     "", " ", "\n", "\t", "\r\n", "a\n*INCLUDE, INPUT=/etc/hostname\n*STEP", "<!--<script>", "</script><script>alert(1)</script>", "]]>",
     "<img src=x onerror=alert(1)>", "\"'`", "=1+1", "@SUM(A1)", "+cmd", "-1", "\x1b[2J\x1b[31m", "\x07", "\x00", "\x7f", "\x9b31m",
-    "\u2028\u2029", "\u202eabc\u2066", "\ufeff", "\ufffd", "😀", "é", "名前", "a/b", "../../../tmp/x", "..", ".", "/", "\\", "C:\\x", "-", "--help",
-    "~", "$HOME", "%s%n", "{0}", "{{7*7}}", "{% raw %}", "${jndi:x}", "a" * 300, "b" * 5000, "a,b;c", "#", "# x", "nul", "con", "*", "?", "|",
+    "\u2028\u2029", "\u202eabc\u2066", "\ufeff", "\ufffd", "😀", "é", "名前", "a/b", "../../../tmp/x", "..", ".", "/", "\\", "C:\\x", "-",
+    "--help",
+    "~", "$HOME", "%s%n", "{0}", "{{7*7}}", "{% raw %}", "${jndi:x}", "a" * 300, "b" * 5000, "a,b;c", "#", "# x", "nul", "con", "*", "?",
+    "|",
     "%", "[0]", "x\u0301" * 50, "ﬁ", "İ", "ß", "\U000e0041", "gu2021", "gu2021, Table 1", "nobody1999", "outer", "inner", "spring", "stock",
 )  # fmt: skip
 WORDS = (
     "open", "closed", "closed-ground", "open-ground", "spline", "stations", "polydyne", "three-arc", "tangent", "cycloidal", "harmonic",
-    "modified-sine", "polynomial", "zero", "cam-card", "sine-power", "flank-pulse", "massless", "multi-mass", "finite-element", "modal-varied",
-    "modal-uniform", "wave-rod", "linear", "nested", "solid", "lift", "cam", "valve", "direct", "finger", "rocker", "pushrod", "planar", "lumped",
+    "modified-sine", "polynomial", "zero", "cam-card", "sine-power", "flank-pulse", "massless", "multi-mass", "finite-element",
+    "modal-varied",
+    "modal-uniform", "wave-rod", "linear", "nested", "solid", "lift", "cam", "valve", "direct", "finger", "rocker", "pushrod", "planar",
+    "lumped",
     "single-mass", "flat", "domed", "roller", "knife", "left", "right", "planes", "bonded", "hertz-line", "hertz-point", "hunt-crossley",
-    "lankarani-nikravesh", "flores", "rigid", "restitution", "EN 10270-2 VDSiCr", "OTEVA 90 SC", "published", "measured", "assumed", "identified",
+    "lankarani-nikravesh", "flores", "rigid", "restitution", "EN 10270-2 VDSiCr", "OTEVA 90 SC", "published", "measured", "assumed",
+    "identified",
 )  # fmt: skip
 
 

@@ -1,11 +1,10 @@
-"""A short slice of the fuzzer (``make fuzz``): seeded mutants of cases, runs of mutants and damaged files end in an answer or a sentence."""
+"""A slice of the fuzzer (``make fuzz``): seeded mutants of cases, runs of mutants and damaged files end in an answer or one sentence."""
 
 from __future__ import annotations
 
 import random
 
 import pytest
-
 from fuzz import files, runs, trees
 from fuzz.questions import KINDS, Finding
 from fuzz.worker import generator, write
@@ -48,13 +47,7 @@ def test_the_questions_notice_what_they_should(monkeypatch):
         KINDS["cases"][1](b"x = 1")
     monkeypatch.undo()
     whole = files.whole()["solution.nc"]
-    changed = next(
-        bytes(damaged)
-        for place in range(len(whole) - 44, 0, -1)
-        for damaged in [bytearray(whole)]
-        if whole[place] not in (0, 255) and not damaged.__setitem__(place, whole[place] ^ 1)
-    )
-    assert KINDS["files"][1](b"solution.nc damaged\n" + changed) == "refused"
+    assert KINDS["files"][1](b"solution.nc damaged\n" + whole[:5000] + bytes([whole[5000] ^ 1]) + whole[5001:]) == "refused"
     monkeypatch.setattr(netcdf, "checked_content", lambda path: path.read_bytes())
     monkeypatch.setattr(checksum, "checked_content", lambda path: path.read_bytes())
     taken = []

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 
-
 #: Signs with which a spreadsheet takes a cell for a formula, and words that are numbers all the same.
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-](inf|nan)")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -121,7 +122,9 @@ def load_modal_result(path: _PathLike) -> ModalResult:
     modes = _numbers(content, "axial_modes", None, where) or ()
     if not all(isinstance(mode, int) and 0 <= mode < len(arrays["natural_frequency"]) for mode in modes):
         raise InputError(f"{DAMAGED} 'axial_modes' names modes that it does not hold; write it again", where)
-    told = [_numbers({name: [value]}, name, 1, where) for name in ("compression", "attached_mass") if (value := content.get(name)) is not None]
+    told = [
+        _numbers({name: [value]}, name, 1, where) for name in ("compression", "attached_mass") if (value := content.get(name)) is not None
+    ]
     if content.get("compression") is None or None in told:
         raise InputError(f"{DAMAGED} 'compression' is missing; write it again", where)
     return ModalResult(compression=content["compression"], **arrays, axial_modes=tuple(modes), status=content["status"],
@@ -182,7 +185,7 @@ def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
     checked_content(Path(path))
     try:
         refuse_claims(Path(path))
-        with xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened:
+        with warnings.catch_warnings(action="ignore"), xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened:
             dataset = opened.load()
         text = dataset[_METADATA].values.item() if _METADATA in dataset.variables else None
         text = text.decode() if isinstance(text, bytes) else text
@@ -203,7 +206,8 @@ _CURVE = {
     "coil_number": ("wire_point",),
 }  # fmt: skip
 _MODES = {
-    "natural_frequency": ("mode",), "shape": ("mode", "wire_point", "axis"), "coil_number": ("wire_point",), "axial_transmission": ("mode",),
+    "natural_frequency": ("mode",), "shape": ("mode", "wire_point", "axis"), "coil_number": ("wire_point",),
+    "axial_transmission": ("mode",),
 }  # fmt: skip
 
 

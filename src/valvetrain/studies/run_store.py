@@ -162,7 +162,9 @@ def check_inputs(run: KeptRun) -> None:
     except (OSError, ValueError) as error:
         raise InputError("the inputs of this run cannot be read; repeat the run", str(run.folder)) from error
     if run.digest and not same:
-        raise InputError("the inputs in this folder are not those of its run, they were changed or damaged; repeat the run", str(run.folder))
+        raise InputError(
+            "the inputs in this folder are not those of its run, they were changed or damaged; repeat the run", str(run.folder)
+        )
 
 
 def link_latest(folder: Path) -> None:
