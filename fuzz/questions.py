@@ -34,7 +34,7 @@ def sentence(error: InputError) -> str:
 def case(content: bytes) -> str:
     """Read and build everything that ``run`` builds, as ``valvetrain check`` does."""
     from valvetrain.cli.case_facts import case_facts, case_quantities
-    from valvetrain.cli.check import _put_together
+    from valvetrain.cli.check import put_together
     from valvetrain.parameters.loading import parse_case, read_case
 
     try:
@@ -50,7 +50,7 @@ def case(content: bytes) -> str:
         raise Finding("a file that is no text was read as a case") from None
     try:
         chosen = parse_case(text, where="case.toml")
-        problem = _put_together(chosen, ())
+        problem = put_together(chosen, ())
         case_facts(chosen)
         case_quantities(chosen, problem)
     except InputError as error:

@@ -33,7 +33,7 @@ def check(
     from valvetrain.report.json import quantities_object
 
     chosen = choose_case(case, settings, elements_per_coil)
-    problem = _put_together(chosen, read_models(spring))
+    problem = put_together(chosen, read_models(spring))
     quantities = case_quantities(chosen, problem)
     facts = case_facts(chosen)
     data = {
@@ -43,7 +43,7 @@ def check(
     deliver(Outcome(data, lambda console: _show_check(console, chosen, facts, quantities)))
 
 
-def _put_together(case: Case, models: tuple[str, ...]) -> Problem | None:
+def put_together(case: Case, models: tuple[str, ...]) -> Problem | None:
     """Build everything that ``run`` builds, the springs of every set too: what is wrong may only show there. None for a lift law alone."""
     from valvetrain.studies.before_run import refusals_before_run
     from valvetrain.system.build import build

@@ -44,10 +44,12 @@ def unpack(text: str, kind: str, where: str) -> dict[str, Any]:
     try:
         content["status"] = _made(Status, content["status"])
         content["provenance"] = None if content["provenance"] is None else _made(Provenance, content["provenance"])
-        isinstance(content["events"], list) or _refuse("events")
+        if not isinstance(content["events"], list):
+            _refuse("events")
         content["events"] = tuple(_made(Event, event) for event in content["events"])
         for name in ("statistics", "quantities"):
-            _FITS["Mapping"](content.setdefault(name, {})) or _refuse(name)
+            if not _FITS["Mapping"](content.setdefault(name, {})):
+                _refuse(name)
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"is damaged: its description cannot be read ({error}); write it again", where) from error
     return content
