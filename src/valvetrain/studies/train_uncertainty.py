@@ -170,7 +170,7 @@ def _solution(problem: Problem, ready: Ready, job: _Job) -> Solution:
     if job.step != 1.0 or job.samples is not None:
         usual = runner(ready.system, job.engine_speed / 2, TrainOptions(), rest=ready.rest).time_step
         step = usual * job.step * (1 + 1e-9)
-    options = RunOptions(job.samples, time_step=step, rest=ready.rest)
+    options = RunOptions(job.samples, time_step=step, rest=ready.rest, window=ready.window, nose=ready.nose)
     provenance = provenance_of(problem, ready.member, job.engine_speed, "")
     found = run(ready.system, job.engine_speed / 2, Periodic(problem.cycles_to_settle), options, provenance)
     return judge(ready, found, Plan(), {})
