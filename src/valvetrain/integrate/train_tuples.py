@@ -68,9 +68,9 @@ class Records(NamedTuple):
 
     ``motion`` (S, 3 N + 2): q, v, a, cam angle, cam power. ``force``, ``gap`` (S, n). ``spring`` (S, 4): end forces. ``spring_a``,
     ``spring_b`` (S, entries): heads of the spring states. ``extremes`` (n, 7) over every step: peak force and its cam angle, peak
-    penetration, least force in the window and its cam angle, largest force in the window, force at the nose. ``loads`` (7, 4), ``bodies`` (N, 5) over every
-    step: see their columns; speeds and accelerations of either sign. ``transitions`` (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and
-    0 for an opening, cam angle, rate of the penetration, largest gap of the open side and its cam angle, largest force of the closed side.
+    penetration, least force in the window and its cam angle, largest force in the window, force at the nose. ``loads`` (7, 4),
+    ``bodies`` (N, 5) over every step: see their columns; speeds and accelerations of either sign. ``transitions``
+    (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and 0 for an opening, cam angle, rate of the penetration, largest gap of the open side and its cam angle, largest force of the closed side.
     ``pressed_a``, ``pressed_b`` (rows, entries): the coil contacts of each spring; no rows: they are not recorded.
     """
 
@@ -94,7 +94,8 @@ class Scratch(NamedTuple):
     ``old`` (N,): velocities before the step. ``gaps`` (n, 4): penetration, gap rate of the cam alone, rate-free force that becomes the
     whole force, damping coefficient. ``gradients``, ``slides`` (n, 4) per coordinate slot; ``rubbing`` (n, 2): friction impulse, sliding
     of the cam. ``matrix`` to ``held``: the damping solve. ``before`` (n, 2): penetrations one and two steps ago. ``track`` (n, 4): largest
-    gap, its cam angle and largest force since the last transition, force of the step before; ``latest`` (n,): its row, -1 for none. ``guides`` (N, 3): see
+    gap, its cam angle and largest force since the last transition, force of the step before; ``latest`` (n,): its row, -1 for none.
+    ``guides`` (N, 3): see
     ``train_damping.guide``. ``rate``, ``bend`` (n,): rate of the penetration before the step, and by how much it exceeds the change of
     the penetration. ``blows`` (n, 4): see ``train_blows.finest_step``;
     ``trial``: copy of the memory of all laws. ``share`` (n,): part of the kick in which a contact's damper acts, 1 but in the step of

@@ -45,7 +45,8 @@ def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[f
 
 def _between(lift: Callable[[Array], Array], height: float, low: float, high: float) -> float:
     """Where ``lift`` passes ``height`` between an angle at which it is at most that and one at which it is more."""
-    if float(lift(np.array(low))) < height:
+    below, above = height - float(lift(np.array(low))), float(lift(np.array(high))) - height
+    if below > 1e-6 * above:
         found = solve(lambda angle: float(lift(np.array(angle))) - height, (low, high), within=1e-12)
         return low if found is None else found
     while abs(high - low) > 1e-12:  # it rests at that height on one side: no sign changes, only the answer to "above"
