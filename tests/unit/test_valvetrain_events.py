@@ -147,10 +147,10 @@ def test_bounces_are_counted_with_height_and_seatings_with_their_place():
 
 
 def _pairs(place: int = 0):
-    """A closed end coil, and two neighbours that meet together for twelve and twelve samples, begun at sample 960 + ``place``."""
+    """A closed end coil, and two neighbours that meet together for six and six samples, begun at sample 960 + ``place``."""
     force = np.zeros((COUNT, 3))
     force[:, 0] = 20.0
-    force[960:972, 1], force[964:976, 2] = 300.0, 100.0
+    force[960:966, 1], force[962:968, 2] = 300.0, 100.0
     force = np.roll(force, place, axis=0)
     return np.array([1.2, 2.0, 2.5]), force, np.where(force > 0, -1e-6, 1e-4)
 
@@ -159,7 +159,7 @@ def test_clash_counts_only_pairs_that_part_and_gives_impulse_and_energy():
     upper, force, gap = _pairs()
     (clash,) = clash_events(train(pairs={"spring": (upper, force, gap)}))
     assert clash.details["upper_coil"] == 2 and clash.size == pytest.approx(400.0)
-    assert clash.details["impulse"] == pytest.approx((300 * 3 + 100 * 3) * np.radians(1) / CAM_SPEED, rel=0.05)
+    assert clash.details["impulse"] == pytest.approx((300 * 1.5 + 100 * 1.5) * np.radians(1) / CAM_SPEED, rel=0.05)
     assert clash.details["energy"] == pytest.approx(0.5 * 400 * 1e-6)
     assert clash.details["cause"] == "coils meet under surge" and clash.where == "coils 1-2"
 

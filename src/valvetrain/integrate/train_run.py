@@ -112,7 +112,8 @@ class CycleRecord:
     ``cam_power`` (W). ``peak_forces``, ``peak_penetrations`` (n,): over every step; ``least_forces`` (n,): over every step inside the
     options' window; both with their cam angles (rad). ``largest_forces`` (n,): over every step inside the window; ``nose_forces``
     (n,): at the nose. ``loads`` (7, 4), ``bodies`` (N, 5): extremes over every step by the rows and columns of ``train_tuples``.
-    ``transitions``: openings and closings of every contact. ``work``: of cam, of constant and gas forces, dissipated, on springs (J). ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
+    ``transitions``: openings and closings of every contact. ``work``: of cam, of constant and gas forces, dissipated, on springs (J).
+    ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
     ``pressed``: per spring the coil contacts at every ``pressed_interval`` (s), for its model's watch; without rows where not recorded.
     """
 

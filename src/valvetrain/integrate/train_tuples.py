@@ -70,7 +70,8 @@ class Records(NamedTuple):
     ``spring_b`` (S, entries): heads of the spring states. ``extremes`` (n, 7) over every step: peak force and its cam angle, peak
     penetration, least force in the window and its cam angle, largest force in the window, force at the nose. ``loads`` (7, 4),
     ``bodies`` (N, 5) over every step: see their columns; speeds and accelerations of either sign. ``transitions``
-    (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and 0 for an opening, cam angle, rate of the penetration, largest gap of the open side and its cam angle, largest force of the closed side.
+    (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and 0 for an opening, cam angle, rate of the penetration, largest gap of the
+    open side and its cam angle, largest force of the closed side.
     ``pressed_a``, ``pressed_b`` (rows, entries): the coil contacts of each spring; no rows: they are not recorded.
     """
 
