@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import tomllib
+from io import StringIO
+from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
+from valvetrain.cli.answers import show_study
 from valvetrain.parameters.loading import load_case
 from valvetrain.report.json import study_json
 from valvetrain.solution.definition import is_defined
@@ -76,6 +80,12 @@ def test_runs_tell_the_bars_of_their_numbers_and_no_others():
     assert {one["label"] for one in told} == set(own.labels)
     (stock,) = (words for words in own.notes if words.startswith("4000 rpm, stock, with numerical uncertainty"))
     assert "peak seat force 96" in stock and "±" in stock
+    console = Console(width=100, file=StringIO())
+    show_study(console, own, Path("out"), None)
+    table = console.file.getvalue()
+    row = next(one for one in told if one["quantity"] == "peak_spring_force" and one["label"] == "stock")
+    shown = f"{row['value']['value']:.4g} ± {row['numerical_uncertainty']['value']:.2g}"
+    assert shown in table and max(map(len, table.split("published values")[0].splitlines())) <= 100
     other = run_study(case, engine_speeds=[3000 * RPM], spring_models=("massless",), workers=1)
     assert study_json(other)["uncertainties"] == [] and not [words for words in other.notes if "±" in words]
 
