@@ -4,7 +4,7 @@ The card is that of the Comp Cams XE268H-10 for the small-block Chevrolet (catal
 degrees at 0.006 in, 224 and 230 at 0.050 in, lobe lift 0.318 and 0.320 in, intake lobe centre 106 degrees, lobe separation 110. Valve
 timing at 0.006 in: intake opens 28 before top dead centre, closes 60 after bottom; exhaust opens 74 before bottom, closes 26 after top.
 
-The card was not compared with its print. Two public parts lists give 224 and 230 degrees, 110 degrees and valve lifts of 0.477 and 0.480 in,
+The card was not compared with its print. Two public parts lists give 224 and 230 degrees, 110 degrees, valve lifts of 0.477 and 0.480 in,
 and the first test holds the rest to each other: a number that was copied wrong would not fit.
 """
 

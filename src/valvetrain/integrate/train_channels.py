@@ -165,7 +165,7 @@ def least_forces(system: TrainSystem, record: CycleRecord, options: RunOptions) 
     nothing where none was asked for."""
     if options.window is None or not len(record.least_forces):
         return {}
-    found = {}
+    found: dict[str, float] = {}
     for place, name in enumerate(system.interaction_names):
         if name in CONTACTS:
             found |= {

@@ -49,10 +49,10 @@ class RigidCycle:
 def rigid_cycle(solution: Solution, rigid: RigidTable) -> RigidCycle:
     """The rigid table, which may have any number of samples, at the cam angles of a run."""
     names = ("valve_lift", "valve_acceleration", "contact_force")
-    columns = (np.interp(solution.cam_angle, rigid.cam_angle, rigid[name], period=TURN) for name in names)
+    moved, slowed, pressed = (np.interp(solution.cam_angle, rigid.cam_angle, rigid[name], period=TURN) for name in names)
     opened = rigid.open_spans or tuple(spans_above(rigid.cam_angle, rigid["valve_lift"]))
     lift = rigid["valve_lift"]
-    return RigidCycle(*columns, ring_peak(lift), ring_top(rigid.cam_angle, lift), opened)
+    return RigidCycle(moved, slowed, pressed, ring_peak(lift), ring_top(rigid.cam_angle, lift), opened)
 
 
 def train_events(solution: Solution, rigid: RigidCycle) -> tuple[Event, ...]:
