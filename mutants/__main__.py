@@ -101,7 +101,11 @@ def main() -> None:
             print(f"{number:4d} {fault.file}:{fault.line} [{fault.kind}]\n{difference(fault)}")
         return
     base, end = renew("base"), time.monotonic() + 60 * given.minutes
-    known, tasks, answers = trails(base, anew=not given.recorded), Queue[tuple[int, Fault]](), dict[int, dict[str, Any]]()
+    known, tasks, answers = (
+        trails(base, anew=not given.recorded, workers=given.workers),
+        Queue[tuple[int, Fault]](),
+        dict[int, dict[str, Any]](),
+    )
     same = judged()
     for number, fault in chosen:
         if mark(fault) in same:
