@@ -49,7 +49,10 @@ def printed(show: Callable[[Console], Any], width: int = 100) -> str:
 def studies() -> str:
     """Runs side by side, below each other, over speeds, of a train, and beside published values in brief and in full."""
     many = [replace(rod_run(), provenance=replace(rod_run().provenance, engine_speed=(1000 + 10 * n) * RPM)) for n in range(27)]
-    trains = [train_run((1000 + 10 * n) * RPM, label="stock with a name that leaves little room for numbers") for n in range(13)]
+    trains = [
+        train_run((1000 + 10 * n) * RPM, label="stock with a name that leaves so little room for numbers that most have to go below")
+        for n in range(13)
+    ]
     told = replace(published_study(), comparisons=COMPARED)
     shown = [
         (STUDIES["own"](), {}), (STUDIES["train"](), {}), (STUDIES["sweep"](), {}), (sweep_study(), {}), (told, {}),
