@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+#: Below this nothing is told from rounding.
+NOISE = 1e-13
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?", re.IGNORECASE)
 
 
@@ -41,11 +43,11 @@ def same(told: dict[str, Any], kept: dict[str, Any], room: float, where: str = "
         if isinstance(value, dict):
             wrong += same(value, kept[key], room, place)
         elif isinstance(value, list):
-            allowed = room * max(abs(value[-1]), abs(kept[key][-1]))
+            allowed = room * max(abs(value[-1]), abs(kept[key][-1])) + NOISE
             if value[:2] != kept[key][:2] or any(abs(a - b) > allowed for a, b in zip(value[2:], kept[key][2:], strict=True)):
                 wrong.append(f"{place}: {value} for {kept[key]}")
         elif isinstance(value, float):
-            if value != pytest.approx(kept[key], rel=room, abs=0.0, nan_ok=True):
+            if value != pytest.approx(kept[key], rel=room, abs=NOISE, nan_ok=True):
                 wrong.append(f"{place}: {value} for {kept[key]}")
         elif value != kept[key]:
             wrong.append(f"{place}: {value!r} for {kept[key]!r}")
