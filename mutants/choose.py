@@ -18,8 +18,9 @@ SOURCE = ROOT / "src" / "valvetrain"
 #: Tests of pages that are written from tables of modules.
 PAGES = ("_page.py", "_table.py", "_guide.py", "_words.py")
 #: Seconds of tests, as recorded, that are asked at most about one fault: those that enter its function, those whose file says its name,
-#: the others of the files of the first, all; golden numbers and printed pages.
-SECONDS = (90.0, 40.0, 10.0, 30.0, 40.0)
+#: the others of the files of the first, all; those of the first and second whose file is called after the function or its module; golden
+#: numbers and printed pages.
+SECONDS = (90.0, 40.0, 10.0, 30.0, 60.0, 40.0)
 
 
 def sample(count: int, seed: int, folders: Iterable[str] = ()) -> list[Fault]:
@@ -149,12 +150,19 @@ def tests_for(fault: Fault, trails: dict[str, dict[str, Any]]) -> list[str]:
     ranks = {node: (0 if node in first else 1 if file in spoken else 2 if file in near else 3) for node, _, file in known}
     seconds = {node: one["seconds"] for node, one, _ in known}
     spent, chosen = [0.0] * len(SECONDS), []
-    for node in sorted(ranks, key=lambda node: (_late(node), ranks[node], seconds[node], node)):
-        purse = len(SECONDS) - 1 if _late(node) else ranks[node]
+    said_here = _words("_".join((Path(fault.file).stem, *names)))
+    alike = {node: len(_words(Path(file).stem) & said_here) if ranks[node] < 2 else 0 for node, _, file in known}
+    for node in sorted(ranks, key=lambda node: (_late(node), -alike[node], ranks[node], seconds[node], node)):
+        purse = len(SECONDS) - 1 if _late(node) else len(SECONDS) - 2 if alike[node] else ranks[node]
         if (ranks[node] < 3 or not inside) and spent[purse] + seconds[node] <= SECONDS[purse]:
             spent[purse] += seconds[node]
             chosen.append(node)
     return chosen
+
+
+def _words(name: str) -> set[str]:
+    """Words of a name, without the ends that make them plural, and without those that say little."""
+    return {word.removesuffix("s") for word in name.lower().split("_") if len(word) > 3} - {"test", "kernel", "term", "value", "every"}
 
 
 def _late(node: str) -> bool:
