@@ -39,6 +39,7 @@ BUILT_IN["commands"] = {
     "refine": "valvetrain.cli.refine:register",
     "runs": "valvetrain.cli.runs:register",
     "compare-runs": "valvetrain.cli.compare_runs:register",
+    "lift": "valvetrain.cli.lift:register",
     "new": "valvetrain.cli.new:register",
     "cases": "valvetrain.cli.cases:register",
     "check": "valvetrain.cli.check:register",

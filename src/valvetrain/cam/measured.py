@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -114,11 +114,11 @@ class MeasuredModel(LiftModel):
         if len(cam_angles) != len(lifts):
             raise problem(f"lifts has {len(lifts)} entries but cam_angles {len(cam_angles)}; give one lift per angle", ("lifts",))
         check_angles(cam_angles, ("cam_angles",))
-        values = {
+        values: dict[str, Any] = {
             "cam_angles": tuple(float(angle) for angle in cam_angles), "lifts": tuple(float(lift) for lift in lifts), "noise": self.noise,
             "band": self.band, "draw": self.draw,
         }  # fmt: skip
-        guarded(smooth_lift, cam_angles, lifts, self.noise or None, self.band or None, path=())
+        guarded(lambda: Measured(**values).smoothed)
         return values
 
     def _read(self, folder: Path, file: str) -> MeasuredLift:

@@ -31,12 +31,12 @@ class LiftFigure:
     unit: str
 
 
-def lift_figures(lift: SmoothedLift, heights: Sequence[float] = (), lash: float = RAMP_HEIGHT, seed: int = 0) -> tuple[LiftFigure, ...]:
+def lift_figures(smoothed: SmoothedLift, heights: Sequence[float] = (), lash: float = RAMP_HEIGHT, seed: int = 0) -> tuple[LiftFigure, ...]:
     """Figures of one lobe.
 
     Parameters
     ----------
-    lift : from :func:`smooth_lift`
+    smoothed : from :func:`smooth_lift`
     heights : lifts (m) at which durations are told besides 0.050 in and 1 mm
     lash : lift (m) at which the velocities of the ramps are told
     seed : of the draws behind the standard deviations
@@ -49,9 +49,9 @@ def lift_figures(lift: SmoothedLift, heights: Sequence[float] = (), lash: float 
     ------
     InputError : a height at or above the peak lift
     """
-    grid = np.linspace(*lift.event, STATIONS)
-    every = np.vstack([lift.coefficients, lift.draws(DRAWS, seed)])
-    curves = [_curves(lift, every, grid, derivative) for derivative in range(4)]
+    grid = np.linspace(*smoothed.event, STATIONS)
+    every = np.vstack([smoothed.coefficients, smoothed.draws(DRAWS, seed)])
+    curves = [_curves(smoothed, every, grid, derivative) for derivative in range(4)]
     peak = float(curves[0][0].max())
     levels = {_height_words(height): height for height in (*HEIGHTS, *heights)}
     for words, height in levels.items():
@@ -59,7 +59,10 @@ def lift_figures(lift: SmoothedLift, heights: Sequence[float] = (), lash: float 
             if height in HEIGHTS:
                 continue
             raise InputError(f"a duration at {words} was asked for, but the lobe rises {1e3 * peak:.3f} mm; ask below it", "heights")
-    found = [_figure("peak_lift", "peak lift", curves[0].max(axis=1), "mm"), _figure("nose_angle", "angle of peak lift", _peak(grid, curves[0]), "deg")]
+    found = [
+        _figure("peak_lift", "peak lift", curves[0].max(axis=1), "mm"),
+        _figure("nose_angle", "angle of peak lift", _peak(grid, curves[0]), "deg"),
+    ]
     for words, height in levels.items():
         if height < peak:
             opening, closing = crossings(grid, curves[0], height)
@@ -68,7 +71,7 @@ def lift_figures(lift: SmoothedLift, heights: Sequence[float] = (), lash: float 
             found.append(_figure(f"duration_at_{_key(words)}", f"duration at {words}", closing - opening, "deg"))
             found.append(_figure(f"opening_at_{_key(words)}", f"opening at {words}", opening, "deg"))
             found.append(_figure(f"closing_at_{_key(words)}", f"closing at {words}", closing, "deg"))
-    found.append(_figure("lift_area", "area under the lift", np.trapezoid(curves[0], grid, axis=1), "mm deg"))
+    found.append(_figure("lift_area", "area under the lift", np.asarray(np.trapezoid(curves[0], grid, axis=1)), "mm deg"))
     if lash < peak:
         at = _height_words(lash)
         for side, word, angle in zip(("opening", "closing"), ("opening", "closing"), crossings(grid, curves[0], lash), strict=True):
@@ -91,7 +94,11 @@ def pair_figures(intake: SmoothedLift, exhaust: SmoothedLift, heights: Sequence[
         grid = np.linspace(*lift.event, STATIONS)
         curves = _curves(lift, np.vstack([lift.coefficients, lift.draws(DRAWS, own_seed)]), grid, 0)
         ends[name] = {height: crossings(grid, curves, height) for height in (*HEIGHTS, *heights) if height < curves[0].max()}
-    centre = {name: sum(found[HEIGHTS[0]]) / 2 for name, found in ends.items()}
+        if HEIGHTS[0] not in ends[name]:
+            raise InputError(
+                f"the {name} lobe rises {1e3 * float(curves[0].max()):.3f} mm, so it has no lobe centre at 0.050 in; check its unit"
+            )
+    centre = {name: np.asarray(found[HEIGHTS[0]]).mean(axis=0) for name, found in ends.items()}
     turn = 2 * np.pi
     ahead = np.round((centre["intake"] - centre["exhaust"])[0] / turn) * turn
     figures = [_figure("lobe_separation", "lobe separation", np.abs(centre["intake"] - centre["exhaust"] - ahead), "deg")]

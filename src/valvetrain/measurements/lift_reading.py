@@ -45,7 +45,8 @@ def read_lift(file: str | Path, answers: LiftAnswers | None = None) -> tuple[Mea
     --------
     >>> import pathlib, tempfile
     >>> file = pathlib.Path(tempfile.mkdtemp(), "own.txt")
-    >>> _ = file.write_text("crank angle [deg]; valve lift [mm]" + chr(10) + chr(10).join(f"{a}; {max(0, 9 - a * a / 400)}" for a in range(-80, 81)))
+    >>> rows = [f"{angle}; {max(0, 9 - angle * angle / 400)}" for angle in range(-80, 81)]
+    >>> _ = file.write_text(chr(10).join(["crank angle [deg]; valve lift [mm]", *rows]))
     >>> read_lift(file)[0]
     MeasuredLift 'lift' of the valve: 161 stations, -40 to 40 cam deg, peak 9.0000 mm
     """
@@ -97,7 +98,9 @@ class _Known:
         if question not in self.told:
             asked, said = self.given.given(question), self.found.said.get(question, "")
             if asked and said and asked != said:
-                raise InputError(f"{question} is {asked} as asked, but the file says {said}; leave the answer out or correct the file", question)
+                raise InputError(
+                    f"{question} is {asked} as asked, but the file says {said}; leave the answer out or correct the file", question
+                )
             by, word = ("asked", asked) if asked else ("file", said) if said else ("assumed", ASSUMED.get(question, ""))
             self.told[question] = Answer(question, word, by)  # type: ignore[arg-type]
         return self.told[question].answer
@@ -105,7 +108,11 @@ class _Known:
     def still_open(self) -> list[str]:
         fractions = self.found.said.get("lift_unit") == "1"
         needed = ["angle_of", "lift_of"] + (["peak_lift", "duration", "opening"] if fractions else [])
-        missing = [question for question in needed if not self.given.given(question) and self.given.given(question) != 0.0 and not self.found.said.get(question)]
+        missing = [
+            question
+            for question in needed
+            if not self.given.given(question) and self.given.given(question) != 0.0 and not self.found.said.get(question)
+        ]
         lifts = [unit for unit, word in zip(self.found.units, self.found.columns, strict=True) if word in LOBES]
         if not fractions and not self.given.lift_unit and not any(lifts):
             missing.append("lift_unit")
@@ -128,7 +135,9 @@ def _columns(found: LiftColumns, answers: LiftAnswers, name: str) -> tuple[str, 
     count = found.rows.shape[1]
     columns = answers.columns or found.columns
     if len(columns) != count:
-        raise InputError(f"{name[:80]} has {count} columns, but columns names {len(columns)}; name each, with 'ignore' for others", "columns")
+        raise InputError(
+            f"{name[:80]} has {count} columns, but columns names {len(columns)}; name each, with 'ignore' for others", "columns"
+        )
     unknown = [str(place + 1) for place, word in enumerate(columns) if not word]
     if unknown:
         raise InputError(
@@ -163,7 +172,9 @@ def _check_angles(angles: Array, name: str) -> None:
     if not (np.all(steps > 0) or np.all(steps < 0)):
         sign = 1.0 if angles[-1] > angles[0] else -1.0
         place = next(index for index, (one, two) in enumerate(pairwise(sign * angles)) if two <= one)
-        raise InputError(f"the angles of {name[:80]} do not run one way at row {place + 2} ({np.degrees(angles[place + 1]):g} cam deg); correct it")
+        raise InputError(
+            f"the angles of {name[:80]} do not run one way at row {place + 2} ({np.degrees(angles[place + 1]):g} cam deg); correct it"
+        )
     if len(angles) < 8:
         raise InputError(f"{name[:80]} holds {len(angles)} stations; a table of lifts needs eight or more")
     if abs(angles[-1] - angles[0]) > TURN * (1 + 1e-9):
@@ -192,7 +203,9 @@ def _oriented(lobe: str, angles: Array, lifts: Array, form: str, known: _Known, 
     known.answer("angle_of"), known.answer("lift_of")
     order = ("lift_of", "lift_unit", "angle_of", "angle_unit", "zero", "direction")
     answers = tuple(known.told[question] for question in order if question in known.told)
-    return MeasuredLift(lobe, np.ascontiguousarray(angles), np.ascontiguousarray(lifts), known.answer("lift_of"), form, words, answers, notes)
+    return MeasuredLift(
+        lobe, np.ascontiguousarray(angles), np.ascontiguousarray(lifts), known.answer("lift_of"), form, words, answers, notes
+    )
 
 
 def _nose(angles: Array, lifts: Array) -> float:

@@ -141,7 +141,7 @@ class _Fit:
         self.points = (angles[:-1, None] + np.diff(angles)[:, None] * (nodes + 1) / 2).ravel()
         self.weights = (np.diff(angles)[:, None] * weights / 2).ravel()
         self.jerk = _design(self.knots, self.points, 3)[:, free]
-        scale = np.ones(len(self.points))
+        scale: Array = np.ones(len(self.points))
         for round_ in range(ROUNDS):
             self.penalty = (self.jerk * (self.weights / scale)[:, None]).T @ self.jerk
             self.noise, self.ratio = _likeliest(self.design, self.penalty, lifts, noise, stated)
@@ -164,9 +164,9 @@ class _Fit:
         mean, spread = self.jerk @ self.mean(self.ratio), self.jerk @ self.factor(self.ratio)
         square = mean**2 + np.einsum("ij,ij->i", spread, spread)
         per = square.reshape(-1, 4).mean(axis=1)
-        kernel = np.ones(2 * WINDOW + 1)
+        kernel = np.ones(2 * min(WINDOW, (len(per) - 1) // 2) + 1)
         smooth = np.convolve(per, kernel, "same") / np.convolve(np.ones(len(per)), kernel, "same")
-        return np.repeat(np.maximum(smooth / smooth.max(), LEAST_SHARE), 4)
+        return np.asarray(np.repeat(np.maximum(smooth / smooth.max(), LEAST_SHARE), 4), dtype=float)
 
 
 def _likeliest(design: Array, penalty: Array, lifts: Array, noise: float | None, stated: bool) -> tuple[float, float]:
@@ -209,7 +209,9 @@ def _event(angles: Array, lifts: Array, noise: float | None) -> tuple[int, int, 
     rest = np.concatenate([lifts[: max(begin - 10, 0)], lifts[end + 11 :]])
     if len(rest) < 10:
         return 0, len(lifts) - 1, 0.0, 0.0
-    base, runout = float(np.median(rest)), float(np.std(rest))
+    base = float(np.median(rest))
+    # a ramp may reach into these stations, so the scatter is read off their middle half
+    runout = 1.4826 * float(np.median(np.abs(rest - base)))
     threshold = base + max(4 * (noise or runout), 1e-7)
     while begin > 0 and lifts[begin] > threshold:
         begin -= 1

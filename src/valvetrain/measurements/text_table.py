@@ -15,7 +15,7 @@ from valvetrain.errors import InputError
 Array = NDArray[np.float64]
 #: A number as tables write it; a comma may stand for the point.
 _NUMBER = r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?"
-_LINE_OF_NUMBERS = re.compile(rf"\s*{_NUMBER}(?:(?:\s*[;\t|]\s*|\s*,\s+|,|\s+){_NUMBER})*\s*[;,|]?\s*")
+_LINE_OF_NUMBERS = re.compile(rf"\|?\s*{_NUMBER}(?:(?:\s*[;\t|]\s*|\s*,\s+|,|\s+){_NUMBER})*\s*[;,|]?\s*")
 #: Marks that begin a line of words.
 COMMENTS = ("#", "%", "!", "//", "*", "'", '"')
 #: Most columns of a table of lifts; more is another kind of file.
@@ -58,7 +58,7 @@ def read_text_table(text: str, name: str) -> TextTable:
     if not lines:
         raise InputError(f"{name} holds no row of numbers; export the table as text with one station a line")
     split = _splitter([words for _, words in lines])
-    rows = [split(words) for _, words in lines]
+    rows = [_row(split, words, number, name) for number, words in lines]
     width = len(rows[0])
     for (number, _), row in zip(lines, rows, strict=True):
         if len(row) != width:
@@ -85,6 +85,13 @@ def _splitter(lines: list[str]) -> Callable[[str], list[float]]:
     if any("," in line for line in sample) and not _decimal_commas_alone(sample):
         return partial(_cut, ",")
     return partial(_cut, r"[;\t|]")
+
+
+def _row(split: Callable[[str], list[float]], words: str, number: int, name: str) -> list[float]:
+    try:
+        return split(words)
+    except ValueError as error:
+        raise InputError(f"line {number} of {name} is not parted as the others are: '{words[:40]}'; make the rows alike") from error
 
 
 def _cut(mark: str, line: str) -> list[float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from valvetrain.cam.measured import MOST_DRAWS
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.solution.critical import KINDS
 from valvetrain.solution.study import Study
 from valvetrain.studies.api import Speeds, simulate, sweep
 from valvetrain.studies.engine import Progress, map_points
@@ -79,7 +80,9 @@ def lift_band_study(
     """
     known = case_of(case)
     if known.lift_law is None or known.lift_law.kind != "measured":
-        raise InputError(f"the lift of case '{known.name}' is not measured, so it has no band; give it a [lift_law] of kind 'measured'", "lift_law")
+        raise InputError(
+            f"the lift of case '{known.name}' is not measured, so it has no band; give it a [lift_law] of kind 'measured'", "lift_law"
+        )
     if not 4 <= draws <= MOST_DRAWS:
         raise InputError(f"draws is a number from 4 to {MOST_DRAWS}; it is {draws}", "--draws")
     shared = _Shared(known, engine_speeds, search, tuple(spring_models), tuple(spring_sets))
@@ -113,19 +116,15 @@ def _study_of(shared: _Shared, draw: int) -> Study:
     law = shared.case.lift_law
     assert law is not None
     case = shared.case.replace({"lift_law": law.replace(draw=draw)}) if draw else shared.case
-    how = {"spring_models": shared.spring_models, "spring_sets": shared.spring_sets, "workers": 1}
-    study = simulate(case, shared.engine_speeds, **how)
+    models, sets = shared.spring_models, shared.spring_sets
+    study = simulate(case, shared.engine_speeds, spring_models=models, spring_sets=sets, workers=1)
     if shared.search is None:
         return study
-    critical = sweep(case, shared.search, **how)
-    from dataclasses import replace
-
+    critical = sweep(case, shared.search, spring_models=models, spring_sets=sets, workers=1)
     keep = {label: {**study.still.get(label, {}), **_critical(critical, label)} for label in {*study.still, *critical.labels}}
     return replace(study, still=keep, critical_speeds=critical.critical_speeds)
 
 
 def _critical(study: Study, label: str) -> dict[str, float]:
     """Critical speeds (rad/s) of one label by quantity."""
-    from valvetrain.solution.critical import KINDS
-
     return {KINDS[one.kind]: one.engine_speed for one in study.critical_speeds if one.label == label and np.isfinite(one.engine_speed)}

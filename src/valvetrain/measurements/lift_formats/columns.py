@@ -13,8 +13,10 @@ from valvetrain.measurements.text_table import UNIT_WORDS, TextTable, read_text_
 
 #: Words of a heading -> what the column is; the first that fits.
 _MEANINGS = (
-    (r"acc|beschl|mm/deg2|mm/deg\^2", "acceleration"), (r"vel|geschw|speed|mm/deg|in/deg", "velocity"), (r"intake|inlet|einlass", "intake"),
-    (r"exhaust|auslass|outlet", "exhaust"), (r"lift|hub|displacement|rise", "lift"), (r"angle|deg|winkel|theta|crank|cam|°|rotation", "angle"),
+    (r"acc|beschl|mm/deg2|mm/deg\^2", "acceleration"), (r"vel|geschw|speed|mm/deg|in/deg", "velocity"),
+    (r"intake|inlet|einlass", "intake"),
+    (r"exhaust|auslass|outlet", "exhaust"), (r"lift|hub|displacement|rise", "lift"),
+    (r"angle|deg|winkel|theta|crank|cam|°|rotation", "angle"),
 )  # fmt: skip
 
 
@@ -32,8 +34,9 @@ def from_table(table: TextTable, form: str) -> LiftColumns:
     """Columns with the meaning that headings give them, and what the headings say of crank, cam, valve and tappet."""
     columns = tuple(_meaning(name) for name in table.names)
     units = tuple(_unit(unit) for unit in table.units)
-    if table.rows.shape[1] == 2 and not any(columns):
-        columns = ("angle", "lift")
+    whole = "angle" in columns and set(columns) & {"lift", "intake", "exhaust"} and len(set(columns)) == len(columns)
+    if table.rows.shape[1] == 2 and not whole:
+        columns, units = ("angle", "lift"), tuple(unit if unit in fits else "" for unit, fits in zip(units, _FITTING, strict=True))
     said: dict[str, str] = {}
     words = " ".join((*table.names, *table.units, *table.headings)).lower()
     for question, choices in (("angle_of", ("crank", "cam")), ("lift_of", ("valve", "tappet"))):
@@ -43,9 +46,12 @@ def from_table(table: TextTable, form: str) -> LiftColumns:
     return LiftColumns(form, table.rows, columns, units, said, table.headings)
 
 
+#: Units that an angle and a lift can have.
+_FITTING = (("deg", "rad"), ("mm", "inch", "thou", "m", "cm", "um"))
 #: Words of headings by which a question is answered; where both answers occur the heading does not tell.
 _CHOICES = {
-    "crank": r"\bcrank\b|°\s*kw\b|\bkw\b|degca\b|\bca\b|crankshaft", "cam": r"\bcam(shaft)?\s*(angle|deg|rotation|°)|°\s*nw\b|\bnw\b|°\s*cam\b|deg\s*cam",
+    "crank": r"\bcrank\b|°\s*kw\b|\bkw\b|degca\b|\bca\b|crankshaft",
+    "cam": r"\bcam(shaft)?\s*(angle|deg|rotation|°)|°\s*nw\b|\bnw\b|°\s*cam\b|deg\s*cam",
     "valve": r"\bvalve\s*lift", "tappet": r"\b(tappet|lobe|cam|follower|lifter)\s*lift",
 }  # fmt: skip
 

@@ -43,7 +43,8 @@ class LiftTable:
 
 @dataclass(frozen=True, slots=True)
 class LiftFormat:
-    """A form of lift files. ``recognise(content, name)`` looks at the content alone (the name is for messages); ``write`` may be missing."""
+    """A form of lift files. ``recognise(content, name)`` looks at the content alone (the name is for messages);
+    ``write`` may be missing."""
 
     words: str
     recognise: Callable[[bytes, str], bool]

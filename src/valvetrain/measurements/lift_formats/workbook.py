@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -43,15 +44,19 @@ def read(content: bytes, name: str) -> LiftColumns:
             fault = error
             if any(isinstance(cell, float | int) and not isinstance(cell, bool) for row in cells for cell in row):
                 raise
-    raise InputError(f"no sheet of '{name[:80]}' holds rows of numbers; put the table on a sheet of its own") from (fault if tables else None)
+    raise InputError(f"no sheet of '{name[:80]}' holds rows of numbers; put the table on a sheet of its own") from (
+        fault if tables else None
+    )
 
 
 def _fits(sheet: object) -> bool:
     return getattr(sheet, "height", 0) <= MOST_ROWS and getattr(sheet, "width", 0) <= MOST_COLUMNS
 
 
-def _line(row: list[object]) -> str:
-    cells = [repr(float(cell)) if isinstance(cell, float | int) else str(cell).replace("\t", " ").replace("\n", " ").strip() for cell in row]
+def _line(row: Sequence[object]) -> str:
+    cells = [
+        repr(float(cell)) if isinstance(cell, float | int) else str(cell).replace("\t", " ").replace("\n", " ").strip() for cell in row
+    ]
     while cells and not cells[-1]:
         cells.pop()
     return "\t".join(cells)
