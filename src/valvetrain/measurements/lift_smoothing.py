@@ -150,8 +150,7 @@ class _Fit:
 
     def mean(self, ratio: float) -> Array:
         """Coefficients at a ratio of the variance of the jerk to that of the noise."""
-        found: Array = np.linalg.solve(self.design.T @ self.design + self.penalty / ratio, self.design.T @ self.lifts)
-        return found
+        return np.asarray(np.linalg.solve(self.design.T @ self.design + self.penalty / ratio, self.design.T @ self.lifts), dtype=float)
 
     def factor(self, ratio: float) -> Array:
         """Square root of the covariance of the coefficients."""
