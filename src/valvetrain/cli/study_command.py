@@ -180,7 +180,8 @@ def keep_run(
     """
     from valvetrain.cli.outcome import plain
     from valvetrain.solution.provenance import collect_provenance
-    from valvetrain.studies.run_store import ANSWER, collect_inputs, keep, link_latest, new_folder
+    from valvetrain.studies.run_answer import ANSWER
+    from valvetrain.studies.run_store import collect_inputs, keep, link_latest, new_folder
 
     inputs = collect_inputs(request.case.name, text, request.folder, {"command": request.command, **choices})
     folder = request.output or new_folder(inputs, request.created_at)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.case import STATUSES, Note
+from valvetrain.parameters.case import STATUSES, Note, ValueStatus
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.schema_names import LONGEST_LINE, words_problem
 from valvetrain.units.text import clipped
@@ -54,4 +54,4 @@ def _note(raw: dict[str, Any]) -> Note:
     if status is not None and (not isinstance(status, str) or status not in STATUSES):
         shown = clipped(str(status), 30)
         raise InputError(f"status '{shown}' is unknown; {nearest(shown, STATUSES)}")
-    return Note(status, source)
+    return Note(cast("ValueStatus | None", status), source)
