@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextvars import ContextVar
@@ -13,6 +14,9 @@ from typing import Any
 import typer
 from rich.console import Console
 from rich.text import Text
+
+from valvetrain.errors import InputError
+from valvetrain.solution.gaps import TRACEBACK_VARIABLE, reason
 
 #: Width of tables where the output is no terminal.
 PLAIN_WIDTH = 100
@@ -51,15 +55,29 @@ class Outcome:
 
 def deliver(outcome: Outcome) -> None:
     """Print an outcome on standard output, failures on standard error; exit code 1 where a run failed."""
+    failures = outcome.failures
     if manner().json:
         sys.stdout.write(to_json(outcome.data) + "\n")
     elif not manner().quiet:
-        outcome.show(output_console())
+        failures = (*failures, *_show(outcome))
     sys.stdout.flush()
-    for sentence in outcome.failures:
+    for sentence in failures:
         complain(f"failed: {sentence}")
-    if outcome.failures:
+    if failures:
         raise typer.Exit(1)
+
+
+def _show(outcome: Outcome) -> tuple[str, ...]:
+    """Print for people; what of it could not be shown, for the numbers are computed and written whatever a table meets."""
+    try:
+        outcome.show(output_console())
+    except (OSError, InputError, typer.Exit):
+        raise
+    except Exception as error:
+        if os.environ.get(TRACEBACK_VARIABLE):
+            raise
+        return (f"answer in the terminal: {reason(error)}",)
+    return ()
 
 
 def output_console() -> Console:

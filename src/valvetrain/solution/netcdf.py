@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import io
 import os
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
 from valvetrain.solution import metadata
-from valvetrain.solution.atomic import atomic_path
-from valvetrain.solution.checksum import checked_content, close_file
+from valvetrain.solution.arrays import ChannelArrays, Variable
+from valvetrain.solution.atomic import write_bytes
+from valvetrain.solution.checksum import checked_content, closing_line
 from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.netcdf_layout import write_arrays
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.rebuilt import DAMAGED, refuse_claims, solution_of
 from valvetrain.solution.result import Solution
@@ -52,9 +56,9 @@ def save_netcdf(solution: Solution, path: _PathLike) -> Path:
     """
     text = metadata.pack(
         "solution", status=solution.status, provenance=solution.provenance, events=solution.events, statistics=dict(solution.statistics),
-        quantities=dict(solution.quantities),
+        quantities=dict(solution.quantities), **({"gaps": list(solution.gaps)} if solution.gaps else {}),
     )  # fmt: skip
-    return _write(solution.channels, text, path)
+    return _write(solution.arrays, text, path)
 
 
 def load_netcdf(path: _PathLike) -> Solution:
@@ -88,7 +92,7 @@ def save_static_curve(curve: StaticCurve, path: _PathLike, provenance: Provenanc
     buckling = None if curve.buckling is None else (curve.buckling.compression, curve.buckling.height, curve.buckling.force)
     leaning = None if curve.leaning is None else (curve.leaning.compression, curve.leaning.force)
     text = metadata.pack("static-curve", status=curve.status, provenance=provenance, buckling=buckling, leaning=leaning)
-    return _write(static_dataset(curve), text, path)
+    return _write(_static_arrays(curve), text, path)
 
 
 def load_static_curve(path: _PathLike) -> StaticCurve:
@@ -112,7 +116,7 @@ def save_modal_result(result: ModalResult, path: _PathLike, provenance: Provenan
         axial_modes=result.axial_modes,
         attached_mass=result.attached_mass,
     )
-    return _write(modal_dataset(result), text, path)
+    return _write(_modal_arrays(result), text, path)
 
 
 def load_modal_result(path: _PathLike) -> ModalResult:
@@ -132,50 +136,44 @@ def load_modal_result(path: _PathLike) -> ModalResult:
     )  # fmt: skip
 
 
-def static_dataset(curve: StaticCurve) -> xarray.Dataset:
-    """A static curve as labelled arrays with units."""
-    import xarray
-
-    return xarray.Dataset(
+def _static_arrays(curve: StaticCurve) -> ChannelArrays:
+    return ChannelArrays(
         {
-            "force": (("step",), curve.force, {"units": "N", "long_name": "spring force"}),
-            "stiffness": (("step",), curve.stiffness, {"units": "N/m", "long_name": "tangent stiffness"}),
-            "coil_gap": (("step", "coil_pair"), curve.coil_gap, {"units": "m", "long_name": "gap between a coil and the one below"}),
-            "coil_contact_force": (("step", "coil_pair"), curve.coil_contact_force, {"units": "N", "long_name": "coil contact force"}),
-            "axial_position": (("step", "wire_point"), curve.axial_position, {"units": "m", "long_name": "height above the lower seat"}),
+            "force": _labelled(("step",), curve.force, "N", "spring force"),
+            "stiffness": _labelled(("step",), curve.stiffness, "N/m", "tangent stiffness"),
+            "coil_gap": _labelled(("step", "coil_pair"), curve.coil_gap, "m", "gap between a coil and the one below"),
+            "coil_contact_force": _labelled(("step", "coil_pair"), curve.coil_contact_force, "N", "coil contact force"),
+            "axial_position": _labelled(("step", "wire_point"), curve.axial_position, "m", "height above the lower seat"),
         },
-        coords={
-            "compression": (("step",), curve.compression, {"units": "m", "long_name": "compression from the free length"}),
-            "upper_coil": (("coil_pair",), curve.upper_coil, {"units": "1", "long_name": "coil number of the upper partner"}),
-            "coil_number": (("wire_point",), curve.coil_number, {"units": "1", "long_name": "turns from the lower wire tip"}),
+        {
+            "compression": _labelled(("step",), curve.compression, "m", "compression from the free length"),
+            "upper_coil": _labelled(("coil_pair",), curve.upper_coil, "1", "coil number of the upper partner"),
+            "coil_number": _labelled(("wire_point",), curve.coil_number, "1", "turns from the lower wire tip"),
         },
     )
 
 
-def modal_dataset(result: ModalResult) -> xarray.Dataset:
-    """A modal result as labelled arrays with units."""
-    import xarray
-
-    return xarray.Dataset(
+def _modal_arrays(result: ModalResult) -> ChannelArrays:
+    return ChannelArrays(
         {
-            "natural_frequency": (("mode",), result.natural_frequency, {"units": "Hz", "long_name": "natural frequency"}),
-            "shape": (("mode", "wire_point", "axis"), result.shape, {"units": "1", "long_name": "mode shape, x y z"}),
-            "axial_transmission": (("mode",), result.axial_transmission, {"units": "1", "long_name": "axial force transmission residue"}),
+            "natural_frequency": _labelled(("mode",), result.natural_frequency, "Hz", "natural frequency"),
+            "shape": _labelled(("mode", "wire_point", "axis"), result.shape, "1", "mode shape, x y z"),
+            "axial_transmission": _labelled(("mode",), result.axial_transmission, "1", "axial force transmission residue"),
         },
-        coords={"coil_number": (("wire_point",), result.coil_number, {"units": "1", "long_name": "turns from the lower wire tip"})},
+        {"coil_number": _labelled(("wire_point",), result.coil_number, "1", "turns from the lower wire tip")},
     )
 
 
-def _write(dataset: xarray.Dataset, text: str, path: _PathLike) -> Path:
-    import xarray
+def _labelled(dims: tuple[str, ...], values: ArrayLike, unit: str, words: str) -> Variable:
+    return Variable(dims, np.asarray(values), {"units": unit, "long_name": words})
 
-    stored = dataset.assign({_METADATA: xarray.DataArray(np.array(text, dtype=object))})
-    # A fill value would turn one legal number into "missing"; every number is data here.
-    encoding = {name: {"_FillValue": None} for name in stored.variables if stored[name].dtype.kind == "f"}
-    with atomic_path(path) as temporary:
-        stored.to_netcdf(temporary, engine="h5netcdf", encoding=encoding)
-        close_file(temporary)
-    return Path(path)
+
+def _write(arrays: ChannelArrays, text: str, path: _PathLike) -> Path:
+    """Made in memory first: a disk that is full then stops a plain write, not the library of the format."""
+    with io.BytesIO() as memory:
+        write_arrays(memory, arrays, {_METADATA: text})
+        image = memory.getvalue()
+    return write_bytes(path, image + closing_line(image))
 
 
 def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:

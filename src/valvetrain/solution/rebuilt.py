@@ -55,6 +55,6 @@ def solution_of(dataset: xarray.Dataset, content: dict[str, Any], where: str) ->
             raise InputError(f"{DAMAGED} channel '{name}' holds no numbers, or its unit is no word; write it again", where)
     words = content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", "")
     try:
-        return Solution(dataset, *words, content["quantities"])
+        return Solution(dataset, *words, content["quantities"], tuple(content.get("gaps", ())))
     except InputError as error:
         raise InputError(f"{DAMAGED} {error.reason}", where) from error

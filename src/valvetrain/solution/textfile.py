@@ -11,6 +11,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.solution import metadata
+from valvetrain.solution.arrays import ChannelArrays, Variable
 from valvetrain.solution.atomic import atomic_path
 from valvetrain.solution.checksum import checked_content, close_file
 from valvetrain.solution.rebuilt import DAMAGED, solution_of
@@ -49,22 +50,23 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     >>> path.read_text().splitlines()[2].split(",")[0]
     'time [s]'
     """
-    dataset = solution.channels
-    names = [*dataset.coords, *dataset.data_vars]
-    rows = [str(name) for name in names if dataset[name].dims[:1] == ("sample",)]
-    layout = [_layout(dataset, name) for name in rows]
-    still = {str(name): _variable(dataset[name]) for name in names if str(name) not in rows}
+    arrays = solution.arrays
+    every = {**arrays.coords, **arrays.variables}
+    rows = {name: one for name, one in every.items() if one.dims[:1] == ("sample",)}
+    places = {name: {"name": name, "shape": list(one.values.shape[1:]), "coord": name in arrays.coords} for name, one in rows.items()}
+    layout = [_described(one) | places[name] for name, one in rows.items()]
+    still = {name: _described(one) | {"values": one.values.tolist()} for name, one in every.items() if name not in rows}
     text = metadata.pack(
         "solution", status=solution.status, provenance=solution.provenance, events=solution.events,
         statistics=dict(solution.statistics), quantities=dict(solution.quantities), columns=layout, constants=still,
-        attributes=dict(dataset.attrs),
+        attributes=dict(arrays.attributes), **({"gaps": list(solution.gaps)} if solution.gaps else {}),
     )  # fmt: skip
-    header = [label for name in rows for label in column_labels(dataset, name)]
-    blocks = [values.reshape(len(values), int(np.prod(values.shape[1:]))) for values in (np.asarray(dataset[name].values) for name in rows)]
-    count = dataset.sizes["sample"]
+    header = [label for name in rows for label in _column_labels(arrays, name)]
+    blocks = [one.values.reshape(len(one.values), int(np.prod(one.values.shape[1:]))) for one in rows.values()]
+    count = len(solution.time)
     with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
         stream.write(f"{_MARK}\n# {_no_formula(text)}\n{','.join(header)}\n")
-        stream.writelines(",".join([value for block in blocks for value in map(repr, block[row].tolist())]) + "\n" for row in range(count))
+        stream.writelines(f"{_row(blocks, row)}\n" for row in range(count))
         stream.write(f"# end of {count} rows\n")
         stream.close()
         close_file(temporary)
@@ -116,26 +118,25 @@ def _no_formula(text: str) -> str:
     return re.sub(r",([=+@-])", lambda found: f",\\u{ord(found[1]):04x}", text)
 
 
-def column_labels(dataset: xarray.Dataset, name: str) -> list[str]:
-    """Column names of one channel, with unit and, where there is a second dimension, the coil number."""
-    values = dataset[name]
-    unit = values.attrs.get("units", "1")
-    if values.ndim == 1:
+def _row(blocks: list[np.ndarray[Any, Any]], row: int) -> str:
+    """One row of all blocks; the list writes its numbers as ``repr`` does, faster than one by one."""
+    return repr([value for block in blocks for value in block[row].tolist()])[1:-1].replace(", ", ",")
+
+
+def _column_labels(arrays: ChannelArrays, name: str) -> list[str]:
+    """Column names of one channel or coordinate, with unit and, where there is a second dimension, the coil number."""
+    one = arrays.coords.get(name) or arrays.variables[name]
+    unit = one.attrs.get("units", "1")
+    if len(one.dims) == 1:
         return [f"{name} [{unit}]"]
-    dimension = str(values.dims[1])
+    dimension = one.dims[1]
     coil = {"wire_point": "coil_number", "coil_pair": "upper_coil"}.get(dimension, dimension)
-    places = dataset[coil].values if coil in dataset.coords else np.arange(values.shape[1])
+    places = arrays.coords[coil].values if coil in arrays.coords else np.arange(one.values.shape[1])
     return [f"{name} at {dimension.replace('_', ' ')} {place:.6g} [{unit}]" for place in places]
 
 
-def _layout(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
-    values = dataset[name]
-    return {**_variable(values, with_values=False), "name": name, "shape": list(values.shape[1:]), "coord": name in dataset.coords}
-
-
-def _variable(values: xarray.DataArray, with_values: bool = True) -> dict[str, Any]:
-    kept = {"dims": list(values.dims), "type": str(values.dtype), "attributes": dict(values.attrs)}
-    return {**kept, "values": values.values.tolist()} if with_values else kept
+def _described(one: Variable) -> dict[str, Any]:
+    return {"dims": list(one.dims), "type": str(one.values.dtype), "attributes": dict(one.attrs)}
 
 
 def _number_type(word: object) -> np.dtype[Any]:

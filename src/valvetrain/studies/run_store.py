@@ -11,6 +11,7 @@ import json
 import os
 import re
 import tomllib
+import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -19,10 +20,13 @@ from pathlib import Path
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.solution.atomic import write_bytes, write_text
+from valvetrain.solution.atomic import SUFFIX, is_abandoned, lock, remove_abandoned, write_bytes, write_text
 from valvetrain.studies.run_answer import ANSWER, answer_text, read_answer
 
 ROOT, LATEST, CASE_FILE = Path("runs"), "latest", Path("inputs") / "case.toml"
+#: End of the name of a folder whose run goes on or was killed, and the list of its finished runs.
+UNFINISHED, LIST = "-unfinished", "unfinished-runs.jsonl"
+_RUN_FILE = re.compile(r"run-\d{4,}\.nc")
 
 
 @dataclass(frozen=True)
@@ -107,8 +111,59 @@ def new_folder(inputs: Inputs, created_at: datetime, root: Path = ROOT) -> Path:
 
     Raises :class:`InputError` when it cannot be made.
     """
-    stem = f"{created_at.astimezone(UTC):%Y%m%d-%H%M%S}-{inputs.digest}"
-    home = root / safe_name(inputs.case)
+    return _free_folder(root / safe_name(inputs.case), f"{created_at.astimezone(UTC):%Y%m%d-%H%M%S}-{inputs.digest}")
+
+
+def unfinished_folder(case: str, created_at: datetime, root: Path = ROOT) -> Path:
+    """Make the folder of a run that goes on; :func:`finish_folder` gives it its name. What killed runs of the case left empty goes."""
+    home = root / safe_name(case)
+    remove_empty(home)
+    return _free_folder(home, f"{created_at.astimezone(UTC):%Y%m%d-%H%M%S}{UNFINISHED}")
+
+
+def finish_folder(folder: Path, inputs: Inputs, created_at: datetime, root: Path = ROOT) -> Path:
+    """Give a folder of :func:`unfinished_folder` the name of its run."""
+    final = new_folder(inputs, created_at, root)
+    try:
+        final.rmdir()
+        folder.rename(final)
+    except OSError:
+        return folder
+    return final
+
+
+def mark_unfinished(folder: Path) -> int:
+    """Begin the list of finished runs in ``folder``, locked for as long as this process lives; the open file."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _remove(folder, (name for name in _listed(folder) if _RUN_FILE.fullmatch(name)))
+    handle = os.open(folder / LIST, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
+    lock(handle)
+    return handle
+
+
+def _listed(folder: Path) -> list[str]:
+    """Files that a killed run listed in ``folder``."""
+    try:
+        rows = [json.loads(line) for line in (folder / LIST).read_text("utf-8").splitlines()]
+        return [str(row["file"]) for row in rows if "file" in row]
+    except (OSError, ValueError, TypeError):
+        return []
+
+
+def remove_empty(home: Path) -> None:
+    """Remove what killed runs left in the folders of a case: half-written files, and folders that hold no finished run."""
+    with suppress(OSError):
+        for folder in home.iterdir():
+            if folder.is_symlink() or not folder.is_dir() or (folder / ANSWER).exists():
+                continue
+            remove_abandoned(folder)
+            rows, left = folder / LIST, [path.name for path in folder.iterdir()]
+            if UNFINISHED in folder.name and left == [LIST] and not rows.stat().st_size and is_abandoned(rows):
+                rows.unlink()
+                folder.rmdir()
+
+
+def _free_folder(home: Path, stem: str) -> Path:
     for count in range(1, 1000):
         folder = home / (stem if count == 1 else f"{stem}-{count}")
         try:
@@ -126,7 +181,8 @@ def check_folder(folder: Path, kept: bool = False) -> None:
     else than an earlier run."""
     try:
         there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
-        foreign = not kept and folder.is_dir() and not (folder / ANSWER).is_file() and any(folder.iterdir())
+        ours = (folder / ANSWER).is_file() or (folder / LIST).is_file()
+        foreign = not kept and folder.is_dir() and not ours and any(path for path in folder.iterdir() if not path.name.endswith(SUFFIX))
     except (OSError, ValueError) as error:
         raise InputError(f"'{folder}' is no usable folder name ({error}); choose another", "--output") from None
     if not there.is_dir():
@@ -229,8 +285,8 @@ def run_of_path(path: Path) -> KeptRun | None:
 
 def safe_name(text: str) -> str:
     """A name as a folder may bear it."""
-    short = re.sub(r"[^\w.-]+", "-", text)[:80].encode()[:120].decode(errors="ignore")
-    return short.strip(".-") or "case"
+    plain = re.sub(r"[^\w.-]+", "-", unicodedata.normalize("NFC", text))[:80]
+    return plain.encode()[:120].decode(errors="ignore").strip(".-") or "case"
 
 
 def _tables(item: Any) -> Iterator[Any]:

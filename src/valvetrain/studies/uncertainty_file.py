@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 _STILL = "statics"
 #: Between engine speed and variant in the heading of a train's rows.
 _OF = ", of "
+#: Share of a value beyond which its bar is explained.
+COARSE = 0.05
 #: What is told of a train in a sentence, with how people call it.
 _TOLD = (
     ("peak_spring_force", "peak spring force"), ("peak_cam_contact_force", "peak cam force"),
@@ -112,10 +114,25 @@ def uncertainty_sentences(record: CaseRecord, engine_speeds: Sequence[float], qu
             continue
         if label:
             parts = [f"{words} {_firm(here[name])}" for name, words in _TOLD if name in here]
-            sentences.append(f"{_rpm(speed)}, {label}, with numerical uncertainty: {'; '.join(parts)}.")
+            sentences.append(f"{_rpm(speed)}, {label}, with numerical uncertainty: {'; '.join(parts)}.{_of_division(here)}")
         elif "main_clash_below_10_khz_peak_force" in here:
             sentences.append(_clash_sentence(speed, here, meshes))
     return tuple(sentences)
+
+
+def _of_division(here: Mapping[str, Uncertainty]) -> str:
+    """Where large bars come from, when it is not the step."""
+    large = [words for name, words in _TOLD if name in here and _is_coarse(here[name])]
+    if not large:
+        return ""
+    return (
+        f" More than {100 * COARSE:.0f} % of {', '.join(large)} hangs on how finely the springs are divided (elements or masses), next to "
+        "nothing on the step: surge of few elements runs at other frequencies and meets the seating in another phase."
+    )
+
+
+def _is_coarse(row: Uncertainty) -> bool:
+    return row.numerical > COARSE * abs(row.value) and row.step_part < 0.1 * row.numerical
 
 
 def _firm(row: Uncertainty) -> str:
