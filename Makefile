@@ -8,7 +8,7 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON
 
-.PHONY: help run test validate bench identify uncertainty lint pins clean environment-run environment-test parts mutants
+.PHONY: help run test validate bench identify uncertainty lint pins clean environment-run environment-test parts mutants faults fuzz
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
@@ -19,6 +19,8 @@ help:
 	@echo "make uncertainty  error bars of the published case anew; after make identify or a change of the rod"
 	@echo "make lint      style, format (ruff) and types (mypy)"
 	@echo "make mutants   seed faults into copies of the source and tell the share that the tests notice (ARGS=\"--sample 40\")"
+	@echo "make faults    kill workers, parents and the solver at random moments, fill the disk; what was lost (ARGS=200: so many faults)"
+	@echo "make fuzz      ask about mutants of cases, runs of mutants and damaged result files (ARGS=1000, or ARGS=\"--files 500\")"
 	@echo "make pins      resolve the pinned versions anew (needs a network)"
 	@echo "make clean     remove the environment, caches and results"
 
@@ -57,6 +59,12 @@ lint: environment-test
 
 mutants: environment-test
 	nice $(BIN)/python -m mutants $(ARGS)
+
+faults: environment-test
+	nice $(BIN)/python scripts/faults.py $(ARGS)
+
+fuzz: environment-test
+	$(ONE_THREAD) nice $(BIN)/python -m fuzz $(ARGS)
 
 pins:
 	@bash scripts/pins.sh

@@ -146,7 +146,7 @@ def find(kind: str, word: str, where: str = "") -> Any:
     """The object behind ``word``. Raises :class:`InputError` for an unknown word (with the nearest ones) or one that cannot be loaded."""
     known, noun = places(kind), KINDS[kind][1]
     if word not in known:
-        near = difflib.get_close_matches(word, known, n=2, cutoff=0.5)
+        near = difflib.get_close_matches(word[:60], known, n=2, cutoff=0.5)
         hint = f"did you mean {' or '.join(near)}?" if near else f"use one of {', '.join(known)}"
         raise InputError(f"{noun} '{word[:40]}' is unknown; {hint}", where)
     return _load(kind, word, known[word])

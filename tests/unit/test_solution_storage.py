@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import h5netcdf
 import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.solution import netcdf, textfile
+from valvetrain.solution import netcdf, netcdf_layout, textfile
+from valvetrain.solution.arrays import arrays_of
 from valvetrain.solution.atomic import atomic_path, write_text
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.event import Event
@@ -121,18 +123,50 @@ def test_any_netcdf_of_others_is_refused(tmp_path):
         netcdf.load_netcdf(tmp_path / "b.nc")
 
 
-@pytest.mark.parametrize("failure", [OSError("disk full"), KeyboardInterrupt()])
-def test_failed_write_leaves_the_old_file_and_no_other(tmp_path, monkeypatch, failure):
+def _told(path):
+    """All that a NetCDF-4 file holds: attributes of the file and of each variable, with dimensions, types and bytes."""
+    with h5netcdf.File(path) as file:
+        variables = {
+            name: (
+                one.dimensions,
+                str(one.dtype),
+                np.asarray(one[...]).tobytes() if one.dtype.kind in "if" else one[...],
+                sorted(one.attrs.items()),
+            )
+            for name, one in file.variables.items()
+        }
+        return dict(file.attrs), {name: dim.size for name, dim in file.dimensions.items()}, variables
+
+
+@pytest.mark.parametrize("at_rest", [False, True])
+def test_files_are_laid_out_as_xarray_writes_them(tmp_path, at_rest):
+    """Coordinates with and without a channel along them, whole numbers, truth values, an attribute of the whole."""
     import xarray
 
+    dataset = xarray.Dataset(
+        {"a": ("sample", [1.0, np.nan]), "b": (("sample", "wire_point"), [[1, 2], [3, 4]]), "c": ("sample", [True, False])},
+        coords={"time": ("sample", [0.0, 1.0], {"units": "s"}), "coil_number": ("wire_point", [1.0, 2.0]), "lonely": ("other", [7.0])},
+        attrs={} if at_rest else {"title": "of the whole"},
+    )
+    if at_rest:
+        dataset = dataset.swap_dims(wire_point="coil_number")
+    without = {name: {"_FillValue": None} for name in dataset.variables if dataset[name].dtype.kind == "f"}
+    dataset.assign(words=xarray.DataArray(np.array("Ü", dtype=object))).to_netcdf(tmp_path / "a.nc", engine="h5netcdf", encoding=without)
+    netcdf_layout.write_arrays(tmp_path / "b.nc", arrays_of(dataset), {"words": "Ü"})
+    assert str(_told(tmp_path / "a.nc")) == str(_told(tmp_path / "b.nc"))
+
+
+@pytest.mark.parametrize("failure", [OSError("disk full"), KeyboardInterrupt()])
+def test_failed_write_leaves_the_old_file_and_no_other(tmp_path, monkeypatch, failure):
     path = netcdf.save_netcdf(_solution(), tmp_path / "run.nc")
     before = path.read_bytes()
 
-    def break_off(self, target, **_):
-        Path(target).write_bytes(b"half of it")
+    def break_off(self, content):
+        with self.open("wb") as stream:
+            stream.write(content[: len(content) // 2])
         raise failure
 
-    monkeypatch.setattr(xarray.Dataset, "to_netcdf", break_off)
+    monkeypatch.setattr(Path, "write_bytes", break_off)
     with pytest.raises(type(failure)):
         netcdf.save_netcdf(_solution(), path)
     assert path.read_bytes() == before
@@ -140,14 +174,12 @@ def test_failed_write_leaves_the_old_file_and_no_other(tmp_path, monkeypatch, fa
 
 
 def test_csv_broken_off_in_the_middle_leaves_nothing(tmp_path, monkeypatch):
-    calls = iter(range(100))
-
-    def written(value):
-        if next(calls) == 3:
+    def written(_, row):
+        if row == 1:
             raise KeyboardInterrupt
-        return str(value)
+        return "0.0"
 
-    monkeypatch.setattr(textfile, "repr", written, raising=False)
+    monkeypatch.setattr(textfile, "_row", written)
     with pytest.raises(KeyboardInterrupt):
         textfile.save_csv(_solution(), tmp_path / "run.csv")
     assert list(tmp_path.iterdir()) == []

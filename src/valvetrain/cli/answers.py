@@ -51,13 +51,15 @@ TWICE = 12
 def show_study(console: Console, study: Study, folder: Path, page: Path | None, published: bool = False) -> None:
     """Print the answer of a study; with ``published`` every comparison, finding and note in full."""
     console.print(study.record.title or study.record.name)
-    for table in _tables(study):
-        console.print()
-        console.print(table)
-    _show_published(console, study, published)
-    console.print(f"\nresults  {folder}", soft_wrap=True)
-    if page is not None:
-        console.print(f"report   {page}", soft_wrap=True)
+    try:
+        for table in _tables(study):
+            console.print()
+            console.print(table)
+        _show_published(console, study, published)
+    finally:  # where it all lies is told whatever a table meets
+        console.print(f"\nresults  {folder}", soft_wrap=True)
+        if page is not None:
+            console.print(f"report   {page}", soft_wrap=True)
 
 
 def _tables(study: Study) -> Iterator[Table]:

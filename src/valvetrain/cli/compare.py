@@ -68,11 +68,10 @@ def compare(
     announce_compilation(*(("train",) if request.case.train is not None else ("statics", "transient")))
     answer_study(
         request,
-        lambda report: compare_study(
+        lambda report, finished: compare_study(
             request.case, engine_speeds=request.engine_speeds, spring_models=request.spring_models, spring_sets=request.spring_sets,
-            solid=motion, workers=request.workers, progress=report, created_at=request.created_at.isoformat(),
+            solid=motion, workers=request.workers, progress=report, finished=finished, created_at=request.created_at.isoformat(),
         ),
-        at_once=not wanted,
     )  # fmt: skip
 
 

@@ -12,11 +12,13 @@ from typer.core import TyperGroup
 
 from valvetrain.cli.outcome import complain, error_object, manner, set_manner
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError
+from valvetrain.solution.gaps import TRACEBACK_VARIABLE
+from valvetrain.studies.stopping import exit_code, listening, noted
 
 WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 INTERRUPTED_SENTENCE = "interrupted: nothing more is written; start the command again to repeat it"
-#: Set to anything to see where an unexpected error comes from.
-TRACEBACK_VARIABLE = "VALVETRAIN_TRACEBACK"
+#: Whether the user was told what an interrupted command kept.
+_told: list[str] = []
 
 
 class GuardedGroup(TyperGroup):
@@ -31,25 +33,36 @@ class GuardedGroup(TyperGroup):
             with contextlib.suppress(AttributeError, ValueError):
                 stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # a name may hold what the terminal cannot show
         set_manner(sys.argv[1:] if args is None else list(args))
-        try:
-            result = super().main(args, prog_name, complete_var, False, windows_expand_args, **extra)
-            code = result if isinstance(result, int) else 0
-            if code == INTERRUPTED:  # the parser turns Ctrl-C into this code without a word
-                interrupted()
-        except Exception as error:
-            code = _report(error)
-        except KeyboardInterrupt:
-            code = interrupted()
+        _told.clear()
+        with listening():
+            try:
+                result = super().main(args, prog_name, complete_var, False, windows_expand_args, **extra)
+                code = result if isinstance(result, int) else 0
+                if code == INTERRUPTED and not _told:  # the parser turns Ctrl-C into this code without a word
+                    code = interrupted()
+            except Exception as error:
+                code = interrupted() if noted() else _report(error)
+            except KeyboardInterrupt:
+                code = interrupted()
+            stopped = noted()
         if not standalone_mode:
             return code
+        if stopped:  # threads may still compute what nobody asks for any more
+            with contextlib.suppress(OSError, ValueError):
+                sys.stdout.flush()
+            os._exit(code)
         sys.exit(code)
 
 
-def interrupted() -> int:
-    """Say that the user stopped the command; its exit code."""
-    complain(INTERRUPTED_SENTENCE)
-    _as_json(INTERRUPTED_SENTENCE, "", INTERRUPTED)
-    return INTERRUPTED
+def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:
+    """Say, once, that the command was stopped and what it kept; the exit code."""
+    code = exit_code(noted())
+    if not _told:
+        _told.append(sentence)
+        complain(sentence)
+        if sentence == INTERRUPTED_SENTENCE:
+            _as_json(sentence, "", code)
+    return code
 
 
 def _report(error: Exception) -> int:

@@ -16,7 +16,7 @@ app = typer.Typer(
     cls=GuardedGroup, name="valvetrain", pretty_exceptions_enable=False, invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Dynamics of valve springs and valvetrains, from the static curve to coil clash.",
-    epilog="Exit codes: 0 done, 1 a run failed, 2 wrong input, 130 interrupted.",
+    epilog="Exit codes: 0 done, 1 a run or a part of its answer failed, 2 wrong input, 130 interrupted (143 by SIGTERM).",
 )  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextvars import ContextVar
@@ -12,6 +13,10 @@ from typing import Any
 
 import typer
 from rich.console import Console
+from rich.text import Text
+
+from valvetrain.errors import InputError
+from valvetrain.solution.gaps import TRACEBACK_VARIABLE, reason
 
 #: Width of tables where the output is no terminal.
 PLAIN_WIDTH = 100
@@ -50,21 +55,43 @@ class Outcome:
 
 def deliver(outcome: Outcome) -> None:
     """Print an outcome on standard output, failures on standard error; exit code 1 where a run failed."""
+    failures = outcome.failures
     if manner().json:
         sys.stdout.write(to_json(outcome.data) + "\n")
     elif not manner().quiet:
-        outcome.show(output_console())
+        failures = (*failures, *_show(outcome))
     sys.stdout.flush()
-    for sentence in outcome.failures:
+    for sentence in failures:
         complain(f"failed: {sentence}")
-    if outcome.failures:
+    if failures:
         raise typer.Exit(1)
+
+
+def _show(outcome: Outcome) -> tuple[str, ...]:
+    """Print for people; what of it could not be shown, for the numbers are computed and written whatever a table meets."""
+    try:
+        outcome.show(output_console())
+    except (OSError, InputError, typer.Exit):
+        raise
+    except Exception as error:
+        if os.environ.get(TRACEBACK_VARIABLE):
+            raise
+        return (f"answer in the terminal: {reason(error)}",)
+    return ()
 
 
 def output_console() -> Console:
     """Standard output for people: a terminal as wide as it is, anything else :data:`PLAIN_WIDTH` columns."""
     width = None if sys.stdout.isatty() else PLAIN_WIDTH
-    return Console(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
+    return _Plain(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
+
+
+class _Plain(Console):
+    """A console to which no words from outside can speak in control sequences."""
+
+    def render_str(self, text: str, **manner: Any) -> Text:
+        """Words as they may be shown; see the base class."""
+        return super().render_str("".join(char if char.isprintable() or char in "\n\xa0" else "?" for char in text), **manner)
 
 
 def tell(sentence: str) -> None:

@@ -28,8 +28,8 @@ def run(request: StudyRequest) -> None:
     announce_compilation(*(("train",) if case.train is not None else ("statics", "transient")))
     answer_study(
         request,
-        lambda report: run_study(
+        lambda report, finished: run_study(
             case, engine_speeds=request.engine_speeds, spring_models=request.spring_models, spring_sets=request.spring_sets,
-            workers=request.workers, progress=report, created_at=request.created_at.isoformat(),
+            workers=request.workers, progress=report, finished=finished, created_at=request.created_at.isoformat(),
         ),
     )  # fmt: skip

@@ -49,7 +49,7 @@ def run_up(
     announce_compilation("train")
     answer_study(
         request,
-        lambda report: run_up_study(
+        lambda report, finished: run_up_study(
             request.case, (begin, end, seconds), spring_models=request.spring_models, spring_sets=request.spring_sets,
             workers=request.workers, progress=report, created_at=request.created_at.isoformat(),
         ),

@@ -6,11 +6,14 @@ import functools
 import inspect
 import sys
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol, get_type_hints
+
+import typer
 
 from valvetrain.cli.case_choice import IN_EVERY_SPRING, choose_case, folder_of
 from valvetrain.cli.options import (
@@ -34,14 +37,20 @@ from valvetrain.cli.options import (
     read_words,
     read_workers,
 )
+from valvetrain.cli.outcome import complain
 from valvetrain.errors import InputError
+from valvetrain.studies.run_answer import ANSWER
 
 if TYPE_CHECKING:
     from valvetrain.cli.bounds import Limits
+    from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import Report
     from valvetrain.parameters.case import Case
+    from valvetrain.report.unfinished import UnfinishedRun
+    from valvetrain.solution.gaps import Gaps
     from valvetrain.solution.provenance import Provenance
     from valvetrain.solution.study import Study
+    from valvetrain.studies.run import Finished
 
 
 class KeepRequest(Protocol):
@@ -133,25 +142,72 @@ def study_command(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def answer_study(
-    request: StudyRequest, compute: Callable[[Report], Study], at_once: bool = True, choices: Mapping[str, Any] = MappingProxyType({})
-) -> None:  # fmt: skip
-    """Compute the study, keep it in its folder and print its answer. ``at_once``: whether Ctrl-C may end the process on the spot;
-    ``choices``: what the command was asked besides, kept among the inputs."""
+    request: StudyRequest, compute: Callable[[Report, Finished], Study], choices: Mapping[str, Any] = MappingProxyType({})
+) -> None:
+    """Compute the study, keep it in its folder and print its answer; one that is stopped leaves what was finished of it.
+
+    ``compute`` tells its progress and each solution as it comes; ``choices``: what the command was asked besides, kept among the inputs.
+    """
+    from valvetrain.cli.guard import interrupted
+    from valvetrain.cli.outcome import deliver
+    from valvetrain.cli.progress import progress_bar
+    from valvetrain.report.unfinished import UnfinishedRun
+    from valvetrain.studies.run_store import unfinished_folder
+    from valvetrain.studies.stopping import StudyStopped
+
+    kept = UnfinishedRun(lambda: request.output or unfinished_folder(request.case.name, request.created_at))
+    stopped = False
+    try:
+        with progress_bar(request.case.name) as report:
+            study = compute(report, kept.add)
+    except StudyStopped as cut:
+        study, stopped = cut.study, True
+    except BaseException as error:
+        if kept.folder is not None:
+            told = f"what was finished is kept in '{kept.folder}'"
+            if isinstance(error, KeyboardInterrupt):
+                interrupted(f"interrupted: {told}")
+            else:
+                complain(told)
+        raise
+    outcome = _kept(request, study, choices, kept)
+    if not stopped:
+        deliver(outcome)
+        return
+    with suppress(typer.Exit):
+        deliver(outcome)
+    done = sum(run.status.code != "interrupted" for run in study.solutions)
+    words = (
+        f"{done} of {len(study.solutions)} runs were finished and are kept" if done else "springs at rest, which were finished, are kept"
+    )
+    raise typer.Exit(interrupted(f"interrupted: {words} in '{outcome.data['folder']}'; start the command again for the rest"))
+
+
+def _kept(request: StudyRequest, study: Study, choices: Mapping[str, Any], kept: UnfinishedRun) -> Outcome:
+    """The study written to its folder: its answer, with a sentence per part of it that failed."""
     from valvetrain.cli.answers import show_study
-    from valvetrain.cli.outcome import Outcome, deliver
-    from valvetrain.cli.progress import busy, progress_bar
+    from valvetrain.cli.outcome import Outcome
+    from valvetrain.cli.progress import busy
     from valvetrain.report.json import study_json
     from valvetrain.report.words import rpm
-    from valvetrain.report.write import write_study
+    from valvetrain.report.write import write_parts
+    from valvetrain.solution.gaps import Gaps
 
-    with progress_bar(request.case.name, at_once) as report:
-        study = compute(report)
-    data = study_json(study) | {"command": request.command, "completed": not study.failures}
+    gaps = Gaps(kept.gaps.sentences)
+    none: tuple[str, ...] = ()
+    failures = gaps.part("list of failures", none, lambda: study.failures)
+    plain: dict[str, Any] = {"case": request.case.name, "failures": list(failures)}
+    data = gaps.part("JSON answer", plain, study_json, study) | {"command": request.command}
     pages: list[Path] = []
 
     def write(folder: Path) -> list[Path]:
-        files = write_study(study, folder, page=request.report, figures=request.figures)
+        kept.moved_to(folder)
+        files = write_parts(study, folder, request.report, request.figures, kept.file_of)
         pages.extend([files.page] if files.page else [])
+        for sentence in files.gaps:
+            gaps.add(sentence)
+        told = tuple(dict.fromkeys((*failures, *gaps.sentences)))
+        data.update(completed=not told, failures=list(told))
         return [*files.data, *files.figures, *pages]
 
     asked = {
@@ -160,37 +216,53 @@ def answer_study(
         "spring_sets": list(request.spring_sets),
     }  # fmt: skip
     with busy("writing files"):
-        folder, files = keep_run(request, study.record.text, asked, data, write, study.solutions[0].provenance if study.solutions else None)
+        origin = study.solutions[0].provenance if study.solutions else None
+        folder, files = keep_run(request, study.record.text, asked, data, write, origin, kept.folder, gaps)
+        if (folder / ANSWER).is_file():
+            gaps.part("list of finished runs", None, kept.close)
     page = pages[0] if pages else None
     if page is not None and request.open_page:
         import webbrowser
 
         webbrowser.open(page.resolve().as_uri())
-    data |= {"folder": str(folder), "files": files, "page": None if page is None else str(page)}
-    deliver(Outcome(data, lambda console: show_study(console, study, folder, page, request.published), study.failures))
+    told = tuple(dict.fromkeys((*failures, *gaps.sentences)))
+    data.update(folder=str(folder), files=files, page=None if page is None else str(page), completed=not told, failures=list(told))
+    return Outcome(data, lambda console: show_study(console, study, folder, page, request.published), told)
 
 
 def keep_run(
     request: KeepRequest, text: str, choices: Mapping[str, Any], data: Mapping[str, Any], write: Callable[[Path], list[Path]],
-    made_by: Provenance | None = None,
+    made_by: Provenance | None = None, unfinished: Path | None = None, gaps: Gaps | None = None,
 ) -> tuple[Path, list[str]]:  # fmt: skip
     """Make the folder of a run, let ``write`` fill it, and put inputs (``text``: the resolved case) and ``run.json`` beside.
 
-    ``data``: the JSON answer; ``made_by``: versions that ran (default: those here). The folder, and the paths of all files in it.
+    ``data``: the JSON answer; ``made_by``: versions that ran (default: those here); ``unfinished``: the folder the run had while it went
+    on. The folder, and the paths of all files in it; parts that fail are named in ``gaps``.
     """
     from valvetrain.cli.outcome import plain
+    from valvetrain.solution.gaps import Gaps
     from valvetrain.solution.provenance import collect_provenance
-    from valvetrain.studies.run_store import ANSWER, collect_inputs, keep, link_latest, new_folder
+    from valvetrain.studies.run_store import Inputs, collect_inputs, finish_folder, keep, link_latest, new_folder
 
-    inputs = collect_inputs(request.case.name, text, request.folder, {"command": request.command, **choices})
-    folder = request.output or new_folder(inputs, request.created_at)
+    missing = Gaps() if gaps is None else gaps
+    asked = {"command": request.command, **choices}
+    bare = Inputs(request.case.name, text, {}, asked)
+    inputs = missing.part("inputs of the run", bare, collect_inputs, request.case.name, text, request.folder, asked)
+    if request.output is not None:
+        folder = request.output
+    elif unfinished is not None:
+        folder = missing.part("folder of the run", unfinished, finish_folder, unfinished, inputs, request.created_at)
+    else:
+        folder = new_folder(inputs, request.created_at)
     written = [path.relative_to(folder).as_posix() for path in write(folder)]
     origin = made_by or collect_provenance(request.case.name, "")
     answer = plain(data) | {
         "created_at": request.created_at.isoformat(), "command_line": ["valvetrain", *sys.argv[1:]], "files": written,
         "versions": {"valvetrain": origin.package_version, "python": origin.python_version, **origin.dependencies},
     }  # fmt: skip
-    kept = keep(folder, inputs, answer)
+    kept = missing.part(f"file '{ANSWER}' could not be written", None, keep, folder, inputs, answer)
+    if kept is None:
+        return folder, [str(folder / name) for name in written]
     if request.output is None:
-        link_latest(folder)
+        missing.part("link to the latest run", None, link_latest, folder)
     return folder, [str(folder / name) for name in (*kept.answer["files"], ANSWER)]

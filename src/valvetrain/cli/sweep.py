@@ -44,8 +44,9 @@ def sweep(
     announce_compilation("statics", "transient", "train")
     answer_study(
         request,
-        lambda report: sweep_study(
+        lambda report, finished: sweep_study(
             request.case, engine_speeds, spring_models=request.spring_models, spring_sets=request.spring_sets, workers=request.workers,
-            progress=report, created_at=request.created_at.isoformat(), critical=None if no_critical_speeds else critical,
+            progress=report, finished=finished, created_at=request.created_at.isoformat(),
+            critical=None if no_critical_speeds else critical,
         ),
     )  # fmt: skip

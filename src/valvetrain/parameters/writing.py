@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from valvetrain.errors import InputError
+from valvetrain.solution.atomic import write_text
 
 
 def write_case_values(path: str | os.PathLike[str], changes: Mapping[str, Any]) -> None:
@@ -62,16 +62,8 @@ def _child(table: Any, key: str, key_path: str, where: str) -> Any:
 
 
 def replace_file(target: Path, text: str) -> None:
-    """Write ``text`` to ``target`` whole or not at all: a temporary file in the same folder takes its place at the end."""
-    handle, temporary = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="") as stream:
-            stream.write(text)
-        if target.exists():
-            os.chmod(temporary, target.stat().st_mode)
-        else:
-            os.chmod(temporary, 0o644)
-        os.replace(temporary, target)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    """Write ``text`` to ``target`` whole or not at all; a file that was there keeps its mode."""
+    mode = target.stat().st_mode if target.exists() else None
+    write_text(target, text)
+    if mode is not None:
+        os.chmod(target, mode)

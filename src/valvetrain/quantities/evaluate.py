@@ -18,7 +18,9 @@ from valvetrain.quantities.train_numbers import counted_quantities, margin_quant
 from valvetrain.quantities.valve_events import run_events
 from valvetrain.solution.arrays import Variable
 from valvetrain.solution.event import Event
+from valvetrain.solution.gaps import Gaps
 from valvetrain.solution.result import Solution
+from valvetrain.solution.study import LiftEvent
 
 #: Channels of rigid theory that are added to a train's run -> SI unit and words.
 RIGID_CHANNELS = {
@@ -30,25 +32,33 @@ RIGID_CHANNELS = {
 def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
     """The run with its events and every quantity that it supports (docs/quantities.md); SI, angles in cam rad.
 
-    What the run does not cover, because it lacks the channel or ended early, is absent. A run that holds numbers that are not finite
-    comes back with nothing found. ``frame.source`` adds the quantities of a published study.
+    What the run does not cover, because it lacks the channel or ended early, is absent; a part that fails is among its ``gaps``. A run
+    that holds numbers that are not finite comes back with nothing found. ``frame.source`` adds the quantities of a published study.
     Raises :class:`InputError` for an unknown source.
     """
     if len(solution.time) < 3 or not _is_finite(solution):
         return solution.with_found((), {})
-    solution = with_wire_stress(solution, frame)
-    cycle = reported_cycle(solution)
-    rigid = rigid_cycle(solution, frame.rigid) if frame.rigid is not None and is_closed(solution) else None
-    events = _events(solution, frame, rigid)
-    found = _whole_cycle(cycle, frame, events) if cycle.whole else {}
-    found |= energy_quantities(solution) | counted_quantities(solution)
+    gaps = Gaps(solution.gaps)
+    solution = gaps.part("stress of the wire", solution, with_wire_stress, solution, frame)
+    cycle = gaps.part("reported cycle", None, reported_cycle, solution)
+    rigid = None
+    if frame.rigid is not None and is_closed(solution):
+        rigid = gaps.part("motion of rigid parts", None, rigid_cycle, solution, frame.rigid)
+    events = _events(solution, frame, rigid, gaps)
+    found = _whole_cycle(cycle, frame, events, gaps) if cycle is not None and cycle.whole else {}
+    found |= gaps.part("energy", {}, energy_quantities, solution)
+    found |= gaps.part("counted numbers", {}, counted_quantities, solution)
     if rigid is not None:
         assert frame.rigid is not None
-        found |= train_quantities(solution, rigid, events) | run_events(solution, events) | margin_quantities(frame.rigid)
-    done = _with_rigid(solution, rigid).with_found(events, found)
+        found |= gaps.part("numbers of the train", {}, train_quantities, solution, rigid, events)
+        found |= gaps.part("valve events", {}, run_events, solution, events)
+        found |= gaps.part("margins of rigid parts", {}, margin_quantities, frame.rigid)
+    done = gaps.part("channels of rigid parts", solution, _with_rigid, solution, rigid).with_found(events, found, gaps.sentences)
     if not frame.source:
         return done
-    return done.with_found(events, found | registry.find("sources", frame.source).quantities(done, frame))
+    source = registry.find("sources", frame.source)
+    found |= gaps.part(f"numbers of {frame.source}", {}, source.quantities, done, frame)
+    return done.with_found(events, found, gaps.sentences)
 
 
 def _is_finite(solution: Solution) -> bool:
@@ -61,23 +71,31 @@ def _meets(frame: Frame) -> bool:
     return not frame.springs or any(spring.contact.stiffness > 0 for spring in frame.springs)
 
 
-def _events(solution: Solution, frame: Frame, rigid: RigidCycle | None) -> tuple[Event, ...]:
-    clashes = clash_events(solution) if _meets(frame) else ()
-    kept = [event for event in solution.events if event.kind not in (*LOGGED, "clash")] if rigid is None else train_events(solution, rigid)
+def _events(solution: Solution, frame: Frame, rigid: RigidCycle | None, gaps: Gaps) -> tuple[Event, ...]:
+    none: tuple[Event, ...] = ()
+    clashes = gaps.part("clashes", none, clash_events, solution) if _meets(frame) else none
+    kept = tuple(event for event in solution.events if event.kind not in (*LOGGED, "clash"))
+    if rigid is not None:
+        kept = gaps.part("events of the train", none, lambda: tuple(train_events(solution, rigid)))
     return tuple(sorted((*kept, *clashes), key=lambda event: event.cam_angle))
 
 
-def _whole_cycle(cycle: Cycle, frame: Frame, events: tuple[Event, ...]) -> dict[str, float]:
+def _whole_cycle(cycle: Cycle, frame: Frame, events: tuple[Event, ...], gaps: Gaps) -> dict[str, float]:
     solution = cycle.solution
-    found = force_quantities(cycle) | lift_quantities(cycle, frame.springs)
-    found |= surge_quantities(cycle, frame) | stress_quantities(cycle, frame)
+    found = gaps.part("forces", {}, force_quantities, cycle) | gaps.part("lift", {}, lift_quantities, cycle, frame.springs)
+    found |= gaps.part("surge", {}, surge_quantities, cycle, frame) | gaps.part("stress", {}, stress_quantities, cycle, frame)
     if _meets(frame):
         first = float(cycle.solution.cam_angle[cycle.samples.start])
-        found |= clash_numbers(solution, tuple(event for event in events if is_closed(solution) or event.cam_angle >= first - 1e-9))
+        late = tuple(event for event in events if is_closed(solution) or event.cam_angle >= first - 1e-9)
+        found |= gaps.part("clash", {}, clash_numbers, solution, late)
     if frame.surge_frequency is not None and frame.lift_event is not None and solution.has("seat_force", "valve_lift"):
-        window = find_clash_window(cycle, frame.surge_frequency, frame.lift_event)
-        found |= main_clash_quantities(cycle, window) if window is not None else {}
+        found |= gaps.part("main clash", {}, _main_clash, cycle, frame.surge_frequency, frame.lift_event)
     return found
+
+
+def _main_clash(cycle: Cycle, surge_frequency: float, lift_event: LiftEvent) -> dict[str, float]:
+    window = find_clash_window(cycle, surge_frequency, lift_event)
+    return main_clash_quantities(cycle, window) if window is not None else {}
 
 
 def _with_rigid(solution: Solution, rigid: RigidCycle | None) -> Solution:

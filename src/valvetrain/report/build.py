@@ -6,8 +6,9 @@ from dataclasses import replace
 
 from valvetrain.registry import find, words
 from valvetrain.report.figures.common import looks, told_by_source
-from valvetrain.report.page import Block, Details, Figure, Page, Section, SectionSpec, Tabs, prose, sentences, text
+from valvetrain.report.page import Block, Details, Figure, Page, Section, SectionSpec, Tabs, gap, prose, sentences
 from valvetrain.report.words import rpm
+from valvetrain.solution.gaps import Gaps, reason
 from valvetrain.solution.study import Study
 
 #: Command -> word above the title.
@@ -40,24 +41,26 @@ def study_page(study: Study) -> Page:
     True
     """
     sections = tuple(section for word in words("sections") if (section := _section(find("sections", word), study)) is not None)
-    record = study.record
-    told = sentences(record.description) if told_by_source(study) else []
+    record, gaps = study.record, Gaps()
+    by_source = gaps.part("what the source tells of the case", False, told_by_source, study)
+    told = sentences(record.description) if by_source else []
+    facts = gaps.part("facts below the title", (), _facts, study)
     lead, more = " ".join(told[:_LEAD_SENTENCES]), tuple(told[_LEAD_SENTENCES:])
     if more and sections:
         about = Section("about", "About the case", prose((" ".join(told),), "The whole description"))
         sections = (*sections[:-1], about, sections[-1])
     zero = f" Zero of the cam angle: {record.zero_of_angle}." if record.zero_of_angle else ""
     footer = "Cam angles are cam degrees, engine speed is that of the crank." + zero + " Compressive forces and opening lift are positive."
-    return _unique_keys(
-        Page(record.title or record.name, _KICKERS.get(study.command, study.command), lead, _facts(study), sections, footer)
-    )
+    if gaps.sentences:
+        sections = (Section("missing", "What is missing", tuple(gap(words) for words in gaps.sentences)), *sections)
+    return _unique_keys(Page(record.title or record.name, _KICKERS.get(study.command, study.command), lead, facts, sections, footer))
 
 
 def _section(spec: SectionSpec, study: Study) -> Section | None:
     try:
         blocks = spec.blocks(study)
     except Exception as error:  # one section must not cost the page
-        blocks = (text(f"The section '{spec.title}' could not be drawn: {type(error).__name__}: {error}", "alert"),)
+        blocks = (gap(f"The section '{spec.title}' could not be drawn: {reason(error)}"),)
     return Section(spec.key, spec.title, blocks) if blocks else None
 
 

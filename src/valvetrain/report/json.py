@@ -122,7 +122,7 @@ def _run_object(run: Solution) -> dict[str, Any]:
         "events": [_event_object(event) for event in run.events],
         "options": {name: _with_unit(name, value) for name, value in run.provenance.options.items()},
         "statistics": {name: _with_unit(name, value) for name, value in run.statistics.items()},
-    }  # fmt: skip
+    } | ({"gaps": list(run.gaps)} if run.gaps else {})  # fmt: skip
 
 
 def _event_object(event: Event) -> dict[str, Any]:

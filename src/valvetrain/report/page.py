@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from html import escape
+from html import escape, unescape
 from importlib import resources
 from typing import TYPE_CHECKING, Any, ParamSpec
 
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, legend_entries
+from valvetrain.solution.gaps import Gaps, reason
 
 if TYPE_CHECKING:
     from valvetrain.solution.study import Study
@@ -24,10 +25,11 @@ _DASHES = {"solid": "", "dash": "6 4", "dot": "2 3", "dashdot": "8 3 2 3"}
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A paragraph; ``html`` is trusted, use :func:`text` for words from outside."""
+    """A paragraph; ``html`` is trusted, use :func:`text` for words from outside. ``gap``: it stands for a part that failed."""
 
     html: str
     tone: str = ""
+    gap: bool = False
 
     kind = "text"
 
@@ -172,6 +174,18 @@ def text(words: str, tone: str = "") -> Text:
     return Text(escape(words), tone)
 
 
+def gap(words: str) -> Text:
+    """What stands for a part that failed."""
+    return Text(escape(words), "alert", gap=True)
+
+
+def gaps_of(page: Page) -> tuple[str, ...]:
+    """A sentence per part of a page that failed."""
+    return tuple(
+        unescape(block.html) for section in page.sections for block in _all(section.blocks) if isinstance(block, Text) and block.gap
+    )
+
+
 def prose(paragraphs: Sequence[str], summary: str, tone: str = "note") -> tuple[Block, ...]:
     """Paragraphs; more than three sentences stand behind a word to click."""
     blocks = tuple(text(words, tone) for words in paragraphs)
@@ -188,35 +202,34 @@ def figure_or_gap(title: str, build: Callable[P, Chart | None], *args: P.args, *
     try:
         chart = build(*args, **more)
     except Exception as error:  # one figure must not cost the others
-        return (text(f"The figure '{title}' could not be drawn: {type(error).__name__}: {error}", "alert"),)
+        return (gap(f"The figure '{title}' could not be drawn: {reason(error)}"),)
     return () if chart is None else (Figure(chart),)
 
 
 def charts(page: Page) -> list[Chart]:
     """Every chart on a page, in order, those behind tabs included."""
-    return [chart for section in page.sections for chart in _charts(section.blocks)]
+    return [block.chart for section in page.sections for block in _all(section.blocks) if isinstance(block, Figure)]
 
 
-def _charts(blocks: Sequence[Any]) -> list[Chart]:
-    found: list[Chart] = []
+def _all(blocks: Sequence[Any]) -> Iterator[Any]:
+    """Every block, those behind tabs and words to click included."""
     for block in blocks:
-        if isinstance(block, Figure):
-            found.append(block.chart)
-        elif isinstance(block, Details):
-            found += _charts(block.blocks)
+        if isinstance(block, Details):
+            yield from _all(block.blocks)
         elif isinstance(block, Tabs):
             for _, inner in block.items:
-                found += _charts(inner)
-    return found
+                yield from _all(inner)
+        else:
+            yield block
 
 
-def render(page: Page) -> str:
-    """The page as one self-contained HTML document, Plotly and data included."""
+def render(page: Page, gaps: Gaps | None = None) -> str:
+    """The page as one self-contained HTML document, Plotly and data included; ``gaps`` is told the figures that cannot be drawn."""
     import jinja2
 
     loader = jinja2.FunctionLoader(_template)
     environment = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
-    drawn = {chart.key: _drawn(chart) for chart in charts(page)}
+    drawn = {chart.key: _drawn(chart, gaps) for chart in charts(page)}
     style = _static("page.css").replace("FONT_STACK", theme.FONT)
     library = plotly_script() if drawn else ""
     template = environment.get_template("page.html.j2")
@@ -225,14 +238,17 @@ def render(page: Page) -> str:
     )
 
 
-def _drawn(chart: Chart) -> str:
+def _drawn(chart: Chart, gaps: Gaps | None) -> str:
     """The figure as JSON, or the reason why it cannot be drawn, which the page then shows in its place."""
-    from valvetrain.report.plotly_chart import to_json
+    from valvetrain.report.plotly_chart import in_script, to_json
 
     try:
         return to_json(chart)
     except Exception as error:  # one figure must not cost the page
-        return json.dumps({"gap": f"The figure could not be drawn: {type(error).__name__}: {error}"}).replace("</", "<\\/")
+        words = f"The figure could not be drawn: {reason(error)}"
+        if gaps is not None:
+            gaps.add(f"report page, {chart.key}: {words}")
+        return in_script(json.dumps({"gap": words}))
 
 
 def plotly_script() -> str:

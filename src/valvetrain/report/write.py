@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from valvetrain.errors import InputError, RunFailedError
 from valvetrain.report.build import study_page
+from valvetrain.report.chart import Chart
 from valvetrain.report.comparison_grid import comparison_table
 from valvetrain.report.earlier_files import remove_earlier
-from valvetrain.report.page import Page, charts, render
+from valvetrain.report.file_names import FreeNames
+from valvetrain.report.page import Page, charts, gaps_of, render
 from valvetrain.report.sections.sweep import order_table
 from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import Table, table
 from valvetrain.report.words import rpm
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
+from valvetrain.solution.gaps import Gaps
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.netcdf import save_modal_result, save_netcdf, save_static_curve
 from valvetrain.solution.result import Solution
@@ -32,26 +38,13 @@ CSV_SPACING = 0.5
 
 @dataclass(frozen=True, slots=True)
 class StudyFiles:
-    """What was written: the page (None where none was asked for), data files and pictures."""
+    """What was written: the page (None where none was asked for), data files and pictures; ``gaps``: a sentence per part that was not."""
 
     folder: Path
     page: Path | None
     data: tuple[Path, ...]
     figures: tuple[Path, ...] = ()
-
-
-@dataclass
-class _Names:
-    """Free file names: labels that differ only in signs or case still get files of their own."""
-
-    taken: set[str] = field(default_factory=set)
-
-    def free(self, words: str) -> str:
-        """A name of letters, digits, points and dashes that was not given before."""
-        plain = "-".join("".join(char if char.isalnum() or char in ".+" else " " for char in words).split()).strip(".") or "run"
-        name = next(one for n in range(1, len(self.taken) + 2) if (one := plain if n == 1 else f"{plain}-{n}").lower() not in self.taken)
-        self.taken.add(name.lower())
-        return name
+    gaps: tuple[str, ...] = ()
 
 
 def write_study(study: Study, folder: str | os.PathLike[str], page: bool = True, figures: bool = False) -> StudyFiles:
@@ -70,7 +63,7 @@ def write_study(study: Study, folder: str | os.PathLike[str], page: bool = True,
 
     Raises
     ------
-    InputError : a folder that cannot be written
+    InputError : a folder that cannot be written; RunFailedError where the disk took some files only, with their names
 
     Examples
     --------
@@ -80,68 +73,119 @@ def write_study(study: Study, folder: str | os.PathLike[str], page: bool = True,
     >>> sorted(file.name for file in written.data)[:3]
     ['massless-2000rpm.csv', 'massless-2000rpm.nc', 'modes-job-t-finite-element.csv']
     """
-    target, names = Path(folder), _Names()
+    files = write_parts(study, Path(folder), page, figures)
+    if files.gaps:
+        raise RunFailedError(f"not all of the study could be written to '{folder}', the rest is there: {'; '.join(files.gaps)}")
+    return files
+
+
+def write_parts(
+    study: Study, target: Path, page: bool = True, figures: bool = False, written_before: Callable[[Solution], Path | None] = lambda _: None
+) -> StudyFiles:  # fmt: skip
+    """As :func:`write_study`; a part that fails is named among the ``gaps`` and costs no other.
+
+    ``written_before`` gives the file that a solution was written to as it came, which then only takes its name.
+    """
+    names, gaps = FreeNames(), Gaps()
     data: list[Path] = []
+
+    def write(name: str, function: Callable[..., Path], *given: Any) -> None:
+        found = gaps.part(f"file '{name}' could not be written", None, function, *given)
+        data.extend([found] if found is not None else [])
+
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"folder '{target}' cannot be written ({error.strerror}); choose another") from error
     for run in study.solutions:
         if run.arrays.variables and len(run.time):
             stem = names.free(f"{run.label}-{rpm(run.engine_speed):.10g}rpm")
-            data.append(save_netcdf(run, target / f"{stem}.nc"))
-            data.append(save_csv(at_wire_points(run, CSV_SPACING), target / f"{stem}.csv"))
-    data += _write_rest(study, target, names)
-    tables = {"quantities": quantity_table(study), "events": event_table(study)}
+            write(f"{stem}.nc", _named, run, target / f"{stem}.nc", written_before)
+            write(f"{stem}.csv", lambda run, path: save_csv(at_wire_points(run, CSV_SPACING), path), run, target / f"{stem}.csv")
+    _write_rest(study, target, names, write)
+    for words, build in _tables(study, names).items():
+        content = gaps.part(f"table '{words}'", None, build)
+        if content is not None and len(content):
+            write(f"{words}.csv", lambda content, path: write_text(path, content.csv()), content, target / f"{words}.csv")
+    written: Path | None = None
+    pictures: tuple[Path, ...] = ()
+    if page:
+        whole = gaps.part("report page", None, study_page, study)
+        for words in gaps_of(whole) if whole is not None else ():
+            gaps.add(f"report page: {words}")
+        if whole is not None:
+            written, pictures = gaps.part("report page", (None, ()), write_page, whole, target, "report.html", figures, gaps)
+    gaps.part("list of files", (), remove_earlier, target, "report", (*data, *pictures, *((written,) if written else ())))
+    return StudyFiles(target, written, tuple(data), pictures, gaps.sentences)
+
+
+def _named(run: Solution, path: Path, written_before: Callable[[Solution], Path | None]) -> Path:
+    """A NetCDF file of the run under its name: the one written as it came, where there is one."""
+    before = written_before(run)
+    if before is None:
+        return save_netcdf(run, path)
+    os.replace(before, path)
+    return path
+
+
+def _tables(study: Study, names: FreeNames) -> dict[str, Callable[[], Table]]:
+    """Tables of numbers by the name of their file."""
+    tables: dict[str, Callable[[], Table]] = {"quantities": partial(quantity_table, study), "events": partial(event_table, study)}
     if study.comparisons:
-        tables["comparison"] = comparison_table(study.comparisons)
-    if study.over_speed:
-        for label in study.labels:
-            tables[names.free(f"sweep-{label}")] = sweep_table(study, label)
-            speeds, orders, sizes = order_table(study, label)
-            if len(orders):
-                columns = [(f"order {order:g}", "N", row) for order, row in zip(orders, sizes, strict=True)]
-                tables[names.free(f"orders-{label}")] = table(("engine speed", "rpm", [rpm(speed) for speed in speeds]), *columns)
-    data += [write_text(target / f"{name}.csv", content.csv()) for name, content in tables.items() if len(content)]
-    written, pictures = write_page(study_page(study), target, figures=figures) if page else (None, ())
-    remove_earlier(target, "report", (*data, *pictures, *((written,) if written else ())))
-    return StudyFiles(target, written, tuple(data), pictures)
+        tables["comparison"] = partial(comparison_table, study.comparisons)
+    for label in study.labels if study.over_speed else ():
+        tables[names.free(f"sweep-{label}")] = partial(sweep_table, study, label)
+        tables[names.free(f"orders-{label}")] = partial(orders_table, study, label)
+    return tables
 
 
-def write_page(page: Page, folder: Path, name: str = "report.html", figures: bool = True) -> tuple[Path, tuple[Path, ...]]:
+def orders_table(study: Study, label: str) -> Table:
+    """Sizes (N) of the cam orders of one label over the engine speed (rpm); no rows without orders."""
+    speeds, orders, sizes = order_table(study, label)
+    columns = [(f"order {order:g}", "N", row) for order, row in zip(orders, sizes, strict=True)]
+    return table(("engine speed", "rpm", [rpm(speed) for speed in speeds] if len(orders) else []), *columns)
+
+
+def write_page(
+    page: Page, folder: Path, name: str = "report.html", figures: bool = True, gaps: Gaps | None = None
+) -> tuple[Path, tuple[Path, ...]]:  # fmt: skip
     """Write a page and, where ``figures`` are asked for, each of its charts as SVG; a chart that fails is left out (the page names it)."""
     pictures = []
+    told = gaps or Gaps()
     for chart in charts(page) if figures else ():
-        try:
-            drawing = svg(chart)
-        except Exception:  # one picture must not cost the others
-            continue
-        pictures.append(write_text(folder / "figures" / f"{chart.key}.svg", drawing))
-    return write_text(folder / name, render(page)), tuple(pictures)
+        picture = told.part(f"picture '{chart.key}.svg'", None, _picture, chart, folder)
+        pictures += [picture] if picture is not None else []
+    return write_text(folder / name, render(page, gaps)), tuple(pictures)
+
+
+def _picture(chart: Chart, folder: Path) -> Path:
+    return write_text(folder / "figures" / f"{chart.key}.svg", svg(chart))
 
 
 def at_wire_points(solution: Solution, spacing: float) -> Solution:
     """The solution with the wire points nearest to every ``spacing`` turns only, of each spring; unchanged without wire points."""
-    channels = solution.channels
-    for coordinate in list(channels.coords.values()):
-        dimension = str(coordinate.dims[0]) if len(coordinate.dims) == 1 else ""
-        if dimension.endswith("wire_point") and channels.sizes[dimension]:
+    places: dict[str, list[int]] = {}
+    for coordinate in solution.arrays.coords.values():
+        dimension = coordinate.dims[0] if len(coordinate.dims) == 1 else ""
+        if dimension.endswith("wire_point") and dimension not in places and len(coordinate.values):
             coils = np.asarray(coordinate.values, dtype=float)
             wanted: Iterable[float] = np.arange(np.ceil(coils.min() / spacing), np.floor(coils.max() / spacing) + 1) * spacing
-            channels = channels.isel({dimension: sorted({int(np.argmin(np.abs(coils - coil))) for coil in wanted}) or [0]})
-    return replace(solution, channels=channels)
+            places[dimension] = sorted({int(np.argmin(np.abs(coils - coil))) for coil in wanted}) or [0]
+    return replace(solution, channels=solution.arrays.at(places)) if places else solution
 
 
-def _write_rest(study: Study, folder: Path, names: _Names) -> list[Path]:
+def _write_rest(study: Study, folder: Path, names: FreeNames, write: Callable[..., None]) -> None:
     """Static curve, modes and mode shapes of every spring at rest, NetCDF and CSV each."""
-    written = []
     for one in study.rest:
         whose = f"{one.spring}-{one.model}"
         if one.curve is not None:
             stem = names.free(f"static-{whose}")
-            written.append(save_static_curve(one.curve, folder / f"{stem}.nc", study.provenance))
-            written.append(write_text(folder / f"{stem}.csv", static_table(one.curve).csv()))
+            write(f"{stem}.nc", save_static_curve, one.curve, folder / f"{stem}.nc", study.provenance)
+            write(f"{stem}.csv", lambda curve, path: write_text(path, static_table(curve).csv()), one.curve, folder / f"{stem}.csv")
         if one.modes is not None:
             stem = names.free(f"modes-{whose}")
-            written.append(save_modal_result(one.modes, folder / f"{stem}.nc", study.provenance))
-            written.append(write_text(folder / f"{stem}.csv", frequency_table(one.modes).csv()))
-    return written
+            write(f"{stem}.nc", save_modal_result, one.modes, folder / f"{stem}.nc", study.provenance)
+            write(f"{stem}.csv", lambda modes, path: write_text(path, frequency_table(modes).csv()), one.modes, folder / f"{stem}.csv")
 
 
 def static_table(curve: StaticCurve) -> Table:

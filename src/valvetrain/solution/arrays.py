@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -26,27 +26,40 @@ class Variable(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ChannelArrays:
-    """``variables`` and ``coords``: name -> :class:`Variable`, those of a run first dimension ``sample``."""
+    """``variables`` and ``coords``: name -> :class:`Variable`, those of a run first dimension ``sample``; ``attributes`` of the whole."""
 
     variables: Mapping[str, Variable]
     coords: Mapping[str, Variable]
+    attributes: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
     def dataset(self) -> xarray.Dataset:
         """The same, labelled; the arrays are shared, not copied."""
         import xarray
 
-        return xarray.Dataset(dict(self.variables), coords=dict(self.coords))
+        return xarray.Dataset(dict(self.variables), coords=dict(self.coords), attrs=dict(self.attributes))
 
     def __reduce__(self) -> tuple[object, ...]:
-        return ChannelArrays, (dict(self.variables), dict(self.coords))
+        return ChannelArrays, (dict(self.variables), dict(self.coords), dict(self.attributes))
 
     def __getitem__(self, name: str) -> Variable:
         return self.variables[name]
 
     def assign(self, added: Mapping[str, Variable]) -> ChannelArrays:
         """A copy with ``added`` channels."""
-        return ChannelArrays({**self.variables, **added}, self.coords)
+        return ChannelArrays({**self.variables, **added}, self.coords, self.attributes)
+
+    def at(self, places: Mapping[str, Sequence[int]]) -> ChannelArrays:
+        """A copy with the entries at ``places`` (dimension -> indices) only."""
+
+        def cut(one: Variable) -> Variable:
+            values = one.values
+            for axis, dim in enumerate(one.dims):
+                values = values.take(places[dim], axis) if dim in places else values
+            return one._replace(values=values)
+
+        variables, coords = ({name: cut(one) for name, one in group.items()} for group in (self.variables, self.coords))
+        return ChannelArrays(variables, coords, self.attributes)
 
     def along(self, name: str) -> NDArray[Any] | None:
         """Labels of the second dimension of channel ``name``, such as coil numbers; None where it has none."""
@@ -60,7 +73,7 @@ def arrays_of(channels: xarray.Dataset | ChannelArrays) -> ChannelArrays:
         return channels
     named = {str(name): Variable(tuple(map(str, one.dims)), one.values, one.attrs) for name, one in channels.variables.items()}
     coords = {str(name): named.pop(str(name)) for name in channels.coords}
-    made = ChannelArrays(named, coords)
+    made = ChannelArrays(named, coords, channels.attrs)
     made.__dict__["dataset"] = channels
     return made
 

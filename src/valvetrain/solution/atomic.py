@@ -1,30 +1,42 @@
-"""Files are written whole or not at all."""
+"""Files are written whole or not at all; what a killed process left half-written is known by its lock and removed."""
 
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 
 from valvetrain.errors import InputError
+
+try:
+    import fcntl
+except ImportError:  # no such locks here: half-written files stay until somebody removes them
+    fcntl = None  # type: ignore[assignment]
+
+SUFFIX = ".valvetrain.part"
+_OURS = re.compile(r"\..*\.[a-z0-9_]{8}" + re.escape(SUFFIX))
+#: Bytes of the target's name that the temporary one repeats: names may be 255 bytes long.
+_REPEATED = 200
 
 
 @contextmanager
 def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a temporary name beside ``path``; it becomes ``path`` when the block ends well, else it is removed.
 
-    Interruption (Ctrl-C) counts as a bad end. Raises :class:`InputError` when the folder cannot be written.
+    Interruption (Ctrl-C) counts as a bad end. What killed processes left in the folder is removed at its first use. Raises
+    :class:`InputError` when the folder cannot be written.
     """
     target = Path(path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".part", dir=target.parent)
+        _sweep_once(str(target.parent.absolute()))
+        handle, temporary = _locked_file(target)
     except OSError as error:
         raise InputError(f"folder '{target.parent}' cannot be written ({error.strerror}); choose another") from error
-    os.close(handle)
-    temporary = Path(name)
     try:
         yield temporary
         os.chmod(temporary, _usual_mode())
@@ -32,6 +44,8 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+    finally:
+        os.close(handle)
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> Path:
@@ -39,11 +53,58 @@ def write_text(path: str | os.PathLike[str], text: str) -> Path:
     return write_bytes(path, text.encode())
 
 
-def write_bytes(path: str | os.PathLike[str], content: bytes) -> Path:
+def write_bytes(path: str | os.PathLike[str], content: bytes | memoryview) -> Path:
     """Write ``content`` to ``path`` whole or not at all."""
     with atomic_path(path) as temporary:
         temporary.write_bytes(content)
     return Path(path)
+
+
+def remove_abandoned(folder: Path) -> tuple[Path, ...]:
+    """Remove files that processes which were killed left half-written in ``folder``; those of living ones are locked and stay."""
+    removed = []
+    with suppress(OSError):
+        for path in sorted(folder.iterdir()):
+            if _OURS.fullmatch(path.name) and is_abandoned(path):
+                with suppress(OSError):
+                    path.unlink()
+                    removed.append(path)
+    return tuple(removed)
+
+
+def is_abandoned(path: Path) -> bool:
+    """Whether nobody holds the lock of a file that its maker locks as long as it lives."""
+    if fcntl is None:
+        return False
+    try:
+        with path.open("rb") as stream:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
+def lock(handle: int) -> None:
+    """Lock an open file for as long as this process lives or keeps it open; nothing where there are no such locks."""
+    if fcntl is not None:
+        with suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def _locked_file(target: Path) -> tuple[int, Path]:
+    """A new temporary file beside ``target``, locked; made anew where another process took it for abandoned before it was."""
+    prefix = "." + os.fsdecode(os.fsencode(target.name)[:_REPEATED]) + "."
+    while True:
+        handle, name = tempfile.mkstemp(prefix=prefix, suffix=SUFFIX, dir=target.parent)
+        lock(handle)
+        if os.path.exists(name):
+            return handle, Path(name)
+        os.close(handle)
+
+
+@cache
+def _sweep_once(folder: str) -> None:
+    remove_abandoned(Path(folder))
 
 
 def _usual_mode() -> int:

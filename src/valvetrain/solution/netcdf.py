@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import io
 import os
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
 from valvetrain.solution import metadata
-from valvetrain.solution.atomic import atomic_path
+from valvetrain.solution.arrays import ChannelArrays, Variable
+from valvetrain.solution.atomic import write_bytes
+from valvetrain.solution.checksum import checked_content, closing_line
 from valvetrain.solution.modal import ModalResult
+from valvetrain.solution.netcdf_layout import write_arrays
 from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.rebuilt import DAMAGED, refuse_claims, solution_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import Buckling, Leaning, StaticCurve
 
@@ -49,9 +56,9 @@ def save_netcdf(solution: Solution, path: _PathLike) -> Path:
     """
     text = metadata.pack(
         "solution", status=solution.status, provenance=solution.provenance, events=solution.events, statistics=dict(solution.statistics),
-        quantities=dict(solution.quantities),
+        quantities=dict(solution.quantities), **({"gaps": list(solution.gaps)} if solution.gaps else {}),
     )  # fmt: skip
-    return _write(solution.channels, text, path)
+    return _write(solution.arrays, text, path)
 
 
 def load_netcdf(path: _PathLike) -> Solution:
@@ -77,8 +84,7 @@ def load_netcdf(path: _PathLike) -> Solution:
     'massless'
     """
     dataset, content = _read(path, "solution")
-    words = content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", "")
-    return Solution(dataset, *words, content.get("quantities", {}))
+    return solution_of(dataset, content, str(path))
 
 
 def save_static_curve(curve: StaticCurve, path: _PathLike, provenance: Provenance | None = None) -> Path:
@@ -86,15 +92,14 @@ def save_static_curve(curve: StaticCurve, path: _PathLike, provenance: Provenanc
     buckling = None if curve.buckling is None else (curve.buckling.compression, curve.buckling.height, curve.buckling.force)
     leaning = None if curve.leaning is None else (curve.leaning.compression, curve.leaning.force)
     text = metadata.pack("static-curve", status=curve.status, provenance=provenance, buckling=buckling, leaning=leaning)
-    return _write(static_dataset(curve), text, path)
+    return _write(_static_arrays(curve), text, path)
 
 
 def load_static_curve(path: _PathLike) -> StaticCurve:
     """Read what :func:`save_static_curve` wrote; :class:`InputError` for any other file."""
     dataset, content = _read(path, "static-curve")
-    names = ("compression", "force", "stiffness", "coil_gap", "coil_contact_force", "upper_coil", "axial_position", "coil_number")
-    arrays: dict[str, Any] = {name: np.asarray(dataset[name].values) for name in names}
-    buckling, leaning = content.get("buckling"), content.get("leaning")
+    arrays = _arrays(dataset, _CURVE, str(path))
+    buckling, leaning = (_numbers(content, name, count, str(path)) for name, count in (("buckling", 3), ("leaning", 2)))
     return StaticCurve(
         **arrays, status=content["status"], buckling=None if buckling is None else Buckling(*buckling),
         leaning=None if leaning is None else Leaning(*leaning),
@@ -111,80 +116,115 @@ def save_modal_result(result: ModalResult, path: _PathLike, provenance: Provenan
         axial_modes=result.axial_modes,
         attached_mass=result.attached_mass,
     )
-    return _write(modal_dataset(result), text, path)
+    return _write(_modal_arrays(result), text, path)
 
 
 def load_modal_result(path: _PathLike) -> ModalResult:
     """Read what :func:`save_modal_result` wrote; :class:`InputError` for any other file."""
     dataset, content = _read(path, "modal-result")
-    names = ("natural_frequency", "shape", "coil_number", "axial_transmission")
-    arrays = {name: np.asarray(dataset[name].values) for name in names}
-    return ModalResult(compression=content["compression"], **arrays, axial_modes=tuple(content["axial_modes"]), status=content["status"],
+    where, arrays = str(path), _arrays(dataset, _MODES, str(path))
+    modes = _numbers(content, "axial_modes", None, where) or ()
+    if not all(isinstance(mode, int) and 0 <= mode < len(arrays["natural_frequency"]) for mode in modes):
+        raise InputError(f"{DAMAGED} 'axial_modes' names modes that it does not hold; write it again", where)
+    told = [
+        _numbers({name: [value]}, name, 1, where) for name in ("compression", "attached_mass") if (value := content.get(name)) is not None
+    ]
+    if content.get("compression") is None or None in told:
+        raise InputError(f"{DAMAGED} 'compression' is missing; write it again", where)
+    return ModalResult(compression=content["compression"], **arrays, axial_modes=tuple(modes), status=content["status"],
         attached_mass=content.get("attached_mass"),
     )  # fmt: skip
 
 
-def static_dataset(curve: StaticCurve) -> xarray.Dataset:
-    """A static curve as labelled arrays with units."""
-    import xarray
-
-    return xarray.Dataset(
+def _static_arrays(curve: StaticCurve) -> ChannelArrays:
+    return ChannelArrays(
         {
-            "force": (("step",), curve.force, {"units": "N", "long_name": "spring force"}),
-            "stiffness": (("step",), curve.stiffness, {"units": "N/m", "long_name": "tangent stiffness"}),
-            "coil_gap": (("step", "coil_pair"), curve.coil_gap, {"units": "m", "long_name": "gap between a coil and the one below"}),
-            "coil_contact_force": (("step", "coil_pair"), curve.coil_contact_force, {"units": "N", "long_name": "coil contact force"}),
-            "axial_position": (("step", "wire_point"), curve.axial_position, {"units": "m", "long_name": "height above the lower seat"}),
+            "force": _labelled(("step",), curve.force, "N", "spring force"),
+            "stiffness": _labelled(("step",), curve.stiffness, "N/m", "tangent stiffness"),
+            "coil_gap": _labelled(("step", "coil_pair"), curve.coil_gap, "m", "gap between a coil and the one below"),
+            "coil_contact_force": _labelled(("step", "coil_pair"), curve.coil_contact_force, "N", "coil contact force"),
+            "axial_position": _labelled(("step", "wire_point"), curve.axial_position, "m", "height above the lower seat"),
         },
-        coords={
-            "compression": (("step",), curve.compression, {"units": "m", "long_name": "compression from the free length"}),
-            "upper_coil": (("coil_pair",), curve.upper_coil, {"units": "1", "long_name": "coil number of the upper partner"}),
-            "coil_number": (("wire_point",), curve.coil_number, {"units": "1", "long_name": "turns from the lower wire tip"}),
+        {
+            "compression": _labelled(("step",), curve.compression, "m", "compression from the free length"),
+            "upper_coil": _labelled(("coil_pair",), curve.upper_coil, "1", "coil number of the upper partner"),
+            "coil_number": _labelled(("wire_point",), curve.coil_number, "1", "turns from the lower wire tip"),
         },
     )
 
 
-def modal_dataset(result: ModalResult) -> xarray.Dataset:
-    """A modal result as labelled arrays with units."""
-    import xarray
-
-    return xarray.Dataset(
+def _modal_arrays(result: ModalResult) -> ChannelArrays:
+    return ChannelArrays(
         {
-            "natural_frequency": (("mode",), result.natural_frequency, {"units": "Hz", "long_name": "natural frequency"}),
-            "shape": (("mode", "wire_point", "axis"), result.shape, {"units": "1", "long_name": "mode shape, x y z"}),
-            "axial_transmission": (("mode",), result.axial_transmission, {"units": "1", "long_name": "axial force transmission residue"}),
+            "natural_frequency": _labelled(("mode",), result.natural_frequency, "Hz", "natural frequency"),
+            "shape": _labelled(("mode", "wire_point", "axis"), result.shape, "1", "mode shape, x y z"),
+            "axial_transmission": _labelled(("mode",), result.axial_transmission, "1", "axial force transmission residue"),
         },
-        coords={"coil_number": (("wire_point",), result.coil_number, {"units": "1", "long_name": "turns from the lower wire tip"})},
+        {"coil_number": _labelled(("wire_point",), result.coil_number, "1", "turns from the lower wire tip")},
     )
 
 
-def _write(dataset: xarray.Dataset, text: str, path: _PathLike) -> Path:
-    import xarray
+def _labelled(dims: tuple[str, ...], values: ArrayLike, unit: str, words: str) -> Variable:
+    return Variable(dims, np.asarray(values), {"units": unit, "long_name": words})
 
-    stored = dataset.assign({_METADATA: xarray.DataArray(np.array(text, dtype=object))})
-    # A fill value would turn one legal number into "missing"; every number is data here.
-    encoding = {name: {"_FillValue": None} for name in stored.variables if stored[name].dtype.kind == "f"}
-    with atomic_path(path) as temporary:
-        stored.to_netcdf(temporary, engine="h5netcdf", encoding=encoding)
-    return Path(path)
+
+def _write(arrays: ChannelArrays, text: str, path: _PathLike) -> Path:
+    """Made in memory first: a disk that is full then stops a plain write, not the library of the format."""
+    with io.BytesIO() as memory:
+        write_arrays(memory, arrays, {_METADATA: text})
+        image = memory.getvalue()
+    return write_bytes(path, image + closing_line(image))
 
 
 def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
     import xarray
 
     where = str(path)
-    if not Path(path).is_file():
-        raise InputError("no such file; check the path", where)
+    checked_content(Path(path))
     try:
-        with xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened:
+        refuse_claims(Path(path))
+        with warnings.catch_warnings(action="ignore"), xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened:
             dataset = opened.load()
-    except (OSError, ValueError, KeyError, RuntimeError, EOFError) as error:
+        text = dataset[_METADATA].values.item() if _METADATA in dataset.variables else None
+        text = text.decode() if isinstance(text, bytes) else text
+        dataset = dataset if text is None else _plain_attributes(dataset.drop_vars(_METADATA))
+    except InputError:
+        raise
+    except Exception as error:  # the libraries below raise many kinds for bytes that make no sense to them
         raise InputError("cannot be read as NetCDF, it is another kind of file or was cut short; write it again", where) from error
-    if _METADATA not in dataset.variables:
+    if not isinstance(text, str):
         raise InputError(f"is not a valvetrain {kind} file; give one that this package wrote", where)
-    text = dataset[_METADATA].values.item()
-    content = metadata.unpack(text if isinstance(text, str) else bytes(text).decode(), kind, where)
-    return _plain_attributes(dataset.drop_vars(_METADATA)), content
+    return dataset, metadata.unpack(text, kind, where)
+
+
+#: Arrays of a static curve and of a modal result with their dimensions.
+_CURVE = {
+    "compression": ("step",), "force": ("step",), "stiffness": ("step",), "coil_gap": ("step", "coil_pair"),
+    "coil_contact_force": ("step", "coil_pair"), "upper_coil": ("coil_pair",), "axial_position": ("step", "wire_point"),
+    "coil_number": ("wire_point",),
+}  # fmt: skip
+_MODES = {
+    "natural_frequency": ("mode",), "shape": ("mode", "wire_point", "axis"), "coil_number": ("wire_point",),
+    "axial_transmission": ("mode",),
+}  # fmt: skip
+
+
+def _arrays(dataset: xarray.Dataset, due: dict[str, tuple[str, ...]], where: str) -> dict[str, Any]:
+    """The arrays that are due; :class:`InputError` where one is missing, has other dimensions or holds no numbers."""
+    for name, dims in due.items():
+        if name not in dataset.variables or dataset[name].dims != dims or dataset[name].dtype.kind != "f":
+            raise InputError(f"{DAMAGED} '{name}' is missing or is no row of numbers; write it again", where)
+    return {name: np.asarray(dataset[name].values) for name in due}
+
+
+def _numbers(content: dict[str, Any], name: str, count: int | None, where: str) -> list[Any] | None:
+    """A stored list of numbers, ``count`` of them where told; None where there is none."""
+    found = content.get(name)
+    if found is None:
+        return None
+    if not isinstance(found, list) or count not in (None, len(found)) or not all(type(one) in (int, float) for one in found):
+        raise InputError(f"{DAMAGED} '{name}' is no row of numbers; write it again", where)
+    return found
 
 
 def _plain_attributes(dataset: xarray.Dataset) -> xarray.Dataset:

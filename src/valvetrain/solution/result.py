@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -31,8 +31,8 @@ class Solution:
 
     ``channels`` is an :class:`xarray.Dataset` whose variables all start with dimension ``sample`` and carry ``units`` and
     ``long_name``, with coordinates ``time`` (s) and ``cam_angle`` (rad, unwrapped) along it; a reduced solution has none.
-    ``quantities``: named numbers (SI) found by :func:`valvetrain.quantities.evaluate.evaluate`. Raises :class:`InputError`
-    when a channel breaks that rule.
+    ``quantities``: named numbers (SI) found by :func:`valvetrain.quantities.evaluate.evaluate`;
+    ``gaps``: a sentence per part of them that could not be found. Raises :class:`InputError` when a channel breaks that rule.
 
     >>> from valvetrain.solution.channels import spring_channels
     >>> channels = spring_channels(time=[0.0, 0.01], cam_angle=[0.0, 2.0], values={"seat_force": [310.0, 620.0]})
@@ -49,14 +49,16 @@ class Solution:
     statistics: Mapping[str, float | int | str | bool] = field(default_factory=dict)
     provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
     quantities: Mapping[str, float] = field(default_factory=dict)
+    gaps: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "events", tuple(self.events))
+        object.__setattr__(self, "gaps", tuple(self.gaps))
         object.__setattr__(self, "quantities", MappingProxyType(dict(self.quantities)))
         object.__setattr__(self, "statistics", MappingProxyType(dict(self.statistics)))
 
     def __reduce__(self) -> tuple[object, ...]:
-        return Solution, (self.arrays, self.events, self.status, dict(self.statistics), self.provenance, dict(self.quantities))
+        return Solution, (self.arrays, self.events, self.status, dict(self.statistics), self.provenance, dict(self.quantities), self.gaps)
 
     @property
     def arrays(self) -> ChannelArrays:
@@ -120,20 +122,21 @@ class Solution:
 
     def identical(self, other: Solution) -> bool:
         """True when every value, label, attribute, event and word of ``other`` is the same."""
-        words = ("events", "status", "statistics", "provenance", "quantities")
+        words = ("events", "status", "statistics", "provenance", "quantities", "gaps")
         return all(getattr(self, name) == getattr(other, name) for name in words) and bool(self.channels.identical(other.channels))
 
-    def with_found(self, events: Iterable[Event], quantities: Mapping[str, float]) -> Solution:
-        """A copy with events and named quantities."""
-        return Solution(self.arrays, tuple(events), self.status, self.statistics, self.provenance, quantities)
+    def with_found(self, events: Iterable[Event], quantities: Mapping[str, float], gaps: Iterable[str] | None = None) -> Solution:
+        """A copy with events, named quantities and ``gaps`` (None: those there are)."""
+        named = self.gaps if gaps is None else tuple(gaps)
+        return Solution(self.arrays, tuple(events), self.status, self.statistics, self.provenance, quantities, named)
 
     def with_channels(self, added: Mapping[str, Variable]) -> Solution:
         """A copy with further channels."""
-        return Solution(self.arrays.assign(added), self.events, self.status, self.statistics, self.provenance, self.quantities)
+        return replace(self, channels=self.arrays.assign(added))
 
     def reduced(self) -> Solution:
         """The same run without its channels: events, quantities, status, statistics and provenance stay."""
-        return Solution(empty_channels(), self.events, self.status, self.statistics, self.provenance, self.quantities)
+        return replace(self, channels=empty_channels())
 
     def __repr__(self) -> str:
         lines = [self._head()]
@@ -148,6 +151,8 @@ class Solution:
         if self.quantities:
             named = [f"{name} {words(value, unit_of(name))}" for name, value in list(self.quantities.items())[:3]]
             lines.append(f"quantities ({len(self.quantities)}): {', '.join(named)}{', ...' if len(self.quantities) > 3 else ''}")
+        if self.gaps:
+            lines.append(f"{len(self.gaps)} not found: {self.gaps[0]}")
         return "\n  ".join(lines)
 
     def _repr_html_(self) -> str:

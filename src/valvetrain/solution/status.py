@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 #: Every way a run can end (docs/architecture.md).
-STATUS_CODES = ("completed", "not-converged", "diverged", "coil-bind", "solid", "buckled", "refused", "interrupted")
+STATUS_CODES = ("completed", "not-converged", "diverged", "coil-bind", "solid", "buckled", "refused", "interrupted", "worker-lost")
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,8 @@ class Status:
         if self.completed and not self.message:
             return "completed"
         place = f" at {self.where}" if self.where else ""
-        when = "" if self.completed or self.code in ("refused", "buckled") else f", at time {self.time:.6g} s{place}"
+        timeless = self.completed or self.code in ("refused", "buckled", "worker-lost") or (self.code == "interrupted" and not self.time)
+        when = "" if timeless else f", at time {self.time:.6g} s{place}"
         remedy = f"; {self.remedy}" if self.remedy else ""
         return f"{self.code}: {self.message}{when}{remedy}"
 

@@ -41,7 +41,7 @@ class Study:
     ``command``: ``run``, ``compare`` or ``sweep``. ``solutions``: one per run, reduced in a sweep. ``rest``: springs at rest.
     ``still``: quantities that belong to no run, by label (empty: of the case). ``comparisons``, ``findings`` and ``notes`` speak of
     published numbers and are empty for a case of one's own. ``critical_speeds``: what a sweep of a train searched. ``lift_event``: None
-    without lift or where it spans the cam's zero.
+    without lift or where it spans the cam's zero. ``gaps``: a sentence per part of the answer, of no single run, that failed.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
     >>> study.quantities["preload"]
@@ -63,6 +63,7 @@ class Study:
     provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
     wall_time: float = field(default=0.0, compare=False)
     critical_speeds: CriticalSpeeds = field(default_factory=CriticalSpeeds)
+    gaps: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         found = self.quantities
@@ -160,7 +161,12 @@ class Study:
                 if part is not None and not part.status.completed:
                     found.append(f"{one.spring} by {one.model}, {word}: {part.status.sentence()}")
         ended: dict[tuple[str, str], list[str]] = {}
+        missing: dict[tuple[str, str], list[str]] = {}
         for run in self.solutions:
             if run.status.code not in accepted:
                 ended.setdefault((run.label, run.status.sentence()), []).append(f"{run.engine_speed * 30 / np.pi:.6g}")
-        return (*found, *(f"{label} at {', '.join(speeds)} rpm: {words}" for (label, words), speeds in ended.items()))
+        for run in self.solutions:
+            for gap in run.gaps:
+                missing.setdefault((run.label, gap), []).append(f"{run.engine_speed * 30 / np.pi:.6g}")
+        found += [f"{label} at {', '.join(speeds)} rpm, {gap}" for (label, gap), speeds in missing.items()]
+        return (*found, *self.gaps, *(f"{label} at {', '.join(speeds)} rpm: {words}" for (label, words), speeds in ended.items()))

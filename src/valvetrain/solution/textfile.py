@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,8 +11,10 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.solution import metadata
+from valvetrain.solution.arrays import ChannelArrays, Variable
 from valvetrain.solution.atomic import atomic_path
-from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.checksum import checked_content, close_file
+from valvetrain.solution.rebuilt import DAMAGED, solution_of
 from valvetrain.solution.result import Solution
 
 if TYPE_CHECKING:
@@ -47,23 +50,26 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     >>> path.read_text().splitlines()[2].split(",")[0]
     'time [s]'
     """
-    dataset = solution.channels
-    names = [*dataset.coords, *dataset.data_vars]
-    rows = [str(name) for name in names if dataset[name].dims[:1] == ("sample",)]
-    layout = [_layout(dataset, name) for name in rows]
-    still = {str(name): _variable(dataset[name]) for name in names if str(name) not in rows}
+    arrays = solution.arrays
+    every = {**arrays.coords, **arrays.variables}
+    rows = {name: one for name, one in every.items() if one.dims[:1] == ("sample",)}
+    places = {name: {"name": name, "shape": list(one.values.shape[1:]), "coord": name in arrays.coords} for name, one in rows.items()}
+    layout = [_described(one) | places[name] for name, one in rows.items()]
+    still = {name: _described(one) | {"values": one.values.tolist()} for name, one in every.items() if name not in rows}
     text = metadata.pack(
         "solution", status=solution.status, provenance=solution.provenance, events=solution.events,
         statistics=dict(solution.statistics), quantities=dict(solution.quantities), columns=layout, constants=still,
-        attributes=dict(dataset.attrs),
+        attributes=dict(arrays.attributes), **({"gaps": list(solution.gaps)} if solution.gaps else {}),
     )  # fmt: skip
-    header = [label for name in rows for label in column_labels(dataset, name)]
-    blocks = [values.reshape(len(values), int(np.prod(values.shape[1:]))) for values in (np.asarray(dataset[name].values) for name in rows)]
-    count = dataset.sizes["sample"]
+    header = [label for name in rows for label in _column_labels(arrays, name)]
+    blocks = [one.values.reshape(len(one.values), int(np.prod(one.values.shape[1:]))) for one in rows.values()]
+    count = len(solution.time)
     with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
-        stream.write(f"{_MARK}\n# {text}\n{','.join(header)}\n")
-        stream.writelines(",".join([value for block in blocks for value in map(repr, block[row].tolist())]) + "\n" for row in range(count))
+        stream.write(f"{_MARK}\n# {_no_formula(text)}\n{','.join(header)}\n")
+        stream.writelines(f"{_row(blocks, row)}\n" for row in range(count))
         stream.write(f"# end of {count} rows\n")
+        stream.close()
+        close_file(temporary)
     return Path(path)
 
 
@@ -90,45 +96,54 @@ def load_csv(path: str | os.PathLike[str]) -> Solution:
     True
     """
     where = str(path)
-    if not Path(path).is_file():
-        raise InputError("no such file; check the path", where)
     try:
-        lines = Path(path).read_text(encoding="utf-8").split("\n")
+        lines = checked_content(Path(path)).decode("utf-8").replace("\r\n", "\n").split("\n")
     except UnicodeDecodeError as error:
         raise InputError("is not a text file; give a CSV file that this package wrote", where) from error
-    if lines[0] != _MARK or len(lines) < 3:
+    if lines[0] != _MARK or len(lines) < 5:
         raise InputError("is not a valvetrain solution in CSV; give one that this package wrote", where)
     if lines[-1] != "" or lines[-2] != f"# end of {len(lines) - 5} rows":
         raise InputError("was cut short: its closing line is missing; write it again", where)
     content = metadata.unpack(lines[1][2:], "solution", where)
     try:
         dataset = _dataset(content, lines[3:-2])
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"is damaged: its rows do not fit its description ({error}); write it again", where) from error
-    words = content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", "")
-    return Solution(dataset, *words, content.get("quantities", {}))
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError, MemoryError) as error:
+        raise InputError(f"{DAMAGED} its rows do not fit its description ({error}); write it again", where) from error
+    return solution_of(dataset, content, where)
 
 
-def column_labels(dataset: xarray.Dataset, name: str) -> list[str]:
-    """Column names of one channel, with unit and, where there is a second dimension, the coil number."""
-    values = dataset[name]
-    unit = values.attrs.get("units", "1")
-    if values.ndim == 1:
+def _no_formula(text: str) -> str:
+    """JSON, equal once read, in which no cell of a spreadsheet begins with the sign of a formula."""
+    return re.sub(r",([=+@-])", lambda found: f",\\u{ord(found[1]):04x}", text)
+
+
+def _row(blocks: list[np.ndarray[Any, Any]], row: int) -> str:
+    """One row of all blocks; the list writes its numbers as ``repr`` does, faster than one by one."""
+    return repr([value for block in blocks for value in block[row].tolist()])[1:-1].replace(", ", ",")
+
+
+def _column_labels(arrays: ChannelArrays, name: str) -> list[str]:
+    """Column names of one channel or coordinate, with unit and, where there is a second dimension, the coil number."""
+    one = arrays.coords.get(name) or arrays.variables[name]
+    unit = one.attrs.get("units", "1")
+    if len(one.dims) == 1:
         return [f"{name} [{unit}]"]
-    dimension = str(values.dims[1])
+    dimension = one.dims[1]
     coil = {"wire_point": "coil_number", "coil_pair": "upper_coil"}.get(dimension, dimension)
-    places = dataset[coil].values if coil in dataset.coords else np.arange(values.shape[1])
+    places = arrays.coords[coil].values if coil in arrays.coords else np.arange(one.values.shape[1])
     return [f"{name} at {dimension.replace('_', ' ')} {place:.6g} [{unit}]" for place in places]
 
 
-def _layout(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
-    values = dataset[name]
-    return {**_variable(values, with_values=False), "name": name, "shape": list(values.shape[1:]), "coord": name in dataset.coords}
+def _described(one: Variable) -> dict[str, Any]:
+    return {"dims": list(one.dims), "type": str(one.values.dtype), "attributes": dict(one.attrs)}
 
 
-def _variable(values: xarray.DataArray, with_values: bool = True) -> dict[str, Any]:
-    kept = {"dims": list(values.dims), "type": str(values.dtype), "attributes": dict(values.attrs)}
-    return {**kept, "values": values.values.tolist()} if with_values else kept
+def _number_type(word: object) -> np.dtype[Any]:
+    """The type of that name; ValueError for one of words or of any length, which would make room as it claims."""
+    found = np.dtype(word if isinstance(word, str) else "")
+    if found.kind not in "biuf":
+        raise ValueError(f"'{found}' is no type of numbers")
+    return found
 
 
 def _dataset(content: dict[str, Any], lines: list[str]) -> xarray.Dataset:
@@ -140,8 +155,8 @@ def _dataset(content: dict[str, Any], lines: list[str]) -> xarray.Dataset:
     variables: dict[str, tuple[object, ...]] = {}
     coords: dict[str, tuple[object, ...]] = {}
     for column, block in zip(columns, np.split(table, np.cumsum(widths)[:-1], axis=1), strict=True):
-        array = block.reshape(len(lines), *column["shape"]).astype(column["type"])
+        array = block.reshape(len(lines), *column["shape"]).astype(_number_type(column["type"]))
         (coords if column["coord"] else variables)[column["name"]] = (column["dims"], array, column["attributes"])
     for name, entry in content["constants"].items():
-        coords[name] = (entry["dims"], np.array(entry["values"], dtype=entry["type"]), entry["attributes"])
+        coords[name] = (entry["dims"], np.array(entry["values"], dtype=_number_type(entry["type"])), entry["attributes"])
     return xarray.Dataset(variables, coords=coords, attrs=content["attributes"])

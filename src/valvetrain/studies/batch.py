@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from typing import TypeVar
+from typing import Any, TypeVar
 
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, RunFailedError
+from valvetrain.studies.workers import Lost, in_processes
 
 Case = TypeVar("Case")
 Result = TypeVar("Result")
@@ -36,7 +34,7 @@ def map_cases(
 
     Raises
     ------
-    InputError : fewer than one worker; what the function raises
+    InputError : fewer than one worker; what the function raises; RunFailedError where the worker of a case is killed again and again
 
     Examples
     --------
@@ -49,12 +47,14 @@ def map_cases(
     if count < 1:
         raise InputError(f"workers must be 1 or more; it is {count}")
     count = min(count, max(len(items), 1))
-    results = []
-    for done, result in enumerate(_results(function, items, count), start=1):
-        results.append(result)
+    results: dict[int, Result] = {}
+    for place, result in _results(function, items, count):
+        if isinstance(result, Lost):
+            raise RunFailedError("a worker process was killed, and so was the one that tried its case again; take fewer workers")
+        results[place] = result
         if progress is not None:
-            progress(done, len(items))
-    return tuple(results)
+            progress(len(results), len(items))
+    return tuple(results[place] for place in range(len(items)))
 
 
 def available_cores() -> int:
@@ -62,20 +62,12 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
 
 
-def _results(function: Callable[[Case], Result], items: Sequence[Case], count: int) -> Iterator[Result]:
+def _results(function: Callable[[Case], Result], items: Sequence[Case], count: int) -> Iterator[tuple[int, Any]]:
     if count == 1:
-        yield from map(function, items)
-        return
-    # a forked child of a threaded parent can hang; a fresh interpreter costs half a second and loads the compiled kernels from disk
-    method = start_method()
-    # Ctrl-C reaches every process of a terminal; the one that answers it is this one
-    quiet = (signal.SIGINT, signal.SIG_IGN)
-    with ProcessPoolExecutor(count, multiprocessing.get_context(method), initializer=signal.signal, initargs=quiet) as pool:
-        yield from pool.map(function, items, chunksize=max(1, len(items) // (8 * count)))
+        yield from enumerate(map(function, items))
+    else:
+        yield from in_processes(_of_one, function, items, count)
 
 
-def start_method() -> str:
-    """How worker processes begin: forked where no thread runs, else as fresh interpreters."""
-    import threading
-
-    return "fork" if "fork" in multiprocessing.get_all_start_methods() and threading.active_count() == 1 else "spawn"
+def _of_one(function: Callable[[Case], Result], item: Case) -> Result:
+    return function(item)

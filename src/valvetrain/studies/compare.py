@@ -11,6 +11,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.solution.gaps import Gaps
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
@@ -18,8 +19,10 @@ from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.rest import reach_of, rest_by_model
-from valvetrain.studies.run import run_problem
+from valvetrain.studies.run import Finished, run_problem
 from valvetrain.studies.solid import Cancel, SolidMotion, check_motion, rod_motion, solid_motion, solid_rest
+from valvetrain.studies.stopping import StudyStopped
+from valvetrain.studies.workers import result_of
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
@@ -35,6 +38,7 @@ FINE_STEPS, STEPS = 160, 64
 def compare_study(
     case: Case, *, engine_speeds: Sequence[float] | None = None, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
     solid: SolidMotion | None = None, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
+    finished: Finished | None = None,
 ) -> Study:  # fmt: skip
     """The case by each of ``spring_models`` (a usual choice by default): the study's runs, and every spring at rest by each model.
 
@@ -51,17 +55,24 @@ def compare_study(
     if with_solid and engine_speeds is None and solid is None:
         speeds = ()  # solids stand beside the others at rest; motion is run where it is asked for
     study = run_problem(
-        problem, speeds, workers=workers, progress=None if with_solid else progress, created_at=created_at, command="compare"
-    )
+        problem, speeds, workers=workers, progress=None if with_solid else progress, created_at=created_at, command="compare",
+        finished=finished,
+    )  # fmt: skip
     if problem.kind == TRAIN:
         return study
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
-    rest, motions = [], []
-    for spring in problem.springs:
-        at_rest, moved = _by_each_model(study, problem, spring, chosen, lift, with_solid, solid, progress)
-        rest += at_rest
-        motions += moved
-    return replace(study, rest=tuple(rest), solutions=(*study.solutions, *motions))
+    rest: list[SpringAtRest] = []
+    motions: list[Solution] = []
+    gaps, stopped = Gaps(study.gaps), False
+    try:
+        for spring in problem.springs:
+            _by_each_model(study, problem, spring, chosen, lift, with_solid, solid, progress, (rest, motions, gaps))
+    except KeyboardInterrupt:
+        stopped = True
+    done = replace(study, rest=tuple(rest) or study.rest, solutions=(*study.solutions, *motions), gaps=gaps.sentences)
+    if stopped:
+        raise StudyStopped(done)
+    return done
 
 
 def _usual_models(springs: tuple[InstalledSpring, ...], in_a_train: bool) -> tuple[str, ...]:
@@ -80,37 +91,46 @@ def comparison_reach(spring: InstalledSpring) -> float:
 
 def _by_each_model(
     study: Study, problem: Problem, spring: InstalledSpring, chosen: tuple[str, ...], lift: float, with_solid: bool,
-    motion: SolidMotion | None, progress: Progress | None,
-) -> tuple[list[SpringAtRest], list[Solution]]:  # fmt: skip
+    motion: SolidMotion | None, progress: Progress | None, into: tuple[list[SpringAtRest], list[Solution], Gaps],
+) -> None:  # fmt: skip
     """One spring at rest by every model that can stand for it, the solid first, then the rod; and the solid's stretch of motion."""
-    name, lift_law = problem.record.name, problem.valve_lift
+    name, lift_law, (rest, motions, gaps) = problem.record.name, problem.valve_lift, into
     reach = comparison_reach(spring) if with_solid else reach_of(spring, lift) if spring.wire is not None else spring.precompression + lift
     compressions = np.linspace(0.0, max(reach, 1e-6), (FINE_STEPS if with_solid else STEPS) + 1)
     own = next((one for one in study.rest if one.spring == spring.name), None)
     order = [word for word in ("finite-element", *chosen) if word != SOLID and word in chosen]
-    found: dict[str, SpringAtRest] = {}
-    motions: list[Solution] = []
     cancel = Cancel(None if progress is None else lambda reached: progress(min(1.0, max(0.0, reached) / 2), "solid finite elements"))
     if motion is not None:
         check_motion(lift_law, motion)
+
+    def by(word: str) -> SpringAtRest:
+        return rest_by_model(spring, word, problem.model_of(word, spring, own), compressions, 20 if with_solid else 12)
+
+    found: list[SpringAtRest] = []
+    moved: list[Solution] = []
+    jobs: dict[str, Future[SpringAtRest] | Future[Solution]] = {}
     with ThreadPoolExecutor(2) as pool:
         try:
-            jobs: list[Future[SpringAtRest] | Future[Solution]] = []
             if with_solid:
-                jobs = [pool.submit(solid_rest, spring, reach, cancel)]
+                jobs["solid finite elements at rest"] = pool.submit(solid_rest, spring, reach, cancel)
                 if motion is not None:
-                    jobs.append(pool.submit(solid_motion, name, spring, lift_law, motion, cancel))
+                    jobs["motion by solid finite elements"] = pool.submit(solid_motion, name, spring, lift_law, motion, cancel)
             for word in dict.fromkeys(order):
                 if not spring_model(word).why_not(spring):
-                    found[word] = rest_by_model(spring, word, problem.model_of(word, spring, own), compressions, 20 if with_solid else 12)
-            results = [job.result() for job in jobs]
+                    one = gaps.part(f"spring '{spring.name}' at rest by {word}", None, by, word)
+                    found += [one] if one is not None else []
+            for words, job in jobs.items():
+                result = gaps.part(f"spring '{spring.name}', {words}", None, result_of, job)
+                found[:0] = [result] if isinstance(result, SpringAtRest) else []
+                moved += [result] if isinstance(result, Solution) else []
         except BaseException:
             cancel.flag.set()  # the solver's own loop sees it and stops the solver
             raise
-    members = [*(one for one in results if isinstance(one, SpringAtRest)), *found.values()]
-    motions = [one for one in results if isinstance(one, Solution)]
-    if motions and "finite-element" in chosen and len(motions[0].time) > 2:
+        finally:
+            rest += found
+            motions += moved
+    if moved and "finite-element" in chosen and len(moved[0].time) > 2:
         rod = problem.model_of("finite-element", spring)
         assert isinstance(rod, FiniteElementRod)
-        motions.append(rod_motion(name, rod, lift_law, motions[0]))
-    return members, motions
+        beside = gaps.part("motion by the rod, as the solid", None, rod_motion, name, rod, lift_law, moved[0])
+        motions += [beside] if beside is not None else []

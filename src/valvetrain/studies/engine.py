@@ -2,64 +2,79 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import signal
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
-from valvetrain.errors import InputError
-from valvetrain.studies.batch import available_cores, start_method
+from valvetrain.errors import InputError, RunFailedError
+from valvetrain.studies.batch import available_cores
+from valvetrain.studies.stopping import PointsStopped, look
+from valvetrain.studies.workers import Lost, as_they_come, in_processes
 
 Point = TypeVar("Point")
 Result = TypeVar("Result")
 Shared = TypeVar("Shared")
 Progress = Callable[[float, str], None]
-
-#: What every worker process was handed once, instead of with each point.
-_SHARED: list[Any] = []
+#: What is told of a run whose worker was killed.
+LOST = "the worker process that ran it was killed, and so was the one that tried it again"
+LOST_REMEDY = "take fewer workers if the memory was not enough"
 
 
 def map_points(
     function: Callable[[Shared, Point], Result], shared: Shared, points: Sequence[Point], workers: int | None = None,
-    processes: bool = False, tell: Callable[[int, int], None] | None = None,
+    processes: bool = False, tell: Callable[[int, int], None] | None = None, *, lost: Callable[[Point], Result] | None = None,
+    finished: Callable[[int, Result], None] | None = None,
 ) -> tuple[Result, ...]:  # fmt: skip
     """``function(shared, point)`` of every point, in order. ``shared`` is handed to each worker once.
 
     Threads by default (compiled time integration holds no interpreter lock); ``processes`` where Python itself is the work, and then
-    ``function`` must be importable. ``tell(done, total)`` after each. Raises :class:`InputError` for fewer than one worker.
+    ``function`` must be importable. ``tell(done, total)`` after each, ``finished(place, result)`` as each comes. A point whose worker is
+    killed is tried again; ``lost(point)`` stands for one that is not to be had. Raises :class:`InputError` for fewer than one worker,
+    :class:`RunFailedError` for a lost point where nothing stands for it, and :class:`PointsStopped` with what is finished.
     """
     count = available_cores() if workers is None else workers
     if count < 1:
         raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
     count = min(count, max(len(points), 1))
-    results: list[Result] = []
-    for result in _results(function, shared, points, count, processes):
-        results.append(result)
-        if tell is not None:
-            tell(len(results), len(points))
-    return tuple(results)
+    results: dict[int, Result] = {}
+    try:
+        for place, result in _results(function, shared, points, count, processes):
+            if isinstance(result, Lost):
+                if lost is None:
+                    raise RunFailedError(f"a run is lost: {LOST}; {LOST_REMEDY}")
+                result = lost(points[place])
+            results[place] = result
+            if finished is not None:
+                finished(place, result)
+            if tell is not None:
+                tell(len(results), len(points))
+    except KeyboardInterrupt:
+        raise PointsStopped(results) from None
+    return tuple(results[place] for place in range(len(points)))
 
 
 def _results(
     function: Callable[[Shared, Point], Result], shared: Shared, points: Sequence[Point], count: int, processes: bool
-) -> Iterator[Result]:
+) -> Iterator[tuple[int, Any]]:
     if count == 1:
-        yield from (function(shared, point) for point in points)
+        for place, point in enumerate(points):
+            look()
+            yield place, function(shared, point)
     elif not processes:
-        with ThreadPoolExecutor(count) as pool:
-            yield from pool.map(lambda point: function(shared, point), points)
+        with threads(count) as pool:
+            yield from as_they_come({pool.submit(function, shared, point): place for place, point in enumerate(points)})
     else:
-        context = multiprocessing.get_context(start_method())
-        with ProcessPoolExecutor(count, context, initializer=_begin, initargs=(function, shared)) as workers:
-            yield from workers.map(_one, points, chunksize=max(1, len(points) // (8 * count)))
+        yield from in_processes(function, shared, points, count)
 
 
-def _begin(function: Any, shared: Any) -> None:
-    # Ctrl-C reaches every process of a terminal; the one that answers it is the parent
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _SHARED[:] = [function, shared]
-
-
-def _one(point: Any) -> Any:
-    return _SHARED[0](_SHARED[1], point)
+@contextmanager
+def threads(count: int) -> Iterator[ThreadPoolExecutor]:
+    """A pool of ``count`` threads; where its block ends by an exception, runs that go on are not waited for."""
+    pool = ThreadPoolExecutor(max(1, count))
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
+    pool.shutdown()

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions
 from valvetrain.integrate.run import run_to_orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -18,6 +17,7 @@ from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
 from valvetrain.quantities.peaks import ring_top
 from valvetrain.quantities.valve_events import open_window
 from valvetrain.solution.arrays import empty_channels
+from valvetrain.solution.gaps import Gaps, reason
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
@@ -32,8 +32,8 @@ from valvetrain.system.train_system import TrainSystem
 if TYPE_CHECKING:
     from valvetrain.integrate.train_orbit import Orbit
 
-#: What a run can meet that is its own failure and not the study's.
-FAILURES = (InputError, ArithmeticError, ValueError)
+#: What a run can meet that is its own failure and not the study's: whatever it is, the other runs are there.
+FAILURES = (Exception,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,7 @@ def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Rea
         motion = rigid_motion(system, member.gear.parameters, rest=still)
         return Ready(member, replace(frame, valve_lift=system.mechanism.kinematics.valve_lift), system, still, motion)
     except FAILURES as error:
-        return Ready(member, frame, refusal=" ".join(str(error).split()))
+        return Ready(member, frame, refusal=reason(error))
 
 
 def surge_frequency(spring: InstalledSpring, rest: SpringAtRest | None = None) -> float | None:
@@ -142,8 +142,7 @@ def integrate_from(
     try:
         return run_to_orbit(ready.system, engine_speed / 2, until, options, provenance)
     except FAILURES as error:
-        words = " ".join(str(error).split())
-        return Solution(empty_channels(), (), Status("diverged", words, remedy="look at this run alone"), {}, provenance), None
+        return Solution(empty_channels(), (), Status("diverged", reason(error), remedy="look at this run alone"), {}, provenance), None
 
 
 def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:
@@ -180,5 +179,14 @@ def judge(ready: Ready, solution: Solution, plan: Plan, rest: Rest) -> Solution:
     if ready.motion is not None:
         frame = replace(frame, rigid=ready.motion.table(solution.engine_speed / 2))
     if len(solution.time):
-        solution = bound(evaluate(solution, frame), ready.member.springs)
+        gaps = Gaps()
+        solution = gaps.part("all numbers", solution, evaluate, solution, frame)
+        solution = gaps.part("coil bind", solution, bound, solution, ready.member.springs)
+        if gaps.sentences:
+            solution = solution.with_found(solution.events, solution.quantities, (*solution.gaps, *gaps.sentences))
     return solution if plan.whole else solution.reduced()
+
+
+def unfinished(problem: Problem, member: Member, engine_speed: float, plan: Plan, status: Status) -> Solution:
+    """What stands for a run (rad/s of the crank) that was stopped before its end, or whose worker was lost."""
+    return Solution(empty_channels(), (), status, {}, provenance_of(problem, member, engine_speed, plan.created_at))

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Hashable, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
 
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, RunFailedError
 from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -20,20 +19,25 @@ from valvetrain.quantities.spectrum import surge_engine_speeds
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.quantities.valve_events import rigid_events
 from valvetrain.solution.critical import CriticalSpeeds
+from valvetrain.solution.gaps import Gaps, reason
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 from valvetrain.sources.contract import against_source
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.batch import available_cores
+from valvetrain.studies.before_run import refuse_speeds
 from valvetrain.studies.critical_speeds import CriticalOptions, find_critical_speeds
-from valvetrain.studies.engine import Progress, map_points
+from valvetrain.studies.engine import LOST, LOST_REMEDY, Progress, map_points, threads
 from valvetrain.studies.notes import buckling_notes, undamped_notes
-from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
+from valvetrain.studies.ready import FAILURES, Plan, Ready, integrate_point, judge, make_ready, provenance_of, unfinished
 from valvetrain.studies.spread import spread_sentences
+from valvetrain.studies.stopping import PointsStopped, StudyStopped
 from valvetrain.studies.uncertainty_file import uncertainty_sentences
+from valvetrain.studies.workers import as_they_come, result_of
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem, Rest
@@ -43,6 +47,10 @@ CARD_WIRE_NOTE = (
     "wide gaps are assumed. Its clashes and stresses are not those of the real spring."
 )
 ReadyPoint = tuple[int, float]
+#: Told the place among the runs of a study, and the solution, as each is finished.
+Finished = Callable[[int, Solution], None]
+STOPPED = Status("interrupted", "the study was stopped before this run was finished", remedy="start it again")
+WORKER_LOST = Status("worker-lost", LOST, remedy=LOST_REMEDY)
 #: Share of the work of a sweep, as progress shows it, that its own speeds are; the search for critical speeds is the rest.
 GRID_SHARE = 0.5
 
@@ -50,6 +58,7 @@ GRID_SHARE = 0.5
 def run_study(
     case: Case, *, engine_speeds: Sequence[float] | None = None, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
     workers: int | None = None, progress: Progress | None = None, created_at: str = "", command: str = "run", whole: bool = True,
+    finished: Finished | None = None,
 ) -> Study:  # fmt: skip
     """A case at its engine speeds (rad/s of the crank; those given instead) by its variants, or by the models and spring sets asked for.
 
@@ -58,22 +67,23 @@ def run_study(
     """
     problem = build(case, spring_models=spring_models, spring_sets=spring_sets)
     speeds = problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)
-    return run_problem(problem, speeds, workers=workers, progress=progress, created_at=created_at, command=command, whole=whole)
+    return run_problem(
+        problem, speeds, workers=workers, progress=progress, created_at=created_at, command=command, whole=whole, finished=finished
+    )
 
 
 def run_problem(
     problem: Problem, engine_speeds: Sequence[float], *, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
-    command: str = "run", whole: bool = True, critical: CriticalOptions | None = None,
+    command: str = "run", whole: bool = True, critical: CriticalOptions | None = None, finished: Finished | None = None,
 ) -> Study:  # fmt: skip
     """The study of a problem at ``engine_speeds`` (rad/s of the crank); see :func:`run_study`. ``critical``: search a train's critical
-    speeds between the lowest and the highest of them."""
-    begun = time.perf_counter()
+    speeds between the lowest and the highest of them; ``finished``: told place and solution of each run as it comes.
+
+    Raises :class:`StudyStopped`, a KeyboardInterrupt, with what is finished when it is stopped.
+    """
+    begun, gaps = time.perf_counter(), Gaps()
     speeds = tuple(float(speed) for speed in engine_speeds)
-    if any(not (np.isfinite(speed) and speed > 0) for speed in speeds):
-        raise InputError("every engine speed must be positive; give it as '4200 rpm'", "--engine-speed")
-    if speeds and not problem.moves:
-        remedy = "add a [lift_law] table, or leave the engine speed out for its statics and modes"
-        raise InputError(f"case '{problem.record.name}' holds no lift law, so its spring does not move; {remedy}", "--engine-speed")
+    refuse_speeds(problem, speeds)
     problem.must_run()
     samples = None if problem.kind == TRAIN else round(2 * np.pi / problem.output_step)
     if command == "sweep" and problem.kind == TRAIN:
@@ -83,30 +93,41 @@ def run_problem(
     count = available_cores() if workers is None else workers
     if count < 1:
         raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
-    found = CriticalSpeeds()
+    found, stopped = CriticalSpeeds(), False
     if problem.kind == TRAIN:
-        ready, rest = ready_trains(problem, speeds)
+        ready, rest = ready_trains(problem, speeds, gaps)
         part = (lambda done, text: progress(GRID_SHARE * done, text)) if progress is not None and critical is not None else progress
-        solutions = _run_trains(problem, ready, speeds, plan, count, part)
-        still = _rigid(problem, ready, speeds)
-        if critical is not None:
-            found = find_critical_speeds(problem, ready, plan, solutions, critical, count, _search_progress(progress))
+        solutions, stopped = _run_trains(problem, ready, speeds, plan, count, part, finished)
+        still = gaps.part("numbers of rigid theory", {}, _rigid, problem, ready, speeds)
+        if critical is not None and not stopped:
+            try:
+                found = find_critical_speeds(problem, ready, plan, solutions, critical, count, _search_progress(progress))
+            except PointsStopped as cut:
+                found, stopped = CriticalSpeeds(tuple(row for rows in cut.results.values() for row in rows)), True
+            except RunFailedError as error:
+                gaps.add(f"critical speeds: {reason(error)}")
     else:
-        solutions, rest, still = _run_springs(problem, speeds, plan, count, progress)
+        solutions, rest, still, stopped = _run_springs(problem, speeds, plan, count, progress, finished, gaps)
     provenance = collect_provenance(
         problem.record.name, ", ".join(dict.fromkeys(member.model.word for member in problem.members)), case_digest=problem.record.digest,
         created_at=created_at, citations=problem.record.citations,
     )  # fmt: skip
-    notes: tuple[str, ...] = (
-        (CARD_WIRE_NOTE,) if any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members) else ()
-    )
-    notes += tuple(dict.fromkeys(said for m in problem.members if m.gear and (said := usual_contacts(m.gear.parameters.contacts))))
-    notes += (*undamped_notes(problem.members), *buckling_notes(problem))
     study = Study(
-        problem.record, command, solutions, rest, still, notes=notes, lift_event=problem.lift_event, provenance=provenance,
-        wall_time=time.perf_counter() - begun, critical_speeds=found,
+        problem.record, command, solutions, rest, still, notes=gaps.part("notes", (), _notes, problem), lift_event=problem.lift_event,
+        provenance=provenance, wall_time=time.perf_counter() - begun, critical_speeds=found,
     )  # fmt: skip
-    return beside_published(study, problem)
+    study = gaps.part("published values", study, beside_published, study, problem)
+    study = replace(study, gaps=gaps.sentences)
+    if stopped:
+        raise StudyStopped(study)
+    return study
+
+
+def _notes(problem: Problem) -> tuple[str, ...]:
+    made_up = any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members)
+    notes: tuple[str, ...] = (CARD_WIRE_NOTE,) if made_up else ()
+    notes += tuple(dict.fromkeys(said for m in problem.members if m.gear and (said := usual_contacts(m.gear.parameters.contacts))))
+    return (*notes, *undamped_notes(problem.members), *buckling_notes(problem))
 
 
 def beside_published(study: Study, problem: Problem) -> Study:
@@ -131,45 +152,64 @@ def beside_published(study: Study, problem: Problem) -> Study:
 
 
 def _run_springs(
-    problem: Problem, speeds: tuple[float, ...], plan: Plan, workers: int, progress: Progress | None
-) -> tuple[tuple[Solution, ...], tuple[SpringAtRest, ...], dict[str, dict[str, float]]]:
-    """Prescribed motion, over threads; the springs' states at rest are found while the first runs go on."""
-    source, jobs = problem.record.study, len(problem.members) * len(speeds) + 1
+    problem: Problem, speeds: tuple[float, ...], plan: Plan, workers: int, progress: Progress | None, finished: Finished | None, gaps: Gaps
+) -> tuple[tuple[Solution, ...], tuple[SpringAtRest, ...], dict[str, dict[str, float]], bool]:  # fmt: skip
+    """Prescribed motion, over threads; the springs' states at rest are found while the first runs go on. Last: whether it was stopped."""
+    source, points = problem.record.study, [(member, speed) for member in problem.members for speed in speeds]
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
-    done = 0
+    done: dict[int, Solution] = {}
+    rest: dict[InstalledSpring, SpringAtRest] = {}
+    refused: list[InputError] = []
 
     def tell(text: str) -> None:
-        nonlocal done
-        done += 1
         if progress is not None:
-            progress(min(1.0, done / jobs), text)
+            progress(min(1.0, (1 + len(done)) / (1 + len(points))), text)
 
     def one(ready: Ready, speed: float) -> Solution:
         return integrate_point(ready, speed, plan, provenance_of(problem, ready.member, speed, plan.created_at))
 
     ready: dict[Member, Ready] = {m: make_ready(problem, m, {}, source) for m in problem.members if not m.model.needs_rest}
-    raw: dict[tuple[Member, float], Future[Solution]] = {}
-    with ThreadPoolExecutor(max(1, workers)) as pool:
-        raw |= {(member, speed): pool.submit(one, ready[member], speed) for member in ready for speed in speeds}
-        jobs_at_rest = {spring: pool.submit(_rest, problem, spring, lift) for spring in problem.springs}
-        rest: Rest = {spring: job.result() for spring, job in jobs_at_rest.items()}
-        tell("springs at rest")
-        for member in problem.members:
-            if member not in ready:
-                ready[member] = make_ready(problem, member, rest, source)
-                raw |= {(member, speed): pool.submit(one, ready[member], speed) for speed in speeds}
-        solutions = []
-        for member in problem.members:
-            for speed in speeds:
-                solutions.append(judge(ready[member], raw.pop((member, speed)).result(), plan, rest))
+    try:
+        with threads(workers) as pool:
+            raw = {pool.submit(one, ready[point[0]], point[1]): place for place, point in enumerate(points) if point[0] in ready}
+            for spring, job in {spring: pool.submit(_rest, problem, spring, lift) for spring in problem.springs}.items():
+                try:
+                    rest[spring] = result_of(job)
+                except FAILURES as error:
+                    refused += [error] if isinstance(error, InputError) else []
+                    gaps.add(f"spring '{spring.name}' at rest: {reason(error)}")
+            tell("springs at rest")
+            late = {member: make_ready(problem, member, rest, source) for member in problem.members if member not in ready}
+            ready |= late
+            raw |= {pool.submit(one, ready[point[0]], point[1]): place for place, point in enumerate(points) if point[0] in late}
+            results = as_they_come(raw)
+            del raw
+            for place, solution in results:
+                member, speed = points[place]
+                done[place] = judge(ready[member], solution, plan, rest)
+                if finished is not None:
+                    finished(place, done[place])
                 tell(f"{member.label} at {speed * 30 / np.pi:.6g} rpm")
-    wanted = [value.quantity for value in problem.record.published]
+        stopped = False
+    except KeyboardInterrupt:
+        stopped = True
+        if not done and not rest:
+            raise
+    if refused and not rest and not any(one.status.code != "refused" for one in done.values()):
+        raise refused[0]  # nothing came out at all: the case cannot be run
     names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
-    still = {
-        name: closing_quantities(spring) | rest_quantities(rest[spring], wanted) | buckling_quantities(spring, rest[spring], lift)
-        for name, spring in zip(names, problem.springs, strict=True)
-    }
-    return tuple(solutions), tuple(rest.values()), still
+    still: dict[str, dict[str, float]] = {
+        name: gaps.part(f"numbers of spring '{spring.name}'", {}, _still, problem, spring, rest[spring], lift)
+        for name, spring in zip(names, problem.springs, strict=True) if spring in rest
+    }  # fmt: skip
+    solutions = (done.get(place) or unfinished(problem, *point, plan, STOPPED) for place, point in enumerate(points))
+    return tuple(solutions), tuple(rest.values()), still, stopped
+
+
+def _still(problem: Problem, spring: InstalledSpring, rest: SpringAtRest, lift: float) -> dict[str, float]:
+    """Numbers of one spring that belong to no run."""
+    wanted = [value.quantity for value in problem.record.published]
+    return closing_quantities(spring) | rest_quantities(rest, wanted) | buckling_quantities(spring, rest, lift)
 
 
 def _rest(problem: Problem, spring: InstalledSpring, maximum_lift: float) -> SpringAtRest:
@@ -187,7 +227,7 @@ def _rest(problem: Problem, spring: InstalledSpring, maximum_lift: float) -> Spr
     return at_rest(rod, reach_of(spring, maximum_lift))
 
 
-def ready_trains(problem: Problem, engine_speeds: Sequence[float]) -> tuple[tuple[Ready, ...], tuple[SpringAtRest, ...]]:
+def ready_trains(problem: Problem, engine_speeds: Sequence[float], gaps: Gaps) -> tuple[tuple[Ready, ...], tuple[SpringAtRest, ...]]:
     """Every member of a train made ready, what their runs share found once, with the springs at rest that their models need.
 
     Raises :class:`InputError` where there is no engine speed.
@@ -196,7 +236,10 @@ def ready_trains(problem: Problem, engine_speeds: Sequence[float]) -> tuple[tupl
         raise InputError(f"case '{problem.record.name}' names no engine speed; add engine_speeds or cam_speeds to [operation]")
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
     needed = [spring for member in problem.members if member.model.needs_rest for spring in member.springs if spring.wire is not None]
-    rest: Rest = {spring: _rest(problem, spring, 1.05 * _largest_lift(problem, lift)) for spring in dict.fromkeys(needed)}
+    rest: dict[InstalledSpring, SpringAtRest] = {}
+    for spring in dict.fromkeys(needed):
+        found = gaps.part(f"spring '{spring.name}' at rest", None, _rest, problem, spring, 1.05 * _largest_lift(problem, lift))
+        rest |= {spring: found} if found is not None else {}
     made: dict[Hashable, Ready] = {}
     return tuple(_prepared(problem, member, rest, made) for member in problem.members), tuple(rest.values())
 
@@ -210,9 +253,10 @@ def _prepared(problem: Problem, member: Member, rest: Rest, made: dict[Hashable,
 
 
 def _run_trains(
-    problem: Problem, ready: tuple[Ready, ...], speeds: tuple[float, ...], plan: Plan, workers: int, progress: Progress | None
-) -> tuple[Solution, ...]:
-    """Trains to their periodic state, over processes; what a member's runs share is handed to every worker."""
+    problem: Problem, ready: tuple[Ready, ...], speeds: tuple[float, ...], plan: Plan, workers: int, progress: Progress | None,
+    finished: Finished | None,
+) -> tuple[tuple[Solution, ...], bool]:  # fmt: skip
+    """Trains to their periodic state, over processes; every worker is handed once what they share. Last: whether it was stopped."""
     points = [(place, speed) for speed in speeds for place in range(len(ready))]
     shared = (problem, ready, plan)
 
@@ -221,7 +265,19 @@ def _run_trains(
             place, speed = points[count - 1]
             progress(count / total, f"{ready[place].member.label} at {speed * 30 / np.pi:.6g} rpm")
 
-    return map_points(train_point, shared, points, workers, processes=True, tell=tell)
+    def without(point: ReadyPoint, status: Status) -> Solution:
+        return unfinished(problem, ready[point[0]].member, point[1], plan, status)
+
+    try:
+        found = map_points(
+            train_point, shared, points, workers, processes=True, tell=tell,
+            lost=lambda point: without(point, WORKER_LOST), finished=finished,
+        )  # fmt: skip
+    except PointsStopped as cut:
+        if not cut.results:
+            raise
+        return tuple(cut.results.get(place) or without(point, STOPPED) for place, point in enumerate(points)), True
+    return found, False
 
 
 def _surge_speeds(frequency: float | None, speeds: tuple[float, ...]) -> dict[str, float]:

@@ -11,6 +11,7 @@ import json
 import os
 import re
 import tomllib
+import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -19,9 +20,13 @@ from pathlib import Path
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.solution.atomic import write_bytes, write_text
+from valvetrain.solution.atomic import SUFFIX, is_abandoned, lock, remove_abandoned, write_bytes, write_text
+from valvetrain.studies.run_answer import ANSWER, answer_text, read_answer
 
-ROOT, LATEST, CASE_FILE, ANSWER = Path("runs"), "latest", Path("inputs") / "case.toml", "run.json"
+ROOT, LATEST, CASE_FILE = Path("runs"), "latest", Path("inputs") / "case.toml"
+#: End of the name of a folder whose run goes on or was killed, and the list of its finished runs.
+UNFINISHED, LIST = "-unfinished", "unfinished-runs.jsonl"
+_RUN_FILE = re.compile(r"run-\d{4,}\.nc")
 
 
 @dataclass(frozen=True)
@@ -106,8 +111,59 @@ def new_folder(inputs: Inputs, created_at: datetime, root: Path = ROOT) -> Path:
 
     Raises :class:`InputError` when it cannot be made.
     """
-    stem = f"{created_at.astimezone(UTC):%Y%m%d-%H%M%S}-{inputs.digest}"
-    home = root / safe_name(inputs.case)
+    return _free_folder(root / safe_name(inputs.case), f"{created_at.astimezone(UTC):%Y%m%d-%H%M%S}-{inputs.digest}")
+
+
+def unfinished_folder(case: str, created_at: datetime, root: Path = ROOT) -> Path:
+    """Make the folder of a run that goes on; :func:`finish_folder` gives it its name. What killed runs of the case left empty goes."""
+    home = root / safe_name(case)
+    remove_empty(home)
+    return _free_folder(home, f"{created_at.astimezone(UTC):%Y%m%d-%H%M%S}{UNFINISHED}")
+
+
+def finish_folder(folder: Path, inputs: Inputs, created_at: datetime, root: Path = ROOT) -> Path:
+    """Give a folder of :func:`unfinished_folder` the name of its run."""
+    final = new_folder(inputs, created_at, root)
+    try:
+        final.rmdir()
+        folder.rename(final)
+    except OSError:
+        return folder
+    return final
+
+
+def mark_unfinished(folder: Path) -> int:
+    """Begin the list of finished runs in ``folder``, locked for as long as this process lives; the open file."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _remove(folder, (name for name in _listed(folder) if _RUN_FILE.fullmatch(name)))
+    handle = os.open(folder / LIST, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
+    lock(handle)
+    return handle
+
+
+def _listed(folder: Path) -> list[str]:
+    """Files that a killed run listed in ``folder``."""
+    try:
+        rows = [json.loads(line) for line in (folder / LIST).read_text("utf-8").splitlines()]
+        return [str(row["file"]) for row in rows if "file" in row]
+    except (OSError, ValueError, TypeError):
+        return []
+
+
+def remove_empty(home: Path) -> None:
+    """Remove what killed runs left in the folders of a case: half-written files, and folders that hold no finished run."""
+    with suppress(OSError):
+        for folder in home.iterdir():
+            if folder.is_symlink() or not folder.is_dir() or (folder / ANSWER).exists():
+                continue
+            remove_abandoned(folder)
+            rows, left = folder / LIST, [path.name for path in folder.iterdir()]
+            if UNFINISHED in folder.name and left == [LIST] and not rows.stat().st_size and is_abandoned(rows):
+                rows.unlink()
+                folder.rmdir()
+
+
+def _free_folder(home: Path, stem: str) -> Path:
     for count in range(1, 1000):
         folder = home / (stem if count == 1 else f"{stem}-{count}")
         try:
@@ -125,7 +181,8 @@ def check_folder(folder: Path, kept: bool = False) -> None:
     else than an earlier run."""
     try:
         there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
-        foreign = not kept and folder.is_dir() and not (folder / ANSWER).is_file() and any(folder.iterdir())
+        ours = (folder / ANSWER).is_file() or (folder / LIST).is_file()
+        foreign = not kept and folder.is_dir() and not ours and any(path for path in folder.iterdir() if not path.name.endswith(SUFFIX))
     except (OSError, ValueError) as error:
         raise InputError(f"'{folder}' is no usable folder name ({error}); choose another", "--output") from None
     if not there.is_dir():
@@ -147,8 +204,23 @@ def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> KeptRun:
     files = [*dict.fromkeys((*answer.get("files", ()), *written))]
     whole = {**answer, "digest": inputs.digest, "choices": dict(inputs.choices), "files": files}
     _remove(folder, set(map(str, earlier.get("files", ()))) - set(map(str, files)))
-    write_text(folder / ANSWER, json.dumps(whole, indent=2, allow_nan=False, default=str) + "\n")
+    write_text(folder / ANSWER, answer_text(whole))
     return KeptRun(folder, whole)
+
+
+def check_inputs(run: KeptRun) -> None:
+    """Raise :class:`InputError` where the inputs of a kept run are not those that it was made from; a run without a digest passes."""
+    names = [str(name) for name in run.answer.get("files", ()) if str(name).startswith(f"{CASE_FILE.parent.as_posix()}/")]
+    try:
+        text = run.case_file.read_bytes().decode()
+        side_files = {Path(name).name: (run.folder / name).read_bytes() for name in names if Path(name).name != CASE_FILE.name}
+        same = Inputs(run.case, text, side_files, run.answer.get("choices", {})).digest == run.digest
+    except (OSError, ValueError) as error:
+        raise InputError("the inputs of this run cannot be read; repeat the run", str(run.folder)) from error
+    if run.digest and not same:
+        raise InputError(
+            "the inputs in this folder are not those of its run, they were changed or damaged; repeat the run", str(run.folder)
+        )
 
 
 def link_latest(folder: Path) -> None:
@@ -197,13 +269,14 @@ def find_run(name: str, root: Path = ROOT) -> KeptRun:
 
 
 def run_of_path(path: Path) -> KeptRun | None:
-    """The run that a folder, its ``run.json`` or its case file belongs to; None where there is none."""
+    """The run that a folder, its ``run.json`` or its case file belongs to; None where there is none. Raises :class:`InputError` where its
+    ``run.json`` is damaged."""
     try:
         places = (path, path.parent) if path.name == ANSWER else (path, path.parent.parent) if path.name == CASE_FILE.name else (path,)
         for folder in places:
             if folder.name == LATEST and folder.is_file():  # where links are not possible
                 folder = folder.parent / folder.read_text("utf-8").strip()
-            if folder.is_dir() and (answer := _read_answer(folder)):
+            if folder.is_dir() and (answer := read_answer(folder)):
                 return KeptRun(folder, answer)
     except (OSError, ValueError):
         return None
@@ -212,7 +285,8 @@ def run_of_path(path: Path) -> KeptRun | None:
 
 def safe_name(text: str) -> str:
     """A name as a folder may bear it."""
-    return re.sub(r"[^\w.-]+", "-", text)[:80].strip(".-") or "case"
+    plain = re.sub(r"[^\w.-]+", "-", unicodedata.normalize("NFC", text))[:80]
+    return plain.encode()[:120].decode(errors="ignore").strip(".-") or "case"
 
 
 def _tables(item: Any) -> Iterator[Any]:
@@ -236,10 +310,9 @@ def _free_name(name: str, content: bytes, taken: Mapping[str, bytes]) -> str:
 def _read_answer(folder: Path) -> dict[str, Any]:
     """The ``run.json`` of a folder; empty where there is none that can be read."""
     try:
-        found = json.loads((folder / ANSWER).read_text("utf-8"))
-    except (OSError, ValueError):
+        return read_answer(folder)
+    except InputError:
         return {}
-    return found if isinstance(found, dict) and "created_at" in found else {}
 
 
 def _remove(folder: Path, names: Iterable[str]) -> None:

@@ -17,14 +17,16 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.run_up import OpenWindow, turn_quantities
 from valvetrain.solution.arrays import empty_channels
+from valvetrain.solution.gaps import reason
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 from valvetrain.studies.critical_speeds import CriticalOptions
 from valvetrain.studies.engine import Progress, map_points
-from valvetrain.studies.ready import FAILURES, Ready, make_ready, provenance_of
-from valvetrain.studies.run import member_rest
+from valvetrain.studies.ready import FAILURES, Plan, Ready, make_ready, provenance_of, unfinished
+from valvetrain.studies.run import STOPPED, WORKER_LOST, member_rest
+from valvetrain.studies.stopping import PointsStopped, StudyStopped
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
@@ -99,7 +101,18 @@ def run_up_study(
         if progress is not None:
             progress(count / total, ready[count - 1].member.label)
 
-    runs = map_points(member_turns, (problem, ready, ramp, created_at), range(len(ready)), workers, processes=True, tell=tell)
+    def without(place: int, status: Status) -> tuple[Solution, ...]:
+        return (unfinished(problem, ready[place].member, first, Plan(created_at=created_at), status),)
+
+    stopped, shared = False, (problem, ready, ramp, created_at)
+    try:
+        runs = map_points(
+            member_turns, shared, range(len(ready)), workers, processes=True, tell=tell, lost=lambda place: without(place, WORKER_LOST)
+        )
+    except PointsStopped as cut:
+        if not cut.results:
+            raise
+        stopped, runs = True, tuple(cut.results.get(place) or without(place, STOPPED) for place in range(len(ready)))
     provenance = collect_provenance(
         problem.record.name, ", ".join(dict.fromkeys(member.model.word for member in problem.members)), case_digest=problem.record.digest,
         created_at=created_at, citations=problem.record.citations,
@@ -110,7 +123,10 @@ def run_up_study(
         problem.record, "run-up", turns, notes=notes, lift_event=problem.lift_event, provenance=provenance,
         wall_time=time.perf_counter() - begun,
     )  # fmt: skip
-    return replace(study, still={label: found for label in study.labels if (found := _lost(study, label))})
+    study = replace(study, still={label: found for label in study.labels if (found := _lost(study, label))})
+    if stopped:
+        raise StudyStopped(study)
+    return study
 
 
 def member_turns(shared: tuple[Problem, tuple[Ready, ...], Ramp, str], place: int) -> tuple[Solution, ...]:
@@ -123,8 +139,7 @@ def member_turns(shared: tuple[Problem, tuple[Ready, ...], Ramp, str], place: in
     try:
         found = _turns(one, ramp)
     except FAILURES as error:
-        words = " ".join(str(error).split())
-        return (Solution(empty_channels(), (), Status("diverged", words, remedy="look at its first speed alone"), {}, origin),)
+        return (Solution(empty_channels(), (), Status("diverged", reason(error), remedy="look at its first speed alone"), {}, origin),)
     acceleration = (ramp[1] - ramp[0]) / 2 / ramp[2]
     solutions = []
     for record, values, interval in found:

@@ -25,6 +25,7 @@ from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.springs.solid.spec import SolidOptions, solid_spring
 from valvetrain.springs.solid.transient import MOTION_CONTACT, TransientJob, run_transient
 from valvetrain.springs.spec import spring_model
+from valvetrain.studies.stopping import noted
 
 Array = NDArray[np.float64]
 Watch = Callable[[float], None]
@@ -177,7 +178,7 @@ class Cancel:
         self.flag, self.tell = threading.Event(), tell
 
     def __call__(self, reached: float) -> None:
-        if self.flag.is_set():
+        if self.flag.is_set() or noted():
             raise InterruptedError("stopped")
         if self.tell is not None:
             self.tell(reached)

@@ -10,14 +10,15 @@ from valvetrain.parameters.case import Case
 from valvetrain.solution.study import Study
 from valvetrain.studies.critical_speeds import CriticalOptions
 from valvetrain.studies.engine import Progress
-from valvetrain.studies.run import run_problem
+from valvetrain.studies.run import Finished, run_problem
+from valvetrain.studies.stopping import StudyStopped
 from valvetrain.system.build import build
 
 
 def sweep_study(
     case: Case, engine_speeds: Sequence[float], *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
     whole: bool = False, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
-    critical: CriticalOptions | None = CriticalOptions(),
+    critical: CriticalOptions | None = CriticalOptions(), finished: Finished | None = None,
 ) -> Study:  # fmt: skip
     """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and of a train its critical speeds between
     the lowest and the highest of them (``critical`` None: not searched).
@@ -30,9 +31,17 @@ def sweep_study(
         raise InputError("a sweep needs at least one engine speed; write such as '1000:9000:100 rpm'", "--engine-speed")
     sets = tuple(spring_sets) or (tuple(case.train.springs) if case.train is not None else ())
     problem = build(case, spring_models=spring_models, spring_sets=sets)
-    study = run_problem(
-        problem, speeds, workers=workers, progress=progress, created_at=created_at, command="sweep", whole=whole, critical=critical
-    )
+    try:
+        return _with_critical(run_problem(
+            problem, speeds, workers=workers, progress=progress, created_at=created_at, command="sweep", whole=whole, critical=critical,
+            finished=finished,
+        ))  # fmt: skip
+    except StudyStopped as cut:
+        raise StudyStopped(_with_critical(cut.study)) from None
+
+
+def _with_critical(study: Study) -> Study:
+    """The study with its critical speeds among the numbers of no single run."""
     still = {**study.still}
     for label in study.critical_speeds.labels:
         still[label] = {**still.get(label, {}), **study.critical_speeds.quantities(label)}

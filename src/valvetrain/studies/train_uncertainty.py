@@ -12,9 +12,10 @@ from valvetrain.integrate.run import run
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.train import ContactParameters
+from valvetrain.solution.gaps import reason
 from valvetrain.solution.result import Solution
 from valvetrain.springs.contract import LargeSpring
-from valvetrain.studies.engine import Progress, map_points
+from valvetrain.studies.engine import LOST, LOST_REMEDY, Progress, map_points
 from valvetrain.studies.grid_convergence import grid_convergence, two_grids
 from valvetrain.studies.ready import FAILURES, Plan, Ready, judge, make_ready, provenance_of
 from valvetrain.studies.run import member_rest
@@ -81,11 +82,14 @@ def train_uncertainty(
         if progress is not None:
             progress(done / total, f"run {done} of {total}")
 
-    found = map_points(_one, (problem, variants), jobs, workers, processes=True, tell=tell)
+    def lost(job: _Job) -> tuple[Numbers, str]:
+        return {}, f"{problem.members[job.place].label}, {job.variant}: {LOST}; {LOST_REMEDY}"
+
+    found = map_points(_one, (problem, variants), jobs, workers, processes=True, tell=tell, lost=lost)
     values: dict[tuple[float, int], dict[str, Numbers]] = {}
     for job, (numbers, failed) in zip(jobs, found, strict=True):
         values.setdefault((job.engine_speed, job.place), {})[job.variant] = numbers
-        if failed and job.variant == OWN:
+        if failed and (job.variant == OWN or LOST in failed):
             failures.append(failed)
     rows = [row for (speed, place), here in values.items() for row in _rows(here, speed, problem.members[place].label)]
     whole: dict[str, dict[float | None, Numbers]] = {}
@@ -167,7 +171,7 @@ def _one(shared: tuple[Problem, Mapping[str, Mapping[int, Ready]]], job: _Job) -
     try:
         solution = _solution(problem, ready, job)
     except FAILURES as error:
-        return {}, f"{ready.member.label}, {job.variant}: {error}"
+        return {}, f"{ready.member.label}, {job.variant}: {reason(error)}"
     if not solution.status.completed:
         return {}, f"{ready.member.label}, {job.variant}: {solution.status.sentence()}"
     names = (*HEADLINES, *(f"cycle_scatter_{name}" for name in HEADLINES))

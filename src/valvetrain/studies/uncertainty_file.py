@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
+from valvetrain.parameters.loading import library_names
 from valvetrain.solution.definition import shown
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.record import CaseRecord
@@ -47,7 +48,7 @@ def meshes_of(record: CaseRecord) -> tuple[int, ...]:
 
 def _content(record: CaseRecord) -> dict[str, Any]:
     file = resources.files("valvetrain") / "parameters" / "library" / f"{record.name}.uncertainty"
-    if not file.is_file():
+    if record.name not in library_names() or not file.is_file():
         return {}
     content = tomllib.loads(file.read_text(encoding="utf-8"))
     return content if content.get("case", {}).get("digest") == record.digest else {}

@@ -49,6 +49,13 @@ def build(case: AnyCase, *, spring_models: Sequence[str] = (), spring_sets: Sequ
     ['massless', 'multi-mass']
     """
     case = case_of(case)
+    try:
+        return _built(case, spring_models, spring_sets)
+    except (ArithmeticError, ValueError) as error:  # numbers at which the parts' formulas end
+        raise InputError(f"the parts of case '{case.name}' cannot be built ({error}); check its numbers and their units") from error
+
+
+def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str]) -> Problem:
     law = build_lift_law(case.lift_law)
     specs = tuple(spring_model(word, "--spring") for word in dict.fromkeys(spring_models))
     if case.train is not None:
@@ -96,7 +103,7 @@ def _train_members(
     else:
         variants = train.variants or (TrainVariant(train.spring_model, train.spring_set, train.spring_model),)
     gears: dict[TrainParameters, Gear] = {}
-    members = []
+    members: list[Member] = []
     for variant in variants:
         own = variant.apply(train)
         chosen = own.spring_set or next(iter(own.springs), "")
@@ -113,8 +120,14 @@ def _train_members(
         if sentence := binding_lift(springs, gear.mechanism.kinematics.maximum_lift):
             raise InputError(f"case '{case.name}': {sentence}")
         model = spring_model(own.spring_model, "train.spring_model")
-        members.append(Member(variant.label, model, springs, law, chosen, gear, _rubbing(own.rubbing), case.name, variant.note))
+        label = _free_label(variant.label, [member.label for member in members])
+        members.append(Member(label, model, springs, law, chosen, gear, _rubbing(own.rubbing), case.name, variant.note))
     return tuple(members)
+
+
+def _free_label(label: str, taken: list[str]) -> str:
+    """The label, with a number where another variant bears it: results are told apart by it."""
+    return next(one for n in range(1, len(taken) + 2) if (one := label if n == 1 else f"{label} ({n})") not in taken)
 
 
 def _rubbing(rubbing: Rubbing | None) -> RadialRubbing | None:

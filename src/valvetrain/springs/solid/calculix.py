@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from pathlib import Path
 
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.springs.solid.guarded import end, start, work_folder
 
 #: Names under which distributions install the solver.
 SOLVER_NAMES = ("ccx", "ccx_2.20", "ccx_2.21", "ccx_2.22")
@@ -59,7 +59,7 @@ def run_deck(
         raise InputError(f"a time limit of {time_limit:g} s on {threads} threads runs nothing; give a positive limit and at least 1 thread")
     solver = find_solver()
     environment = {**os.environ, "OMP_NUM_THREADS": str(threads), "CCX_NPROC_STIFFNESS": str(threads), "CCX_NPROC_RESULTS": str(threads)}
-    with tempfile.TemporaryDirectory(prefix="valvetrain-solid-", ignore_cleanup_errors=True) as folder:
+    with work_folder() as folder:
         Path(folder, "job.inp").write_text(deck, encoding="ascii")
         started = time.perf_counter()
         status, log = _execute(solver, folder, environment, time_limit, watch)
@@ -73,15 +73,11 @@ def run_deck(
 def _execute(solver: str, folder: str, environment: dict[str, str], time_limit: float, watch: Watch | None) -> tuple[Status | None, str]:
     """Run to the end or the limit; a status already known (time ran out, signal) or None, and the log."""
     with Path(folder, "job.log").open("wb") as log:
-        process = subprocess.Popen(
-            [solver, "job"], cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT
-        )
+        process = start([solver, "job"], folder, environment, log)
         try:
             code = _wait(process, folder, time_limit, watch)
         finally:
-            if process.poll() is None:
-                process.kill()
-                process.wait()
+            end(process)
     words = _text(folder, "job.log")
     if code is None:
         why = f"CalculiX was stopped after {time_limit:g} s"

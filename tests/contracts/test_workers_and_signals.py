@@ -1,0 +1,168 @@
+"""Killed workers, killed parents, Ctrl-C and SIGTERM: what was finished is there, and nothing goes on or stays behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import time
+
+import pytest
+
+from fault_parts import SWEEP, gone, killed_always, killed_once, lives, marked, square, stand_in_solver, started
+from unit.cli_parts import SMALL, process, wait_until
+from valvetrain.errors import RunFailedError
+from valvetrain.studies.batch import map_cases
+from valvetrain.studies.engine import map_points, threads
+from valvetrain.studies.stopping import PointsStopped, Stopped, listening
+from valvetrain.studies.workers import result_of
+
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="finds processes by their environment in /proc")
+ROWS = "unfinished-runs.jsonl"
+
+
+def test_a_killed_worker_costs_no_result(tmp_path):
+    points = range(12)
+    expected = map_points(square, tmp_path, points, 1)
+    assert map_points(killed_once, tmp_path, points, 2, processes=True) == expected == tuple(n * n for n in points)
+    assert (tmp_path / "killed").exists()
+
+
+def test_a_run_that_always_kills_its_worker_costs_itself_alone(tmp_path):
+    came: list[int] = []
+    found = map_points(
+        killed_always, tmp_path, range(6), 2, processes=True, lost=lambda point: -point, finished=lambda place, _: came.append(place)
+    )
+    assert found == (0, 1, 4, -3, 16, 25) and sorted(came) == list(range(6))
+    with pytest.raises(RunFailedError, match="killed"):
+        map_points(killed_always, tmp_path, (2, 3), 2, processes=True)
+
+
+def test_a_speed_whose_worker_is_killed_is_a_status_and_the_others_are_there(monkeypatch):
+    """The status of the whole study: the run of one speed kills every process but this one."""
+    import valvetrain.studies.run as run
+    from valvetrain.parameters.loading import load_case
+
+    usual, here = run.train_point, os.getpid()
+
+    def deadly(shared, point):
+        if point[1] > 300 and os.getpid() != here:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return usual(shared, point)
+
+    deadly.__module__, deadly.__qualname__ = run.__name__, "train_point"
+    monkeypatch.setattr(run, "train_point", deadly)
+    monkeypatch.setattr("valvetrain.studies.workers.start_method", lambda: "fork")
+    study = run.run_study(load_case("tdi-pushrod"), engine_speeds=(150.0, 200.0, 310.0), spring_models=("massless",),
+                          spring_sets=("stock",), workers=2, whole=False)  # fmt: skip
+    assert [one.status.code for one in study.solutions] == ["completed", "completed", "worker-lost"]
+    assert len(study.failures) == 1 and "was killed" in study.failures[0] and "fewer workers" in study.failures[0]
+
+
+def test_workers_end_with_a_parent_that_is_killed(tmp_path):
+    code = (
+        "from pathlib import Path; from fault_parts import slow; from valvetrain.studies.engine import map_points\n"
+        f"map_points(slow, Path({str(tmp_path)!r}), (1, 2), 2, processes=True)"
+    )
+    tests = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    path = os.pathsep.join((tests, os.path.join(os.path.dirname(tests), "src")))
+    with started(folder=tmp_path, code=code, PYTHONPATH=path) as (run, mark):
+        wait_until(lambda: len(list(tmp_path.glob("begun-*"))) == 2, "both workers begin")
+        assert len(marked(mark)) >= 3
+        run.kill()
+        run.wait()
+        gone(mark)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_sweep_that_is_stopped_keeps_what_was_finished(tmp_path, number):
+    with started(*SWEEP, folder=tmp_path) as (run, mark):
+        wait_until(lambda: rows_of(tmp_path / "out") >= 3, "three runs are finished")
+        run.send_signal(number)
+        _, errors = run.communicate(timeout=60)
+        gone(mark)
+    assert run.returncode == 128 + number and errors.splitlines()[-1].startswith("interrupted: ") and "Traceback" not in errors
+    answer = json.loads((tmp_path / "out" / "run.json").read_text())
+    states = [one["status"]["code"] for one in answer["runs"]]
+    assert len(states) == 161 and states.count("interrupted") == 161 - sum(code != "interrupted" for code in states) > 0
+    assert sum(bool(one["quantities"]) for one in answer["runs"]) >= 3 and not answer["completed"]
+    assert not (tmp_path / "out" / ROWS).exists() and not list(tmp_path.rglob("*.part"))
+
+
+def test_a_sweep_that_is_killed_leaves_its_finished_runs_and_the_next_run_mends_the_folder(tmp_path):
+    with started(*SWEEP, folder=tmp_path) as (run, mark):
+        wait_until(lambda: rows_of(tmp_path / "out") >= 3, "three runs are finished")
+        run.kill()
+        run.wait()
+        gone(mark)
+    rows = [json.loads(line) for line in (tmp_path / "out" / ROWS).read_text().splitlines()]
+    assert len(rows) >= 3 and all(row["quantities"]["peak_spring_force"]["value"] > 0 for row in rows)
+    (tmp_path / "out" / ".quantities.csv.abcdefgh.valvetrain.part").write_text("half of")
+    again = [word if word != SWEEP[3] else "1000:1100:25 rpm" for word in SWEEP]
+    done = process(*again, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    whole = json.loads((tmp_path / "out" / "run.json").read_text())["runs"]
+    same = {row["engine_speed"]["value"]: row["quantities"] for row in rows}
+    assert all(same.get(one["engine_speed"]["value"], one["quantities"]) == one["quantities"] for one in whole)
+    assert not (tmp_path / "out" / ROWS).exists() and not list((tmp_path / "out").glob(".*.part"))
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_the_solid_solver_and_its_folder_go_with_their_parent(tmp_path, number):
+    program, note = stand_in_solver(tmp_path)
+    work = tmp_path / "work"
+    work.mkdir()
+    (tmp_path / "small.toml").write_text(SMALL)
+    words = ("compare", "small.toml", "--spring", "solid", "--solid-elements-per-coil", "6", "--output", "out")
+    with started(*words, folder=tmp_path, CCX=str(program), TMPDIR=str(work)) as (run, mark):
+        wait_until(lambda: note.exists() and bool(note.read_text().strip()), "the solver starts")
+        run.send_signal(number)
+        run.communicate(timeout=60)
+        wait_until(lambda: not lives(int(note.read_text())) and not marked(mark), "the solver ends")
+        wait_until(lambda: not list(work.glob("valvetrain-solid-*")), "its folder goes")
+    assert run.returncode == (-9 if number == signal.SIGKILL else 143)
+
+
+def test_a_request_to_stop_that_the_interpreter_drops_is_still_heard(monkeypatch):
+    """A KeyboardInterrupt within a destructor is printed and forgotten; who waits looks at the note."""
+
+    class Dropped:
+        def __del__(self) -> None:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.01)  # the handler runs here, where what it raises is lost
+
+    with threads(1) as pool, listening():
+        job = pool.submit(time.sleep, 3.0)
+        begun = time.monotonic()
+        monkeypatch.setattr(sys, "unraisablehook", lambda _: None)
+        dropped = Dropped()
+        del dropped
+        with pytest.raises(Stopped):
+            result_of(job)
+        assert time.monotonic() - begun < 2.0
+
+
+def test_a_study_that_is_stopped_hands_over_what_it_has(tmp_path):
+    def stop_at_three(shared, point):
+        if point == 3:
+            raise KeyboardInterrupt
+        return point
+
+    with pytest.raises(PointsStopped) as cut:
+        map_points(stop_at_three, tmp_path, range(6), 1)
+    assert cut.value.results == {0: 0, 1: 1, 2: 2}
+
+
+def test_map_cases_survives_a_killed_worker(tmp_path):
+    from functools import partial
+
+    assert map_cases(partial(killed_once, tmp_path), range(5), 2) == (0, 1, 4, 9, 16)
+
+
+def rows_of(folder) -> int:
+    """Finished runs that a run has listed so far."""
+    try:
+        return len((folder / ROWS).read_text().splitlines())
+    except OSError:
+        return 0
