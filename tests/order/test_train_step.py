@@ -18,7 +18,7 @@ FIRM = (
     "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "surge_amplitude_force", "peak_cam_contact_force",
     "peak_rocker_contact_force", "peak_valve_tip_contact_force", "peak_seat_contact_force", "peak_support_force", "nose_cam_contact_force",
     "minimum_cam_contact_force", "peak_valve_lift", "lift_loss_displacement", "seating_velocity", "bounce_height", "cycle_work_energy",
-    "cycle_dissipated_energy",
+    "cycle_dissipated_energy", "peak_valve_acceleration", "loss_of_contact_duration", "peak_cam_torque", "minimum_cam_torque",
 )  # fmt: skip
 
 
