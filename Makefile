@@ -8,7 +8,7 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON
 
-.PHONY: help run test validate bench identify uncertainty lint pins clean environment-run environment-test parts mutants faults
+.PHONY: help run test validate bench identify uncertainty lint pins clean environment-run environment-test parts mutants faults fuzz
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
@@ -20,6 +20,7 @@ help:
 	@echo "make lint      style, format (ruff) and types (mypy)"
 	@echo "make mutants   seed faults into copies of the source and tell the share that the tests notice (ARGS=\"--sample 40\")"
 	@echo "make faults    kill workers, parents and the solver at random moments, fill the disk; what was lost (ARGS=200: so many faults)"
+	@echo "make fuzz      ask about mutants of cases, runs of mutants and damaged result files (ARGS=1000, or ARGS=\"--files 500\")"
 	@echo "make pins      resolve the pinned versions anew (needs a network)"
 	@echo "make clean     remove the environment, caches and results"
 
@@ -61,6 +62,9 @@ mutants: environment-test
 
 faults: environment-test
 	nice $(BIN)/python scripts/faults.py $(ARGS)
+
+fuzz: environment-test
+	$(ONE_THREAD) nice $(BIN)/python -m fuzz $(ARGS)
 
 pins:
 	@bash scripts/pins.sh

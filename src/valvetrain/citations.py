@@ -102,9 +102,9 @@ def _chosen(keys: str | Iterable[str]) -> list[Reference]:
     wanted = dict.fromkeys([keys] if isinstance(keys, str) else keys)
     for key in wanted:
         if key not in known:
-            near = difflib.get_close_matches(key, known, n=1)
+            near = difflib.get_close_matches(key[:60], known, n=1)
             hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}"
-            raise InputError(f"reference '{key}' is unknown; {hint}")
+            raise InputError(f"reference '{key[:40]}' is unknown; {hint}")
     return [known[key] for key in wanted]
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+#: Longest sentence and longest place (characters): what a stranger wrote is echoed, never in full.
+LONGEST_SENTENCE, LONGEST_PLACE = 700, 300
+
 
 class ValvetrainError(Exception):
     """Base of every error this package raises on purpose."""
@@ -14,6 +17,7 @@ class InputError(ValvetrainError):
     """
 
     def __init__(self, message: str, where: str = "") -> None:
+        message, where = _readable(message, LONGEST_SENTENCE), _readable(where, LONGEST_PLACE)
         super().__init__(f"{where}: {message}" if where else message)
         self.where = where
         self.reason = message
@@ -25,3 +29,10 @@ class MissingExtraError(ValvetrainError):
 
 class RunFailedError(ValvetrainError):
     """A run ended before its end and the caller asked for an exception instead of a status."""
+
+
+def _readable(text: str, most: int) -> str:
+    """``text`` as one printable line of at most ``most`` characters, its middle left out where it is longer."""
+    if not text.isprintable():
+        text = "".join(char if char.isprintable() else " " if char in "\n\r\t\xa0" else "?" for char in text)
+    return text if len(text) <= most else f"{text[: most // 2]} ... {text[-most // 2 + 5 :]}"

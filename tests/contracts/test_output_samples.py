@@ -9,18 +9,20 @@ from functools import cache
 import numpy as np
 import pytest
 
-from valvetrain.integrate.contract import Cycles, RunOptions
+from valvetrain.integrate.contract import Cycles, Periodic, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
+from valvetrain.report.headlines import TOPICS
 from valvetrain.solution.netcdf import load_netcdf, save_netcdf
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.ready import make_ready
+from valvetrain.studies.ready import Plan, judge, make_ready
 from valvetrain.studies.run import run_study
+from valvetrain.studies.train_uncertainty import HEADLINES
 from valvetrain.studies.uncertainty_file import load_uncertainty
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import PrescribedSpring
@@ -164,3 +166,30 @@ def test_seating_of_a_train_does_not_depend_on_the_samples_kept():
         seat = [event for event in run_of.events if event.kind == "touch" and event.where == "seat"]
         found.append(max((event.details["largest_gap"], event.cam_angle, event.size) for event in seat))
     assert found[0] == found[1] == found[2] and found[0][2] > 0.1
+
+
+#: Cases, variants and changes in which the train floats, loses contact, surges and closes quietly; noses off every grid of samples.
+TURNED = {"lift_law.opening_start": "90.47 deg", "lift_law.opening_end": "180.47 deg", "lift_law.closing_start": "180.47 deg",
+          "lift_law.closing_end": "270.47 deg"}  # fmt: skip
+TRAINS = (
+    ("tdi-pushrod", "stock", TURNED), ("tdi-pushrod", "performance, as printed, zeta 0.5", TURNED),
+    ("vaz-ohc", "six masses, lash 0.1 mm", {}), ("vaz-ohc", "single mass, lash 0 mm", {}),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("case", "label", "changes"), TRAINS)
+def test_no_headline_number_of_a_train_depends_on_the_samples_kept(case, label, changes):
+    """Whatever stands at the head of a report, or gets an error bar; a number that is added there is tested here from then on."""
+    problem = build(load_case(case, changes))
+    member = next(one for one in problem.members if one.label == label)
+    ready, speed = make_ready(problem, member, {}, ""), problem.engine_speeds[-1]
+    step = runner(ready.system, speed / 2, TrainOptions(2880), rest=ready.rest).time_step * (1 + 1e-9)
+    found = []
+    for samples in (360, 720, 1440, 2880):
+        options = RunOptions(samples, step, rest=ready.rest, window=ready.window, nose=ready.nose)
+        found.append(judge(ready, run(ready.system, speed / 2, Periodic(), options), Plan(), {}).quantities)
+    names = {name for name in (*HEADLINES, *(one for topic in TOPICS.values() for one in topic)) if name in found[-1]}
+    named = ("peak_valve_acceleration", "loss_of_contact_duration", "minimum_cam_contact_force", "nose_cam_contact_force")
+    assert names.issuperset((*named, "peak_spring_force", "lift_loss_displacement", "loft_gap"))
+    for name in names:
+        assert [one[name] for one in found[:-1]] == pytest.approx([found[-1][name]] * 3, rel=1e-3, abs=1e-9), name

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -14,7 +17,10 @@ from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.constructors import OTEVA_90_SC, cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.buckling import buckling_compression, buckling_quantities, formula_compression
+from valvetrain.quantities.statics import rest_quantities
+from valvetrain.solution.status import Status
 from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.studies import buckling, rest
 from valvetrain.studies.rest import at_rest, static_curve
 
 LENGTH, WIRE = 0.1, 2e-3
@@ -138,3 +144,31 @@ def test_the_modes_about_a_buckled_state_say_so():
     rest = at_rest(FiniteElementRod(slender(), 0.017, 12), 0.018, 6, 4)
     assert rest.modes.status.code == "buckled"
     assert at_rest(FiniteElementRod(slender(), 0.012, 12), 0.018, 6, 4).modes.status.completed
+
+
+def test_a_spring_that_has_lost_its_rate_within_the_first_window_buckles_there(monkeypatch):
+    """Beyond L0/D of some 25 the critical point lies below half of the window over which a rate is a mean; no sign changes beyond it."""
+    free, lost, rate = 0.3, 1e-3, 2e3
+    force = lambda place: rate * min(place, lost) + 0.05 * rate * max(place - lost, 0.0)  # noqa: E731
+    path = [SimpleNamespace(state=SimpleNamespace(compression=place), retainer_force=force(place)) for place in np.linspace(0, 0.02, 41)]
+    monkeypatch.setattr(buckling, "axial_rate", lambda statics, state: rate)
+    monkeypatch.setattr(buckling, "_force", lambda rod, states, place: force(place))
+    monkeypatch.setattr(buckling, "_lost_sign", lambda rod, states: None)
+    rod = SimpleNamespace(statics=None, definition=SimpleNamespace(free_length=free))
+    found = buckling.find_buckling(rod, path)
+    assert 0 < found.compression <= 0.5 * 0.01 * free + 5e-4
+
+
+def test_a_curve_that_stops_before_the_installed_state_is_shown_without_it(monkeypatch):
+    rod = FiniteElementRod(slender(), 14e-3, 8)
+    whole = rest.curve_over
+
+    def stopped(rod, places, visit=None):
+        curve, reached = whole(rod, places[:8], visit)
+        return replace(curve, status=Status("not-converged", "no equilibrium beyond")), reached
+
+    monkeypatch.setattr(rest, "curve_over", stopped)
+    for modes in (0, 3):
+        found = at_rest(rod, 16e-3, modes=modes)
+        assert found.installed is None and found.modes is None and found.curve.status.code == "not-converged"
+    assert rest_quantities(found, []) == {}

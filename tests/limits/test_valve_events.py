@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,8 +21,9 @@ from valvetrain.parameters.train import CamParameters
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion
 from valvetrain.quantities.peaks import ring_peak
+from valvetrain.quantities.run_up import OpenWindow
 from valvetrain.quantities.train_numbers import margin_quantities
-from valvetrain.quantities.valve_events import lift_crossings, rigid_events, sampled_crossings
+from valvetrain.quantities.valve_events import lift_crossings, open_window, rigid_events, sampled_crossings
 from valvetrain.solution.result import Solution
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.studies.ready import make_ready
@@ -49,6 +51,30 @@ def test_a_lift_that_never_stands_there_has_no_events_and_one_over_the_zero_of_t
     turned = lambda angle: LAW.lift(np.asarray(angle) + NOSE)  # noqa: E731
     opens, closes = lift_crossings(turned, 1e-3)
     assert opens == pytest.approx(math.tau - before_nose(1e-3)) and closes - opens == pytest.approx(2 * before_nose(1e-3))
+
+
+def test_a_valve_without_lash_opens_where_its_lobe_begins_and_not_at_a_grid_point():
+    """Lift rests at zero on one side, so no sign changes there: the angle came out as that of a grid of a quarter degree."""
+    begin, end = math.radians(118.13), math.radians(242.21)
+    law = Harmonic(maximum_lift=TOP, opening_start=begin, opening_end=NOSE, closing_start=NOSE, closing_end=end)
+    found = rigid_events(build_mechanism(direct(cam=CamParameters(0.030)), law).kinematics)
+    assert found["rigid_valve_lash_opening_cam_angle"] == pytest.approx(begin, abs=1e-7)
+    assert found["rigid_valve_lash_closing_cam_angle"] == pytest.approx(end, abs=1e-7)
+
+
+@pytest.mark.parametrize("first", [0.7, 2.0, 5.0])
+def test_the_open_window_of_two_humps_is_that_of_the_higher(first):
+    """A short high hump and a long low one 120 degrees on: begin and end are those of the first, to the root."""
+
+    def valve_lift(angle):
+        high, low = (np.cos(np.mod(np.asarray(angle) - place + np.pi, math.tau) - np.pi) for place in (first, first + math.tau / 3))
+        return np.maximum(5e-3 * (high - 0.9), 0) / 0.1 + np.maximum(2e-3 * (low - 0.7), 0) / 0.3
+
+    kinematics = SimpleNamespace(valve_lift=valve_lift)
+    half, (begin, end) = math.acos(0.91), open_window(kinematics)
+    assert begin == pytest.approx((first - half) % math.tau, abs=1e-6) and end - begin == pytest.approx(2 * half, abs=1e-6)
+    window = OpenWindow.of(kinematics)
+    assert (window.begin, window.end, window.top) == pytest.approx((begin, end, 5e-3), abs=1e-6)
 
 
 def test_the_rigid_valve_opens_where_the_lash_is_taken_up():

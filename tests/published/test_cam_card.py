@@ -2,8 +2,10 @@
 
 The card is that of the Comp Cams XE268H-10 for the small-block Chevrolet (catalogue values): duration 268 (intake) and 280 (exhaust) crank
 degrees at 0.006 in, 224 and 230 at 0.050 in, lobe lift 0.318 and 0.320 in, intake lobe centre 106 degrees, lobe separation 110. Valve
-timing printed at 0.006 in: intake opens 28 before top dead centre, closes 60 after bottom; exhaust opens 74 before bottom, closes 26
-after top.
+timing at 0.006 in: intake opens 28 before top dead centre, closes 60 after bottom; exhaust opens 74 before bottom, closes 26 after top.
+
+The card was not compared with its print. Two public parts lists give 224 and 230 degrees, 110 degrees, valve lifts of 0.477 and 0.480 in,
+and the first test holds the rest to each other: a number that was copied wrong would not fit.
 """
 
 from __future__ import annotations
@@ -40,6 +42,19 @@ def card(valve: str, more: str = "") -> CamCard:
         {more}
     """
     return build_lift_law(parse_case(text).lift_law)
+
+
+def test_the_card_fits_itself():
+    """Durations are the angles between the events, centres their middles, the separation half the way between the centres (in crank
+    degrees, of the cam), and lobe lifts the valve lifts of the lists over the engine's ratio of 1.5."""
+    centres = {}
+    for valve, (lift, duration, advertised, centre, events) in CARDS.items():
+        for height, angle in ((0.006, advertised), (0.050, duration)):
+            assert events[height][1] - events[height][0] == angle
+        centres[valve] = sum(events[0.006]) / 2
+        assert centres[valve] == sum(events[0.050]) / 2 == (centre if valve == "intake" else -centre)
+        assert float(lift.split()[0]) * 1.5 == pytest.approx({"intake": 0.477, "exhaust": 0.480}[valve], abs=1e-12)
+    assert (centres["intake"] - centres["exhaust"]) / 2 == 110
 
 
 @pytest.mark.parametrize("valve", CARDS)

@@ -18,7 +18,13 @@ MUSIC_WIRE = Material("music wire", 28.5e3 * KPSI, 11.85e3 * KPSI, 7850.0)
 
 
 def test_shigley_example_10_1():
-    """k = 4.13 lbf/in, solid length 0.500 in, pitch 0.186 in: as printed, from what a user writes."""
+    """k = 4.13 lbf/in, solid length 0.500 in, pitch 0.186 in, from what a user writes. The book was not at hand: its numbers are held to
+    its own formulas first (modulus of music wire 11.85 Mpsi at that diameter; k = G d^4 / 8 D^3 N_a, N_t + 1 wires, N_a pitches and three
+    wires)."""
+    wire, mean, turns, active, free = 0.037, 0.400, 12.5, 10.5, 2.06
+    assert mean == pytest.approx(7 / 16 - wire, abs=6e-4)
+    assert 11.85e6 * wire**4 / (8 * mean**3 * active) == pytest.approx(4.13, abs=0.005)
+    assert wire * (turns + 1) == pytest.approx(0.500, abs=0.0006) and (free - 3 * wire) / active == pytest.approx(0.186, abs=5e-4)
     spring = vt.cylindrical("0.037 inch", "0.400 inch", total_coils=12.5, free_length="2.06 inch", ends="closed", material=MUSIC_WIRE)
     assert float(spring.pitch.value(6.0)) / INCH == pytest.approx(0.186, abs=5e-4)
     assert spring.solid_height / INCH == pytest.approx(0.500, abs=5e-4)

@@ -126,20 +126,21 @@ def test_clashes_merge_neighbours_and_leave_resting_coils_out():
     assert third.details["peak_cam_angle"] / DEG == pytest.approx(252)
     # Area of A cos^2 over its full width w is A w / 2.
     assert second.details["impulse"] == pytest.approx(120 * 4 * DEG / (ENGINE_SPEED / 2) / 2, rel=0.01)
-    assert third.details["impulse"] == pytest.approx(270 * 6 * DEG / (ENGINE_SPEED / 2) / 2, rel=0.01)
+    # The second lasts 0.36 ms, 0.06 more than a blow: its feet, 1 % of it, count as load.
+    assert third.details["impulse"] == pytest.approx(0.99 * 270 * 6 * DEG / (ENGINE_SPEED / 2) / 2, rel=0.01)
     assert events[4].cam_angle - second.cam_angle == pytest.approx(2 * np.pi)
 
 
 def test_clash_rule_parts_late_neighbours_and_drops_faint_ones():
     def contact(degrees):
-        near, late = 50 * bump(degrees, 240, 10), 40 * bump(degrees, 244, 10)
+        near, late = 50 * bump(degrees, 240, 3), 40 * bump(degrees, 241.8, 3)
         return np.stack([0 * degrees, near, late, 0.9 * bump(degrees, 100, 10)], axis=1)
 
     solution = _motion(coil_contact_force=contact)
     together = [event for event in clash_events(solution) if event.cam_angle < 2 * np.pi]
-    apart = [event for event in clash_events(solution, ClashRule(merge_time=0.1e-3)) if event.cam_angle < 2 * np.pi]
+    apart = [event for event in clash_events(solution, ClashRule(merge_time=0.05e-3)) if event.cam_angle < 2 * np.pi]
     assert [len(together), len(apart)] == [1, 2]
-    assert sum(event.details["impulse"] for event in apart) == pytest.approx(together[0].details["impulse"], rel=1e-6)
+    assert sum(event.details["impulse"] for event in apart) == pytest.approx(together[0].details["impulse"], rel=1e-3)
 
 
 def test_hysteresis_keeps_a_chattering_contact_whole():

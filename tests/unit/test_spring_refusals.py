@@ -126,6 +126,16 @@ def test_modes_of_a_wire_with_a_free_tip():
     assert not np.any(modes.axial_transmission) and not len(modes.axial_modes())
 
 
+def test_axial_mass_of_all_modes_is_the_mass_that_moves_whatever_hangs_on_the_retainer():
+    """Completeness: the shares of all modes sum to 1; a retainer ten times as heavy as its wire takes all but a little of the first."""
+    wire = cylindrical("4 mm", "24 mm", "7 mm", 3, closed_coils=0)
+    mesh = mesh_spring(wire, 8)
+    for end_mass in (None, 0.01, 10 * wire.mass):
+        every = natural_modes(RodStatics(mesh), free_state(mesh), 10_000, end_mass)
+        assert np.sum(every.axial_mass_share) == pytest.approx(1.0, abs=0.02), end_mass
+    assert every.axial_mass_share[np.argmin(every.natural_frequency)] > 0.9
+
+
 def test_coils_whose_contact_is_off_do_not_clash():
     """Nothing is listed or counted for job-t; nor for a record with contact forces once it is judged as of springs without contact."""
     for solution in run_study(load_case("job-t"), spring_models=["finite-element", "multi-mass"], workers=1).solutions:

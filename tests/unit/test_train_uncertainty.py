@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import tomllib
+from io import StringIO
+from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
+from valvetrain.cli.answers import show_study
 from valvetrain.parameters.loading import load_case
 from valvetrain.report.json import study_json
 from valvetrain.solution.definition import is_defined
+from valvetrain.studies import train_uncertainty as train_uncertainty_module
 from valvetrain.studies import uncertainty_file
 from valvetrain.studies.refined import refined
 from valvetrain.studies.run import run_study
@@ -58,7 +63,7 @@ def test_file_of_a_train_says_what_the_study_says(study):
     assert [row.engine_speed for row in rows] == pytest.approx([row.engine_speed for row in study.rows])
 
 
-@pytest.mark.parametrize(("name", "variants"), [("tdi-pushrod", 8), ("vaz-ohc", 6)])
+@pytest.mark.parametrize(("name", "variants"), [("tdi-pushrod", 8), ("vaz-ohc", 8)])
 def test_shipped_files_belong_to_their_case(name, variants):
     case = load_case(name)
     rows = uncertainty_file.load_uncertainty(case.record())
@@ -76,6 +81,12 @@ def test_runs_tell_the_bars_of_their_numbers_and_no_others():
     assert {one["label"] for one in told} == set(own.labels)
     (stock,) = (words for words in own.notes if words.startswith("4000 rpm, stock, with numerical uncertainty"))
     assert "peak seat force 96" in stock and "±" in stock
+    console = Console(width=100, file=StringIO())
+    show_study(console, own, Path("out"), None)
+    table = console.file.getvalue()
+    row = next(one for one in told if one["quantity"] == "peak_spring_force" and one["label"] == "stock")
+    shown = f"{row['value']['value']:.4g} ± {row['numerical_uncertainty']['value']:.2g}"
+    assert shown in table and max(map(len, table.split("published values")[0].splitlines())) <= 100
     other = run_study(case, engine_speeds=[3000 * RPM], spring_models=("massless",), workers=1)
     assert study_json(other)["uncertainties"] == [] and not [words for words in other.notes if "±" in words]
 
@@ -90,3 +101,22 @@ def test_a_member_that_cannot_run_is_named_and_the_others_are_refined():
     case = load_case("tdi-pushrod", {"train.spring_model": "wave-rod-clash"})
     found = train_uncertainty(case, [1000 * np.pi / 30], workers=1)
     assert found.failures and all("wave-rod-clash" in one or "wire" in one for one in found.failures)
+
+
+def test_a_train_on_finite_elements_gets_bars_from_two_grids(monkeypatch):
+    """Runs at the usual step and mesh, half the step, 1.5 times the elements: a number that is off by h^2 + e^2 gets three times that."""
+    asked = []
+
+    def answer(study, job):
+        asked.append((job.variant, job.step))
+        finer = 1.5 if job.variant == "springs 2" else 1.0
+        return {"clash_energy": 1e-3 + 1e-5 * job.step**2 + 4e-5 / finer**2}, ""
+
+    monkeypatch.setattr(train_uncertainty_module, "_one", answer)
+    monkeypatch.setattr(train_uncertainty_module, "map_points", lambda point, study, jobs, *_, **__: [point(study, job) for job in jobs])
+    case = load_case("vaz-ohc")
+    variants = tuple(one for one in case.train.variants if one.label == "finite elements, lash 0 mm")
+    (row,) = train_uncertainty(case.replace(train=case.train.replace(variants=variants)), workers=1).rows
+    contacts = [(f"contact {word} {n}", 1.0) for word in ("damping", "stiffness") for n in (1, 2)]
+    assert sorted(asked) == [*contacts, (OWN, 1.0), ("springs 2", 1.0), ("step 2", 0.5)]
+    assert row.numerical == pytest.approx(3 * (1e-5 + 4e-5)) and row.step_part == pytest.approx(3e-5)

@@ -8,6 +8,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
+from valvetrain.cli.error_bars import ErrorBars, fitting
 from valvetrain.cli.outcome import PLAIN_WIDTH
 from valvetrain.cli.tables import plain_table
 from valvetrain.parameters.words import number, unit_words
@@ -62,7 +63,7 @@ def show_study(console: Console, study: Study, folder: Path, page: Path | None, 
 
 
 def _tables(study: Study) -> Iterator[Table]:
-    columns, rows = headline_columns(study), headline_rows(study)
+    columns, rows, bars = headline_columns(study), headline_rows(study), ErrorBars.of(study)
     if len(study.rest) > 1 or not study.solutions:
         yield from _rest_tables(study)
     if study.over_speed:
@@ -70,27 +71,34 @@ def _tables(study: Study) -> Iterator[Table]:
             yield _over_speeds(study, columns[first : first + BESIDE], rows, first)
     elif len(columns) <= BESIDE:
         if rows:
-            yield _side_by_side(study, columns, rows)
+            yield _side_by_side(study, columns, rows, bars)
     else:
         same = [(row.words, row.unit, _range(row.values)) for row in rows if row.name in OF_THE_CASE]
         if same:
             yield plain_table(("", "", ""), same)
         brief = [row for row in rows if row.name in BRIEF]
-        fits = _fitting(columns, brief)
-        yield _by_run(columns, brief[:fits], "run")
+        fits = _fitting(columns, brief, bars)
+        yield _by_run(columns, brief[:fits], "run", bars)
         if fits < len(brief) and len(columns) <= TWICE:
-            yield _by_run(columns, brief[fits:][: _fitting(columns, brief[fits:])], "run")
+            yield _by_run(columns, brief[fits:][: _fitting(columns, brief[fits:], bars)], "run", bars)
 
 
-def _side_by_side(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow]) -> Table:
+def _side_by_side(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bars: ErrorBars) -> Table:
     """A row per question, a column per run; the largest clash of each run below the number of clashes."""
     speeds = ("" if column.engine_speed is None else f"\n{rpm(column.engine_speed):g} rpm" for column in columns)
     headers = ["", "", *(column.label + words for column, words in zip(columns, speeds, strict=True))]
     table = plain_table(headers, (), right=range(2, len(headers)))
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
+    told = [row for row in rows if row.name not in ON_PAGE_ONLY]
+
+    def width(chosen: ErrorBars) -> int:
+        lines = [headers, *([row.words, unit_words(row.unit), *chosen.cells(row, columns)] for row in told)]
+        return sum(max(len(part) for line in lines for part in line[k].split("\n")) + 2 for k in range(len(headers))) - 2
+
+    bars = fitting(bars, width)
     for row in rows:
         if row.name not in ON_PAGE_ONLY:
-            table.add_row(row.words, unit_words(row.unit), *map(_words, row.values))
+            table.add_row(row.words, unit_words(row.unit), *bars.cells(row, columns))
         if row.name == "clash_count":
             for words, unit, cells in largest_clash_rows(study, columns):
                 table.add_row(f"  {words}", unit, *cells)
@@ -122,11 +130,11 @@ def _over_speeds(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence
     return table
 
 
-def _fitting(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow]) -> int:
+def _fitting(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bars: ErrorBars) -> int:
     """How many of the ``rows`` stand as columns beside the names of the runs without breaking a word."""
     room = PLAIN_WIDTH - max(len(column.label) for column in columns) - 2 - 7
     for count, row in enumerate(rows):
-        room -= _width(row) + 2
+        room -= _width(columns, row, bars) + 2
         if room < 0:
             return max(count, 1)
     return len(rows)
@@ -136,21 +144,33 @@ def _header(row: HeadlineRow) -> str:
     return f"{row.words} ({unit_words(row.unit)})".replace("N s)", "N\u00a0s)") if row.unit else row.words
 
 
-def _width(row: HeadlineRow) -> int:
+def _width(columns: Sequence[HeadlineColumn], row: HeadlineRow, bars: ErrorBars) -> int:
     """Columns that the longest word or number of a row takes."""
-    return max(map(len, (*_header(row).split(" "), *map(_at_speed, row.values, row.engine_speeds))))
+    return max(map(len, (*_header(row).split(" "), *_cells(columns, row, bars))))
 
 
-def _by_run(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], noun: str) -> Table:
+def _cells(columns: Sequence[HeadlineColumn], row: HeadlineRow, bars: ErrorBars) -> list[str]:
+    """Values of a row with their bars, or with the engine speed where a sweep has its worst."""
+    if any(speed is not None for speed in row.engine_speeds):
+        return list(map(_at_speed, row.values, row.engine_speeds))
+    return bars.cells(row, columns)
+
+
+def _by_run(columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], noun: str, bars: ErrorBars) -> Table:
     """A row per run, a column per question."""
     timed = any(column.engine_speed is not None for column in columns)
-    headers = [noun, *(["rpm"] if timed else []), *("\n".join(wrap(_header(row), _width(row), break_long_words=False)) for row in rows)]
+    headers = [
+        noun,
+        *(["rpm"] if timed else []),
+        *("\n".join(wrap(_header(row), _width(columns, row, bars), break_long_words=False)) for row in rows),
+    ]
     table = plain_table(headers, (), right=range(1, len(headers)))
     for place in range(1 + timed):
         table.columns[place].no_wrap = True
+    cells = [_cells(columns, row, bars) for row in rows]
     for place, column in enumerate(columns[:BELOW]):
         speed = [] if not timed else [f"{rpm(column.engine_speed):g}" if column.engine_speed is not None else ""]
-        table.add_row(column.label, *speed, *(_at_speed(row.values[place], row.engine_speeds[place]) for row in rows))
+        table.add_row(column.label, *speed, *(one[place] for one in cells))
     if len(columns) > BELOW:
         table.add_row(f"and {len(columns) - BELOW} more")
     return table

@@ -33,7 +33,7 @@ def check(
     from valvetrain.report.json import quantities_object
 
     chosen = choose_case(case, settings, elements_per_coil)
-    problem = _put_together(chosen, read_models(spring))
+    problem = put_together(chosen, read_models(spring))
     quantities = case_quantities(chosen, problem)
     facts = case_facts(chosen)
     data = {
@@ -43,19 +43,20 @@ def check(
     deliver(Outcome(data, lambda console: _show_check(console, chosen, facts, quantities)))
 
 
-def _put_together(case: Case, models: tuple[str, ...]) -> Problem | None:
+def put_together(case: Case, models: tuple[str, ...]) -> Problem | None:
     """Build everything that ``run`` builds, the springs of every set too: what is wrong may only show there. None for a lift law alone."""
+    from valvetrain.studies.before_run import refusals_before_run
     from valvetrain.system.build import build
 
     if case.train is None and not case.springs:
         return None
     problem = build(case, spring_models=models)
     problem.must_run()
+    refused = refusals_before_run(problem)
+    if refused and (models or len(refused) == len(problem.members)):
+        raise InputError(next(iter(refused.values())), "--spring" if models else "")
     sets = tuple(case.train.springs) if case.train is not None else ()
-    members = (*problem.members, *(build(case, spring_models=models, spring_sets=sets).members if sets else ()))
-    for member in members:
-        if member.refusal and models:
-            raise InputError(member.refusal, "--spring")
+    for member in build(case, spring_models=models, spring_sets=sets).members if sets else ():
         if not member.refusal and not member.model.needs_rest:
             member.system(built=problem.built)
     return problem

@@ -13,6 +13,7 @@ from typing import Any
 
 import typer
 from rich.console import Console
+from rich.text import Text
 
 from valvetrain.errors import InputError
 from valvetrain.solution.gaps import TRACEBACK_VARIABLE, reason
@@ -82,7 +83,15 @@ def _show(outcome: Outcome) -> tuple[str, ...]:
 def output_console() -> Console:
     """Standard output for people: a terminal as wide as it is, anything else :data:`PLAIN_WIDTH` columns."""
     width = None if sys.stdout.isatty() else PLAIN_WIDTH
-    return Console(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
+    return _Plain(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
+
+
+class _Plain(Console):
+    """A console to which no words from outside can speak in control sequences."""
+
+    def render_str(self, text: str, **manner: Any) -> Text:
+        """Words as they may be shown; see the base class."""
+        return super().render_str("".join(char if char.isprintable() or char in "\n\xa0" else "?" for char in text), **manner)
 
 
 def tell(sentence: str) -> None:

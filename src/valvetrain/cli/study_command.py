@@ -39,7 +39,7 @@ from valvetrain.cli.options import (
 )
 from valvetrain.cli.outcome import complain
 from valvetrain.errors import InputError
-from valvetrain.studies.run_store import ANSWER
+from valvetrain.studies.run_answer import ANSWER
 
 if TYPE_CHECKING:
     from valvetrain.cli.bounds import Limits

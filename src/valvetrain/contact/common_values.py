@@ -43,6 +43,8 @@ def law_values(
     exponent = _exponent(own, values)
     written = exponent if stiffness_exponent is None else stiffness_exponent
     depth = (force / stiffness) ** (1 / written)
+    if not 1e-12 < depth < 1e3:
+        raise InputError(f"contact '{name}' would be {depth * 1e3:.3g} mm deep at {force:.4g} N; check contact_stiffness and its unit")
     if abs(written - exponent) > 1e-3:  # a unit holds three decimals of 10/9
         chosen["contact_stiffness"] = force / depth**exponent
     if "damping" in own:

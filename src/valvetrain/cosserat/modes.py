@@ -26,7 +26,8 @@ class RodModes:
     """Modes about one static state: ``natural_frequency`` (nm,) in Hz, mass-normalised ``shape`` (nm, nv, 3) in 1/sqrt(kg).
 
     ``axial_transmission`` (nm,): residue of seat reaction x retainer reaction over 2 k omega^2, so that each surge mode
-    of an ideal uniform spring has +1 or -1; ``axial_mass_share`` (nm,): effective axial mass over the free mass;
+    of an ideal uniform spring has +1 or -1; ``axial_mass_share`` (nm,): effective axial mass over the mass that moves, 1 of all
+    modes together;
     ``axial_energy_share`` (nm,): share of the wire's kinetic energy that goes along the spring's axis.
     """
 
@@ -94,13 +95,14 @@ def natural_modes(statics: RodStatics, state: RodState, count: int = 24, end_mas
     full[free] = vectors
     full[6 * statics.mesh.last + 2 :: 6] = -travel
     mass = inertia[2::6]
-    moving = slice(statics.mesh.first, statics.mesh.last + 1)
-    axial = mass @ full[2::6]
+    moves = statics.free[2::6]
+    end = 0.0 if end_mass is None else end_mass
+    axial = mass[moves] @ full[2::6][moves] - end * travel
     return RodModes(
         natural_frequency=np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi),
         shape=np.moveaxis(full.reshape(-1, 6, count)[:, :3], 2, 0),
         axial_transmission=transmission,
-        axial_mass_share=axial**2 / np.sum(mass[moving]),
+        axial_mass_share=axial**2 / (np.sum(mass[moves]) + end),
         axial_energy_share=(mass @ full[2::6] ** 2) / sum(inertia[place::6] @ full[place::6] ** 2 for place in range(3)),
         axial_stiffness=axial_stiffness,
     )

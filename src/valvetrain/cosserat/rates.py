@@ -33,29 +33,44 @@ def end_stiffness(statics: RodStatics, state: RodState) -> Array:
 
     Both are derivatives of the energy; the torque counts as that which holds the retainer at its angle.
     """
+    mesh, turn = statics.mesh, turning_field(statics, state)
+    residual, (down, turned) = _slopes(statics, state, (_down(statics), turn))
+    (slope, _), (on_retainer, pushed) = down, turned
+    # a force across the axis turns with the arm it acts on
+    arms = float(np.sum(residual.reshape(-1, 6)[mesh.last :, :2] * state.position[mesh.last :, :2]))
+    return np.array([[slope, on_retainer], [on_retainer, float(np.sum(turn * pushed)) - arms]])
+
+
+def _down(statics: RodStatics) -> Array:
+    """Unit compression (nv, 6) of the retainer and its inactive wire."""
+    found = np.zeros((statics.mesh.vertices, 6))
+    found[statics.mesh.last :, 2] = -1.0
+    return found
+
+
+def _slopes(statics: RodStatics, state: RodState, units: tuple[Array, ...]) -> tuple[Array, list[tuple[float, Array]]]:
+    """The residual, and of each motion of the retainer, the first of them compression: slope of its force, and the pull (nv, 6)."""
     mesh, plane = statics.mesh, _plane(statics, state)
     _, residual, band, contact = statics.assemble(state)
     matrix = sparse_of(band) if contact is None else sparse_of(band) + contact
-    down, turn = np.zeros((mesh.vertices, 6)), turning_field(statics, state)
-    down[mesh.last :, 2] = -1.0
-    pushed, followed = [], []
-    for unit, on_plane in ((down, plane), (turn, 0.0 * plane)):
+    found = []
+    for place, unit in enumerate(units):
         load = (matrix @ unit.ravel()).reshape(-1, 6)
-        load[:, 2] += on_plane
-        followed.append(statics.follow(unit, band, contact, load))
-        pushed.append((matrix @ followed[-1].ravel()).reshape(-1, 6))
-    on_retainer = [-np.sum(one[mesh.last :, 2]) + plane @ follow[:, 2] for one, follow in zip(pushed, followed, strict=True)]
-    on_retainer[0] += np.sum(plane) - np.sum(plane[mesh.last :])
-    # a force across the axis turns with the arm it acts on
-    arms = float(np.sum(residual.reshape(-1, 6)[mesh.last :, :2] * state.position[mesh.last :, :2]))
-    return np.array([on_retainer, [on_retainer[1], float(np.sum(turn * pushed[1])) - arms]])
+        load[:, 2] += plane if place == 0 else 0.0
+        follow = statics.follow(unit, band, contact, load)
+        pushed = (matrix @ follow.ravel()).reshape(-1, 6)
+        own = np.sum(plane) - np.sum(plane[mesh.last :]) if place == 0 else 0.0
+        found.append((float(-np.sum(pushed[mesh.last :, 2]) + plane @ follow[:, 2] + own), pushed))
+    return residual, found
 
 
 def axial_rate(statics: RodStatics, state: RodState) -> float:
     """Slope dF/dx (N/m) of the retainer force by the compression at an equilibrium, contacts as they are there; a retainer that may
     turn turns along."""
+    if not statics.turns:
+        return _slopes(statics, state, (_down(statics),))[1][0][0]
     slopes = end_stiffness(statics, state)
-    return float(slopes[0, 0] - (slopes[0, 1] ** 2 / slopes[1, 1] if statics.turns else 0.0))
+    return float(slopes[0, 0] - slopes[0, 1] ** 2 / slopes[1, 1])
 
 
 def end_coupling(statics: RodStatics, state: RodState, tangent: csc_matrix) -> tuple[Array, float]:

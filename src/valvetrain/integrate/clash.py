@@ -14,6 +14,10 @@ Array = NDArray[np.float64]
 TURN = 2 * np.pi
 #: A contact that lasts longer than this (cam rad) is coils at rest on each other while the spring is compressed, not a blow of surge.
 RESTING_ANGLE = TURN / 12
+#: Longest that coils take to give a blow (s): the time within which neighbours that touch belong to one clash.
+BLOW_TIME = 0.3e-3
+#: Lengths at which a blow is looked for, as shares of that.
+BLOW_LENGTHS = tuple(2.0 ** (-step / 4) for step in range(17))
 #: Statistic that says that a solution's clashes were found by the integrator, and on which spacing.
 RECORDED = "contact_record_interval_duration"
 
@@ -31,7 +35,7 @@ class ClashRule:
 
     on_force: float = 1.0
     off_force: float = 0.2
-    merge_time: float = 0.3e-3
+    merge_time: float = BLOW_TIME
     rebound_time: float = 10e-6
 
 
@@ -62,6 +66,35 @@ class PairSeries:
         return PairSeries(times, angles, self.ranks, self.places, np.tile(self.force, 3), np.tile(self.energy, 3))
 
 
+def blow_impulse(time: Array, force: Array) -> float:
+    """Impulse (N s) of the hardest blow in the ``force`` (N) of one contact over even ``time`` (s): what it gives within
+    :data:`BLOW_TIME` beyond what it holds.
+
+    The largest over begin and length of the integral of force less holding force, which is the greater of its means over that time
+    before and after. A contact shorter than that gives its whole impulse; a mass m that lands at v on what it then rests on gives
+    m (v + rebound velocity) to a tenth, however long it rests; coils that lie down slowly give none.
+    """
+    step = float(time[-1] - time[0]) / (len(time) - 1)
+    reach = BLOW_TIME / step
+    pad, count = int(np.ceil(reach)) + 1, len(force)
+    area = np.concatenate(([0.0], np.cumsum(0.5 * (force[1:] + force[:-1])))) * step
+    area = np.concatenate((np.zeros(pad), area, np.full(2 * pad, area[-1])))
+
+    def at(shift: float) -> Array:
+        """Area up to ``shift`` steps after every begin."""
+        whole = int(np.floor(shift))
+        first, share = pad + whole, shift - whole
+        return np.asarray((1 - share) * area[first : first + count] + share * area[first + 1 : first + 1 + count])
+
+    begun, largest = at(0.0), 0.0
+    before = begun - at(-reach)
+    for share in BLOW_LENGTHS:
+        ended = at(share * reach)
+        held = np.maximum(before, at((1 + share) * reach) - ended)
+        largest = max(largest, float(np.max(ended - begun - share * held)))
+    return largest
+
+
 def steps_between(watch: ContactWatch | None, time_step: float) -> int:
     """Steps (of ``time_step``, s) between two rows of a record of contacts: the watch's interval, whatever samples are kept."""
     return max(1, round(watch.interval / time_step)) if watch is not None else 1
@@ -79,10 +112,10 @@ class _Contact:
 def find_clashes(pairs: PairSeries, spring: str = "", closed: bool = False, rule: ClashRule = ClashRule()) -> tuple[Event, ...]:
     """Events of kind ``clash`` by start time; ``spring``: name to stand in ``where``; ``closed``: the series is one closed period.
 
-    Size is the peak of the summed force (N); details: ``impulse`` (N s, trapezoid), ``energy`` (J, largest energy stored in the pressed
-    pairs at one time), ``peak_cam_angle`` (rad, unwrapped), ``upper_coil`` and ``lower_coil`` (whole coils counted from 1 at the seat, of
-    the pair that is hit hardest), ``first_pair`` and ``last_pair`` (coil numbers of the upper partner at the ends of the touching
-    stretch), ``cause``.
+    Size is the peak of the summed force (N); details: ``impulse`` (N s, see :func:`blow_impulse`), ``energy`` (J, largest energy stored in
+    the pressed pairs at one time), ``peak_cam_angle`` (rad, unwrapped), ``upper_coil`` and ``lower_coil`` (whole coils counted from 1 at
+    the seat, of the pair that is hit hardest), ``first_pair`` and ``last_pair`` (coil numbers of the upper partner at the ends of the
+    touching stretch), ``cause``.
     """
     if len(pairs.time) < 2 or not pairs.places.size:
         return ()
@@ -164,7 +197,7 @@ def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
     begin, finish = float(time[start] + time[first]) / 2, float(time[last] + time[end]) / 2
     resting = angle[end] - angle[start] > RESTING_ANGLE
     details: dict[str, Detail] = {
-        "impulse": float(np.trapezoid(summed, time[start : end + 1])), "energy": float(np.max(stored)),
+        "impulse": blow_impulse(time[start : end + 1], summed), "energy": float(np.max(stored)),
         "peak_cam_angle": float(angle[top]), "upper_coil": coil, "lower_coil": coil - 1,
         "first_pair": float(min(pairs.places[contact.pair] for contact in group)),
         "last_pair": float(max(pairs.places[contact.pair] for contact in group)),

@@ -65,7 +65,8 @@ class RunOptions:
     ``samples`` per cam turn (None: the integrator's usual number). ``time_step`` (s; None: chosen by stability). ``keep``: channels of
     ``all`` that the system shows, of the coil ``contacts`` and the ends, or of the ``ends`` alone. ``rest``: a train at rest where it is
     known already. ``integrator``: word of the registry (None: the first that serves). ``window``: begin and end (cam rad, may pass the end
-    of the turn) in which the least force of every contact of a train is noted on every step (statistics ``least_..._force``).
+    of the turn) in which the least force of every contact of a train is noted on every step (statistics ``least_..._force``, largest as
+    ``open_..._force``). ``nose``: cam angle (rad) at which the force of the cam is taken to the angle itself.
     ``start``: motion at another speed that a train starts from instead of from rest.
     """
 
@@ -75,6 +76,7 @@ class RunOptions:
     rest: TrainRest | None = None
     integrator: str | None = None
     window: tuple[float, float] | None = None
+    nose: float | None = None
     start: Orbit | None = None
 
 

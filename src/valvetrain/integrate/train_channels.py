@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from valvetrain.integrate.contract import RunOptions
 from valvetrain.integrate.train_run import CycleRecord, TrainState
+from valvetrain.integrate.train_tuples import LOADS, PEAK_ACCELERATION, PEAK_PLACE, PEAK_SPEED, PEAK_SPEED_ANGLE
+from valvetrain.integrate.transitions import CONTACTS_LOGGED
 from valvetrain.mechanism.crank import piston_clearance
 from valvetrain.solution.arrays import ChannelArrays, Variable
 from valvetrain.springs.contract import LargeSpring, SpringModel, SpringOutputs
@@ -128,15 +130,48 @@ def train_statistics(system: TrainSystem, record: CycleRecord) -> dict[str, floa
     found: dict[str, float | int | str | bool] = {
         f"peak_{force_name(name)}": float(record.peak_forces[k]) for k, name in enumerate(system.interaction_names)
     }
+    found |= _every_step(system, record)
     return found | {
         "cycle_work_energy": float(record.work[0]), "cycle_dissipated_energy": float(record.work[2]),
         "spring_dissipated_energy": float(record.work[3]), "contact_friction_dissipated_energy": record.friction_loss,
     }  # fmt: skip
 
 
+def _every_step(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
+    """Extremes of loads and bodies over all steps, and whether the log of contacts holds all openings and closings."""
+    mechanism, turn = system.mechanism, 2 * np.pi
+    loads = dict(zip(LOADS, record.loads.tolist(), strict=True))
+    found: dict[str, float] = {}
+    for row, word in (("seat", "spring"), ("retainer", "retainer")):
+        high, high_at, low, low_at = loads[row]
+        found |= {f"peak_{word}_force": high, f"minimum_{word}_force": low}
+        if row == "seat":
+            found |= {f"peak_{word}_force_cam_angle": high_at % turn, f"minimum_{word}_force_cam_angle": low_at % turn}
+    if len(system.springs) > 1:
+        for name, side in zip(system.spring_names, ("first", "second"), strict=True):
+            found |= {f"{name}_peak_spring_force": loads[f"{side}_seat"][0], f"{name}_minimum_spring_force": loads[f"{side}_seat"][2]}
+    found |= {"peak_cam_torque": loads["torque"][0], "minimum_cam_torque": loads["torque"][2]}
+    valve = record.bodies[mechanism.index(mechanism.valve)]
+    found |= {"peak_valve_lift": float(valve[PEAK_PLACE]), "peak_valve_acceleration": float(valve[PEAK_ACCELERATION])}
+    turning = [k for k, part in enumerate(mechanism.coordinates) if part.unit == "rad"]
+    if turning:
+        lever = record.bodies[turning[0]]
+        found |= {"peak_lever_speed": float(lever[PEAK_SPEED]), "peak_lever_speed_cam_angle": float(lever[PEAK_SPEED_ANGLE]) % turn}
+    return found | {CONTACTS_LOGGED: float(record.transitions.overflow == 0)}
+
+
 def least_forces(system: TrainSystem, record: CycleRecord, options: RunOptions) -> dict[str, float]:
-    """Least force (N) of every contact over all steps in the window of ``options``; nothing where none was asked for."""
+    """Least and largest force (N) of every contact over all steps in the window of ``options``, and that of the cam at the nose;
+    nothing where none was asked for."""
     if options.window is None or not len(record.least_forces):
         return {}
-    least = zip(system.interaction_names, record.least_forces.tolist(), strict=True)
-    return {f"least_{force_name(name)}": value for name, value in least if name in CONTACTS}
+    found: dict[str, float] = {}
+    for place, name in enumerate(system.interaction_names):
+        if name in CONTACTS:
+            found |= {
+                f"least_{force_name(name)}": float(record.least_forces[place]),
+                f"open_{force_name(name)}": float(record.largest_forces[place]),
+            }
+    if options.nose is not None and "cam" in system.interaction_names:
+        found["nose_cam_contact_force"] = float(record.nose_forces[system.interaction_names.index("cam")])
+    return found

@@ -38,7 +38,7 @@ from valvetrain.integrate.spring_slot import write_contacts
 from valvetrain.integrate.train_blows import finest_step, meets_damper, parts_of
 from valvetrain.integrate.train_damping import damp, guide, losses
 from valvetrain.integrate.train_friction import friction_loss, rub
-from valvetrain.integrate.train_log import close_stretch, in_window, note_contact, note_crossing
+from valvetrain.integrate.train_log import close_stretch, in_window, nose_share, note_body, note_contact, note_crossing, note_loads
 from valvetrain.integrate.train_tuples import PEAK_PENETRATION, Motion, Records, Scratch, Slot
 from valvetrain.mechanism.gaps import OPTIONS, penetration_and_gradient, table_value
 from valvetrain.system.train_system import TrainArrays
@@ -61,7 +61,7 @@ _TRAIN = types.NamedTuple(
 )  # fmt: skip
 _SLOT = types.NamedTuple((_vector, _integers, _vector, _integer_matrix), Slot)
 _MOTION = types.NamedTuple((_vector, _vector, _vector, _integers, _vector, _integers, _vector), Motion)
-_RECORDS = types.NamedUniTuple(_matrix, 10, Records)
+_RECORDS = types.NamedUniTuple(_matrix, 12, Records)
 _SIGNATURE = i8(SPRING_FUNCTION, SPRING_FUNCTION, _TRAIN, _SLOT, _SLOT, _MOTION, _RECORDS)
 
 
@@ -148,19 +148,21 @@ def _kick(index, body, gaps, gradients, step, v):
 
 
 @njit(forceinline=True, **OPTIONS)
-def _account(laws, body, motion, scratch, records, first, cam_angle, step):
+def _account(laws, body, motion, scratch, records, first, cam_angle, step, now):
     """Add the work of cam and constant forces to the totals and note every contact; returns cam power (W) and largest speed."""
     power, work, bound, gaps, rubbing = 0.0, 0.0, 0.0, scratch.gaps, scratch.rubbing
     v, old = motion.v, scratch.old
     inside = in_window(cam_angle, motion.clock[9], motion.clock[10])
+    nose = nose_share(cam_angle, motion.clock[1], first, motion.clock)
     for k in range(laws.shape[0]):
         power += gaps[k, 2] * gaps[k, 1]
         if rubbing[k, 0] != 0.0:
             power += rubbing[k, 0] / step * rubbing[k, 1]
-        note_contact(k, gaps[k, 0], gaps[k, 2] / scratch.share[k], laws[k] >= 0, first, inside, cam_angle, motion, scratch, records)
+        note_contact(k, gaps[k, 0], gaps[k, 2] / scratch.share[k], laws[k] >= 0, first, inside, nose, cam_angle, motion, scratch, records)
     for i in range(v.shape[0]):
         work += body[i, 1] * 0.5 * (old[i] + v[i])
         bound = max(bound, abs(v[i]))
+        note_body(i, motion.q[i], old[i], v[i], now, step, cam_angle, records.bodies)
     motion.totals[0] += step * power
     motion.totals[1] += step * work
     return power, bound
@@ -268,7 +270,8 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
         rubbed = friction_loss(index, v, scratch)
         totals[2] += rubbed + losses(index, body, scratch, v, damped)
         totals[4] += rubbed
-        power, bound = _account(laws, body, motion, scratch, records, whole and n == 0, cam_angle, kick)
+        power, bound = _account(laws, body, motion, scratch, records, whole and n == 0, cam_angle, kick, now)
+        note_loads(power, cam_angle, cam_speed, clock, records.loads)
         if gas_coordinate >= 0:
             totals[1] += kick * pressed * 0.5 * (old[gas_coordinate] + v[gas_coordinate])
         totals[3] += kick * pull * 0.5 * (old[retainer] + v[retainer])
@@ -292,7 +295,7 @@ def scratch_of(n, count, states):
     return Scratch(
         np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 2)), np.zeros((n, n)), np.zeros((n, count)),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros((n, 2)),
-        np.zeros((n, 3)), np.zeros(n, dtype=np.int64), np.zeros((count, 3)), np.zeros(n), np.zeros(n),
+        np.zeros((n, 4)), np.zeros(n, dtype=np.int64), np.zeros((count, 3)), np.zeros(n), np.zeros(n),
         np.zeros((n, 4)), np.zeros(states), np.ones(n),
     )  # fmt: skip
 

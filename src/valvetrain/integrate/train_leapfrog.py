@@ -56,7 +56,7 @@ class TrainLeapfrog:
         samples = options.samples or (LARGE_SAMPLES if large else SAMPLES)
         chosen = TrainOptions(
             samples, time_step=options.time_step, record_springs=options.keep != "ends", record_contacts=not isinstance(until, RunUp),
-            window=options.window or (0.0, TURN),
+            window=options.window or (0.0, TURN), nose=options.nose or 0.0,
         )  # fmt: skip
         if isinstance(until, RunUp):
             records = run_up(system, cam_speed, until.last_cam_speed, until.cam_acceleration, chosen, rest=rest)

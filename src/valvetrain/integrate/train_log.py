@@ -8,13 +8,24 @@ from valvetrain.compiled import njit
 from valvetrain.integrate.train_tuples import (
     ANGLE,
     CLOSES,
+    HIGHEST,
+    HIGHEST_ANGLE,
     LARGEST_FORCE,
     LARGEST_GAP,
     LARGEST_GAP_ANGLE,
     LEAST_FORCE,
     LEAST_FORCE_ANGLE,
+    LOWEST,
+    LOWEST_ANGLE,
+    NOSE_FORCE,
+    OPEN_FORCE,
+    PEAK_ACCELERATION,
+    PEAK_ACCELERATION_ANGLE,
     PEAK_FORCE,
     PEAK_FORCE_ANGLE,
+    PEAK_PLACE,
+    PEAK_SPEED,
+    PEAK_SPEED_ANGLE,
     PLACE,
     RATE,
 )
@@ -69,13 +80,21 @@ def close_stretch(k, row, touching, scratch, log):
 
 
 @njit(forceinline=True, **OPTIONS)
-def note_contact(k, pen, force, unilateral, first, inside, cam_angle, motion, scratch, records):
-    """Note interaction ``k`` after a step: extreme forces (``inside``: in the window of the least), transition, largest gap and force."""
+def note_contact(k, pen, force, unilateral, first, inside, nose, cam_angle, motion, scratch, records):
+    """Note interaction ``k`` after a step: extreme forces (``inside``: in the window of the least), transition, largest gap and force.
+
+    ``nose``: share of the last step at which the cam passed its nose, negative where it did not.
+    """
     extremes, before, track = records.extremes, scratch.before, scratch.track
     if abs(force) > extremes[k, PEAK_FORCE]:
         extremes[k, PEAK_FORCE], extremes[k, PEAK_FORCE_ANGLE] = abs(force), cam_angle
-    if inside and force < extremes[k, LEAST_FORCE]:
-        extremes[k, LEAST_FORCE], extremes[k, LEAST_FORCE_ANGLE] = force, cam_angle
+    if inside:
+        if force < extremes[k, LEAST_FORCE]:
+            extremes[k, LEAST_FORCE], extremes[k, LEAST_FORCE_ANGLE] = force, cam_angle
+        extremes[k, OPEN_FORCE] = max(extremes[k, OPEN_FORCE], force)
+    if nose >= 0.0:
+        extremes[k, NOSE_FORCE] = track[k, 3] + nose * (force - track[k, 3])
+    track[k, 3] = force
     if unilateral:
         if (pen > 0.0) != (before[k, 0] > 0.0):
             note_crossing(k, pen, cam_angle, motion, scratch, records.transitions)
@@ -87,6 +106,48 @@ def note_contact(k, pen, force, unilateral, first, inside, cam_angle, motion, sc
     if not first:
         before[k, 1] = before[k, 0]
         before[k, 0] = pen
+
+
+@njit(forceinline=True, **OPTIONS)
+def note_load(row, value, cam_angle, loads):
+    """Note one of the loads of this step: its largest and least value and where they stood."""
+    if value > loads[row, HIGHEST]:
+        loads[row, HIGHEST], loads[row, HIGHEST_ANGLE] = value, cam_angle
+    if value < loads[row, LOWEST]:
+        loads[row, LOWEST], loads[row, LOWEST_ANGLE] = value, cam_angle
+
+
+@njit(forceinline=True, **OPTIONS)
+def note_loads(power, cam_angle, cam_speed, clock, loads):
+    """Note the end forces of the springs and the torque of the cam after a step."""
+    for row in range(4):
+        note_load(row, clock[4 + row], cam_angle, loads)
+    note_load(4, clock[4] + clock[6], cam_angle, loads)
+    note_load(5, clock[5] + clock[7], cam_angle, loads)
+    note_load(6, power / cam_speed, cam_angle, loads)
+
+
+@njit(forceinline=True, **OPTIONS)
+def note_body(i, place, before, after, now, step, cam_angle, bodies):
+    """Note coordinate ``i`` after a kick of ``step`` (s) that took its velocity from ``before`` to ``after``, ``now`` of it done at
+    ``cam_angle``."""
+    speed, acceleration = abs((1.0 - now) * before + now * after), abs(after - before) / step
+    bodies[i, PEAK_PLACE] = max(bodies[i, PEAK_PLACE], place)
+    if speed > bodies[i, PEAK_SPEED]:
+        bodies[i, PEAK_SPEED], bodies[i, PEAK_SPEED_ANGLE] = speed, cam_angle
+    if acceleration > bodies[i, PEAK_ACCELERATION]:
+        bodies[i, PEAK_ACCELERATION], bodies[i, PEAK_ACCELERATION_ANGLE] = acceleration, cam_angle
+
+
+@njit(forceinline=True, **OPTIONS)
+def nose_share(cam_angle, cam_speed, first, clock):
+    """Share of the last step at which the cam passed its nose; negative where it did not."""
+    away = cam_angle - clock[14]
+    away -= TURN * math.floor(away * PER_TURN)
+    last = clock[11] * cam_speed
+    if away >= last:
+        return -1.0
+    return 1.0 if first else 1.0 - away / last
 
 
 @njit(forceinline=True, **OPTIONS)

@@ -12,11 +12,17 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.integrate.clash import steps_between
 from valvetrain.integrate.train_tuples import (
+    HIGHEST,
     LEAST_FORCE,
     LEAST_FORCE_ANGLE,
+    LOADS,
+    LOWEST,
+    NOSE_FORCE,
+    OPEN_FORCE,
     PEAK_FORCE,
     PEAK_FORCE_ANGLE,
     PEAK_PENETRATION,
+    PEAK_PLACE,
     TRANSITIONS,
     Motion,
     Records,
@@ -54,7 +60,8 @@ class TrainOptions:
     ``blow_steps``: parts in which the rise of a blow of a contact is taken (0: steps are never divided), more at a finer
     prescribed step.
     ``record_springs``: keep the springs' inner states per sample; ``record_contacts``: write down the contacts of their coils. ``window``:
-    begin and end (cam rad) of the part of the cycle in which least forces are sought; it may pass the end of the turn.
+    begin and end (cam rad) of the part of the cycle in which least forces are sought; it may pass the end of the turn. ``nose`` (cam rad):
+    where the forces of the contacts are taken to the angle itself.
     """
 
     samples: int = 1440
@@ -65,6 +72,7 @@ class TrainOptions:
     record_springs: bool = False
     record_contacts: bool = False
     window: tuple[float, float] = (0.0, TURN)
+    nose: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -102,8 +110,10 @@ class CycleRecord:
 
     ``spring_forces`` (S, springs, 2): retainer and seat force; ``spring_states``: per spring the head of its state (S, entries) or empty.
     ``cam_power`` (W). ``peak_forces``, ``peak_penetrations`` (n,): over every step; ``least_forces`` (n,): over every step inside the
-    options' window; both with their cam angles (rad). ``transitions``: openings and closings of every contact. ``work``: of cam, of
-    constant and gas forces, dissipated, on springs (J). ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
+    options' window; both with their cam angles (rad). ``largest_forces`` (n,): over every step inside the window; ``nose_forces``
+    (n,): at the nose. ``loads`` (7, 4), ``bodies`` (N, 5): extremes over every step by the rows and columns of ``train_tuples``.
+    ``transitions``: openings and closings of every contact. ``work``: of cam, of constant and gas forces, dissipated, on springs (J).
+    ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
     ``pressed``: per spring the coil contacts at every ``pressed_interval`` (s), for its model's watch; without rows where not recorded.
     """
 
@@ -129,6 +139,10 @@ class CycleRecord:
     transitions: Transitions = field(default_factory=lambda: Transitions.from_log(np.zeros((0, 7)), 0))
     pressed: tuple[Array, ...] = ()
     pressed_interval: float = 0.0
+    largest_forces: Array = field(default_factory=lambda: np.zeros(0))
+    nose_forces: Array = field(default_factory=lambda: np.zeros(0))
+    loads: Array = field(default_factory=lambda: np.zeros((0, 4)))
+    bodies: Array = field(default_factory=lambda: np.zeros((0, 5)))
 
 
 @dataclass(frozen=True)
@@ -186,15 +200,16 @@ class TrainRunner:
         begin, end = self.options.window
         before, least = state.last_step or self.time_step, LEAST_BLOW * self.rest.reference_force
         turning = (state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step)
-        clock = np.array([*turning, *new.held, begin, end - begin, before, before, least])
+        clock = np.array([*turning, *new.held, begin, end - begin, before, before, least, self.options.nose])
         counters = np.array([self.steps, self.steps // rows, 0, self.options.exchange, spacing, self.options.blow_steps], dtype=np.int64)
         addresses = np.array([law_address(kernel) for kernel in self.system.law_kernels], dtype=np.int64)
         motion = Motion(new.q, new.v, new.law_state, addresses, clock, counters, np.zeros(5))
-        extremes = np.zeros((interactions, 5))
-        extremes[:, LEAST_FORCE] = np.inf
+        extremes, loads, bodies = np.zeros((interactions, 7)), np.zeros((len(LOADS), 4)), np.zeros((count, 5))
+        extremes[:, LEAST_FORCE], extremes[:, OPEN_FORCE], bodies[:, PEAK_PLACE] = np.inf, -np.inf, -np.inf
+        loads[:, HIGHEST], loads[:, LOWEST] = -np.inf, np.inf
         records = Records(
             np.zeros((rows, 3 * count + 2)), np.zeros((rows, interactions)), np.zeros((rows, interactions)), np.zeros((rows, 4)), states[0],
-            states[1], extremes, np.zeros((TRANSITIONS, 7)), *pressed,
+            states[1], extremes, loads, bodies, np.zeros((TRANSITIONS, 7)), *pressed,
         )  # fmt: skip
         done = ready_train_kernel()(*kernels, arrays, *slots, motion, records)
         status = self._status(done, state.cam_angle, extremes[:, PEAK_FORCE] if judged else np.zeros(0))
@@ -206,6 +221,7 @@ class TrainRunner:
             extremes[:, PEAK_FORCE], extremes[:, PEAK_PENETRATION], motion.totals[:4], self.time_step, self.cam_speed, status,
             float(motion.totals[4]), extremes[:, PEAK_FORCE_ANGLE], extremes[:, LEAST_FORCE], extremes[:, LEAST_FORCE_ANGLE],
             Transitions.from_log(records.transitions, int(counters[2])), tuple(pressed[:springs]), spacing * self.time_step,
+            extremes[:, OPEN_FORCE], extremes[:, NOSE_FORCE], loads, bodies,
         )  # fmt: skip
         return replace(new, held=clock[4:9].copy(), cam_angle=angle, last_step=float(clock[11])), record
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from valvetrain.integrate.train_run import CycleRecord, TrainRunner, TrainState
+from valvetrain.integrate.train_tuples import HIGHEST, LOADS, LOWEST, PEAK_PLACE
 from valvetrain.system.train_system import TrainSystem
 
 COMPARED = 8
@@ -45,12 +46,12 @@ def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
     """Headline numbers (SI) that one cycle tells by itself, as docs/quantities.md names them."""
     from valvetrain.integrate.train_channels import CONTACTS, force_name
 
-    retainer, seat = (record.spring_forces[:, :, side].sum(axis=1) for side in (0, 1))
+    retainer, seat = (record.loads[LOADS.index(side)].tolist() for side in ("retainer", "seat"))
     found = {
-        "peak_spring_force": float(seat.max()), "minimum_spring_force": float(seat.min()), "peak_retainer_force": float(retainer.max()),
-        "minimum_retainer_force": float(retainer.min()), "cycle_work_energy": float(record.work[0]),
+        "peak_spring_force": seat[HIGHEST], "minimum_spring_force": seat[LOWEST], "peak_retainer_force": retainer[HIGHEST],
+        "minimum_retainer_force": retainer[LOWEST], "cycle_work_energy": float(record.work[0]),
     }  # fmt: skip
-    found["peak_valve_lift"] = float(record.q[:, system.mechanism.index(system.mechanism.valve)].max())
+    found["peak_valve_lift"] = float(record.bodies[system.mechanism.index(system.mechanism.valve), PEAK_PLACE])
     names = system.interaction_names
     found |= {f"peak_{force_name(name)}": float(record.peak_forces[place]) for place, name in enumerate(names) if name in CONTACTS}
     if "cam" in names and system.mechanism.kinematics is not None:

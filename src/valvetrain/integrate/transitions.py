@@ -11,6 +11,8 @@ from valvetrain.integrate.train_tuples import ANGLE, CLOSES, LARGEST_FORCE, LARG
 from valvetrain.solution.event import Event
 
 Array = NDArray[np.float64]
+#: Statistic that is 1 where the log holds every opening and closing of a cycle.
+CONTACTS_LOGGED = "contacts_logged_ratio"
 
 
 @dataclass(frozen=True)

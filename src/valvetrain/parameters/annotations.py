@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.case import STATUSES, Note
+from valvetrain.parameters.case import STATUSES, Note, ValueStatus
 from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.schema_names import LONGEST_LINE, words_problem
+from valvetrain.units.text import clipped
 
 _VALUE_KEYS = {"value", "status", "source", "comment"}
 #: Tables in which these keys are data of their own.
@@ -47,6 +49,9 @@ def _note(raw: dict[str, Any]) -> Note:
     status, source = raw.get("status"), raw.get("source", "")
     if not isinstance(source, str):
         raise InputError("source must be text, such as the key of a reference")
-    if status is not None and status not in STATUSES:
-        raise InputError(f"status '{str(status)[:30]}' is unknown; {nearest(str(status), STATUSES)}")
-    return Note(status, source)
+    if reason := words_problem(source, LONGEST_LINE):
+        raise InputError(reason)
+    if status is not None and (not isinstance(status, str) or status not in STATUSES):
+        shown = clipped(str(status), 30)
+        raise InputError(f"status '{shown}' is unknown; {nearest(shown, STATUSES)}")
+    return Note(cast(ValueStatus | None, status), source)

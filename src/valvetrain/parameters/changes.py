@@ -13,7 +13,7 @@ from valvetrain.parameters.lift_law import FrozenMapping
 
 def nearest(name: str, valid: list[str] | tuple[str, ...]) -> str:
     """A clause that names the valid name(s) nearest to ``name``, or lists them all when none is near."""
-    close = difflib.get_close_matches(name, valid, n=3, cutoff=0.6)
+    close = difflib.get_close_matches(name[:60], valid, n=3, cutoff=0.6)
     if close:
         return "did you mean " + " or ".join(close) + "?"
     return "valid names are " + ", ".join(sorted(valid)) if valid else "there are no valid names here"

@@ -19,9 +19,11 @@ from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.moved import refuse_moved
 from valvetrain.parameters.overrides import with_values
 from valvetrain.parameters.schema_case import CaseModel
+from valvetrain.parameters.schema_names import LONGEST_NAME
 from valvetrain.parameters.schema_types import first_problem
 from valvetrain.parameters.toml_lines import find_line
 from valvetrain.parameters.toml_text import resolved, toml_text
+from valvetrain.units.text import clipped
 
 LIBRARY = Path(__file__).parent / "library"
 #: Larger files are no case file.
@@ -71,7 +73,7 @@ def load_case(name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] |
 
 def read_case(path: Path, changes: Mapping[str, Any] | None = None) -> Case:
     """The case in the file ``path``; errors as :func:`load_case`."""
-    return parse_case(_read_text(path), name=path.stem, folder=path.parent, where=path.name, changes=changes)
+    return parse_case(_read_text(path), name=clipped(path.stem, LONGEST_NAME), folder=path.parent, where=path.name, changes=changes)
 
 
 def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str = "case", changes: Mapping[str, Any] | None = None) -> Case:
@@ -80,7 +82,9 @@ def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str 
     if not tree:
         raise InputError("the case file is empty; it needs at least one of [spring], [lift_law] and [train]", where)
     try:
-        tree = with_values(tree, changes) if changes else tree
+        if changes:
+            tree = with_values(tree, changes)
+            _refuse_long_integers(tree, "", where)
         bare, notes, bad = split_notes(tree)
         for note_path, reason in bad.items():
             raise _located(text, tuple(note_path.split(".")), reason, where)
@@ -96,6 +100,8 @@ def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str 
         raise _located(text, tuple(context.get("path", ())), str(context.get("reason", error)), where) from None
     except RecursionError:
         raise InputError("the tables are nested too deeply; flatten them", where) from None
+    except ArithmeticError as error:
+        raise InputError(f"its numbers are too large or too small to compute with ({error}); check them and their units", where) from error
 
 
 def library_names() -> tuple[str, ...]:
@@ -148,11 +154,25 @@ def _read_text(path: Path) -> str:
 
 def _parse_toml(text: str, where: str) -> dict[str, Any]:
     try:
-        return tomllib.loads(text)
+        tree = tomllib.loads(text)
+        _refuse_long_integers(tree, "", where)
+        return tree
     except RecursionError:
         raise InputError("the values are nested too deeply; flatten them", where) from None
     except ValueError as error:
         raise InputError(f"is not valid TOML: {_one_line(str(error), 160)}; correct or complete it there", where) from None
+
+
+def _refuse_long_integers(item: Any, path: str, where: str) -> None:
+    """TOML knows integers of 64 bits; longer ones, in hexadecimal of any length, cannot even be written out."""
+    if isinstance(item, dict):
+        for key, value in item.items():
+            _refuse_long_integers(value, f"{path}.{key}" if path else key, where)
+    elif isinstance(item, list):
+        for value in item:
+            _refuse_long_integers(value, path, where)
+    elif isinstance(item, int) and not -(2**63) <= item < 2**63:
+        raise InputError(f"the whole number at '{path}' has more than 64 bits; write a shorter one", where)
 
 
 def _located(text: str, path: tuple[str | int, ...], reason: str, where: str) -> InputError:

@@ -13,6 +13,7 @@ from valvetrain.parameters.case import Case, Note, Operation
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.schema_installed import RubbingModel, SpringField
 from valvetrain.parameters.schema_lift import LiftField
+from valvetrain.parameters.schema_names import CaseName, Line, Prose
 from valvetrain.parameters.schema_published import PublishedModel
 from valvetrain.parameters.schema_types import StrictModel, guarded, placed, problem, quantities, quantity
 from valvetrain.parameters.train_card import with_cam_card
@@ -50,12 +51,12 @@ class OperationModel(StrictModel):
 class CaseModel(StrictModel):
     """The whole file."""
 
-    name: str | None = None
-    title: str = ""
-    description: str = ""
+    name: CaseName | None = None
+    title: Line = ""
+    description: Prose = ""
     study: str = ""
-    sources: list[str] = Field(default_factory=list)
-    remarks: list[str] = Field(default_factory=list)
+    sources: list[Line] = Field(default_factory=list)
+    remarks: list[Prose] = Field(default_factory=list)
     spring: SpringField | None = None
     rubbing: RubbingModel = RubbingModel()
     lift_law: LiftField | None = None

@@ -13,6 +13,7 @@ from pydantic import Field, PlainValidator
 from valvetrain import registry
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.parameters.schema_names import Line
 from valvetrain.parameters.schema_types import StrictModel, guarded, problem, validate_as
 
 TURN = 2 * math.pi
@@ -38,7 +39,7 @@ class LiftModel(StrictModel):
     law: ClassVar[str] = ""
     kind: str
     lift_of: Literal["valve", "tappet"] = Field(default="valve", description="whose lift it is, the valve's or the tappet's")
-    zero_of_angle: str = Field(default="", description="what the zero of the cam angle means")
+    zero_of_angle: Line = Field(default="", description="what the zero of the cam angle means")
 
     def parameters(self, folder: Path) -> LiftLawParameters:
         """What the case keeps of this table; ``folder`` is where relative file names start."""

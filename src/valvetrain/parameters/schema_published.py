@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import PlainValidator
 
+from valvetrain.parameters.schema_names import Line, Name, Prose
 from valvetrain.parameters.schema_types import AngularSpeed, StrictModel, guarded, placed, problem, validate_as
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.record import PublishedValue, Role
@@ -23,10 +24,10 @@ class ValueModel(StrictModel):
     value: Any
     relation: Literal["equal", "about", "at-most", "at-least"] = "equal"
     tolerance: Any = None
-    origin: str = ""
+    origin: Line = ""
     role: Role | None = None
-    used_for: str = ""
-    doubt: str = ""
+    used_for: Prose = ""
+    doubt: Prose = ""
 
     def read(self, quantity: str) -> tuple[float, str, float | None]:
         """SI value, the unit it was written in and the SI tolerance (given in percent or in the same dimension)."""
@@ -52,10 +53,10 @@ def _read_value(raw: Any) -> ValueModel:
 class PublishedModel(StrictModel):
     """One group of published values."""
 
-    model: str
+    model: Name
     role: Role
-    source: str
-    origin: str = ""
+    source: Line
+    origin: Line = ""
     engine_speed: AngularSpeed | None = None
     quantities: dict[str, Annotated[ValueModel, PlainValidator(_read_value)]]
 

@@ -15,6 +15,7 @@ from valvetrain.parameters.curves import Constant, Curve
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.materials import material_by_name
 from valvetrain.parameters.schema_curves import CurveContext, CurveField, HeightForm
+from valvetrain.parameters.schema_names import Name
 from valvetrain.parameters.schema_types import (
     Density,
     Force,
@@ -63,7 +64,7 @@ def _read_end(raw: Any) -> EndModel:
 class MaterialModel(StrictModel):
     """A material: a name from the library, values of its own, or a name with some values changed."""
 
-    name: str = ""
+    name: Name = ""
     youngs_modulus: Modulus | None = None
     shear_modulus: Modulus | None = None
     poisson_ratio: PoissonRatio | None = None
@@ -103,7 +104,7 @@ EndField = Annotated[EndModel, PlainValidator(_read_end)]
 class SpringModel(StrictModel):
     """The wire of a spring block."""
 
-    name: str = ""
+    name: Name = ""
     wire_diameter: CurveField
     mean_diameter: CurveField | None = None
     outer_diameter: CurveField | None = None
@@ -173,7 +174,7 @@ class SpringModel(StrictModel):
 class SpringCardModel(StrictModel):
     """The card of a spring block: rate, or two loads and the lift or the heights between them; mass, or wire and coils to compute it."""
 
-    name: str = "spring card"
+    name: Name = "spring card"
     preload: Force
     preload_height: PositiveLength | None = Field(default=None, description="at which preload is told; without it installed_height")
     rate: Stiffness | None = None

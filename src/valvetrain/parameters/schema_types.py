@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 from valvetrain.errors import InputError
 from valvetrain.parameters.changes import nearest
 from valvetrain.units import parse_quantities, parse_quantity
+from valvetrain.units.text import clipped
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -80,8 +81,7 @@ def first_problem(error: ValidationError) -> tuple[tuple[str | int, ...], str]:
 
 
 def _show(value: Any) -> str:
-    text = "".join(char if char.isprintable() else "?" for char in repr(value))
-    return text if len(text) <= 40 else text[:37] + "..."
+    return clipped(repr(value))
 
 
 @dataclass(frozen=True)
@@ -97,9 +97,9 @@ def quantity(dimension: str | None, *, low: float | None = None, high: float | N
     def read(raw: Any) -> float:
         value = float(guarded(parse_quantity, raw, dimension))
         if low is not None and (value < low or (open_low and value == low)):
-            raise problem(f"'{raw}' is too small; give a value {'above' if open_low else 'of at least'} {low:g} (SI)")
+            raise problem(f"'{clipped(str(raw))}' is too small; give a value {'above' if open_low else 'of at least'} {low:g} (SI)")
         if high is not None and value > high:
-            raise problem(f"'{raw}' is too large; give a value of at most {high:g} (SI)")
+            raise problem(f"'{clipped(str(raw))}' is too large; give a value of at most {high:g} (SI)")
         return value
 
     return Quantity(read, dimension=dimension)

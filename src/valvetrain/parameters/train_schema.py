@@ -9,6 +9,7 @@ from pydantic import Field
 
 from valvetrain.parameters.schema_contact import ContactsField
 from valvetrain.parameters.schema_installed import RubbingModel, SpringField
+from valvetrain.parameters.schema_names import Name, Prose
 from valvetrain.parameters.schema_types import (
     Angle,
     Angles,
@@ -177,13 +178,13 @@ class CrankModel(StrictModel):
 class VariantModel(StrictModel):
     """One [[train.variants]] table."""
 
-    label: str
-    spring_set: str = Field(default="", description="without it the train's own")
+    label: Name
+    spring_set: Name = Field(default="", description="without it the train's own")
     spring_model: str = Field(default="", description="without it the train's own")
     lash: Length | None = Field(default=None, description="without it the train's own")
     valve_damping: Damping | None = Field(default=None, description="added to the valve's own")
     without_preload: bool = Field(default=False, description="springs at rest with the valve closed")
-    note: str = Field(default="", description="printed beside the results")
+    note: Prose = Field(default="", description="printed beside the results")
 
     def build(self) -> TrainVariant:
         """The variant of this table."""
@@ -204,8 +205,8 @@ class TrainModel(StrictModel):
     crank: CrankModel | None = None
     gas: GasModel | None = None
     contacts: ContactsField
-    springs: dict[str, SpringField]
-    spring_set: str = Field(default="", description="set in use; without it the first")
+    springs: dict[Name, SpringField]
+    spring_set: Name = Field(default="", description="set in use; without it the first")
     spring_model: str = Field(default="multi-mass", description="word of the spring model")
     rubbing: RubbingModel = RubbingModel()
     lash: Length = Field(default=0.0, description="play at the valve")

@@ -135,12 +135,12 @@ class RigidForces:
         """Cam angles of the coarse search with both sides of every jump, and the smooth segment each lies in."""
         motion = self.system.mechanism.kinematics
         turned = np.mod(np.asarray(motion.law.joints, dtype=float), 2 * np.pi)
-        edges: Array = np.unique(np.round(np.append(turned, self._openings(cam_angle)), 12))
+        edges: Array = np.unique(np.round(np.append(turned, self.openings(cam_angle)), 12))
         points = np.unique(np.concatenate([cam_angle, edges - BESIDE, edges + BESIDE]))
         points = points[~np.isin(points, edges)]
         return points, np.searchsorted(edges, points)
 
-    def _openings(self, cam_angle: Array) -> Array:
+    def openings(self, cam_angle: Array) -> Array:
         """Cam angles (rad) between those given where the valve leaves or meets its seat, by bisection."""
         motion = self.system.mechanism.kinematics
         ring = np.append(cam_angle, cam_angle[0] + 2 * np.pi)

@@ -55,6 +55,11 @@ def force_quantities(cycle: Cycle) -> dict[str, float]:
 
 def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:
     """Least and largest seat force (N) of one spring over the cycle; None where the run does not tell it."""
+    logged = cycle.solution.statistics
+    first = f"{spring}_" if len(cycle.solution.springs) > 1 else ""
+    ends = logged.get(f"{first}minimum_spring_force"), logged.get(f"{first}peak_spring_force")
+    if all(isinstance(end, (int, float)) for end in ends):
+        return float(ends[0] or 0.0), float(ends[1] or 0.0)
     name = cycle.solution.channel_of(spring, "seat_force")
     if not cycle.solution.has(name):
         return None
@@ -65,6 +70,7 @@ def lift_quantities(cycle: Cycle, springs: tuple[InstalledSpring, ...]) -> dict[
     """Largest lift (m) of the cycle, and the lift left to coil bind, least over the springs that tell their solid height."""
     if not cycle.solution.has("valve_lift"):
         return {}
-    largest = float(np.max(cycle.channel("valve_lift")))
+    logged = cycle.solution.statistics.get("peak_valve_lift")
+    largest = float(logged) if isinstance(logged, (int, float)) else float(np.max(cycle.channel("valve_lift")))
     rooms = [spring.room for spring in springs if spring.room is not None]
     return {"peak_valve_lift": largest} | ({"coil_bind_clearance": min(rooms) - largest} if rooms else {})

@@ -28,12 +28,14 @@ class RigidTable:
     ``columns``: name -> (S,): valve_lift, valve_velocity, valve_acceleration, valve_jerk, motion_ratio (valve per follower travel along
     the cam normal), reduced_mass, inertia_force, spring_force, spring_margin (spring and inertia less weight and gas, at the valve),
     contact_force (on the cam) and that of every other contact of the drive, such as valve_tip_contact_force, cam_torque, contact_radius
-    (of the cam, infinite where straight), contact_offset, sliding_velocity, hertz_pressure.
+    (of the cam, infinite where straight), contact_offset, sliding_velocity, hertz_pressure. ``open_spans``: begin and end (cam rad) of
+    every stretch in which the valve is off its seat; none: they are not known, and the column tells.
     """
 
     cam_angle: Array
     cam_speed: float
     columns: Mapping[str, Array]
+    open_spans: tuple[tuple[float, float], ...] = ()
 
     def __getitem__(self, name: str) -> Array:
         return self.columns[name]
@@ -82,7 +84,14 @@ class RigidMotion:
         if "sliding_velocity" in self.geometry:
             columns["sliding_velocity"] = self.geometry["sliding_velocity"] * cam_speed
             columns["hertz_pressure"] = self.geometry["pressure_root"] * np.sqrt(np.maximum(contact, 0.0))
-        return RigidTable(self.cam_angle, cam_speed, columns)
+        return RigidTable(self.cam_angle, cam_speed, columns, self.open_spans)
+
+    @cached_property
+    def open_spans(self) -> tuple[tuple[float, float], ...]:
+        """Begin and end (cam rad) of every stretch in which the rigid valve is off its seat, its ends found by bisection."""
+        edges = np.sort(self.forces.openings(self.cam_angle))
+        pairs = zip(edges.tolist(), np.append(edges[1:], edges[:1] + 2 * np.pi).tolist(), strict=True)
+        return tuple(pair for pair in pairs if float(self.kinematics.valve_lift(np.array(sum(pair) / 2))) > 0)
 
     def contact_loss(self) -> tuple[float, float]:
         """Cam speed (rad/s) at which rigid theory first lets a contact of the drive go, and the cam angle (rad) where; infinite when it

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from valvetrain.integrate.train_channels import force_name
 from valvetrain.integrate.train_run import CycleRecord
+from valvetrain.integrate.train_tuples import HIGHEST, LOADS, LOWEST, PEAK_PLACE
 from valvetrain.mechanism.rigid import RigidKinematics
 from valvetrain.quantities.train_events import PLACES, SMALLEST_GAP
 from valvetrain.quantities.train_numbers import DRIVING
+from valvetrain.quantities.valve_events import OPEN_SHARE, open_window, top_of
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
-#: Share of the largest rigid lift above which the valve counts as open, and above which a touch of the seat is one of closing.
-OPEN_SHARE = 0.1
 _TURN = 2 * np.pi
 
 
@@ -31,12 +31,7 @@ class OpenWindow:
     @classmethod
     def of(cls, kinematics: RigidKinematics) -> OpenWindow:
         """That of a train's rigid kinematics."""
-        angle = np.arange(7200) * _TURN / 7200
-        lift = kinematics.valve_lift(angle)
-        top = int(np.argmax(lift))
-        turned = np.roll(lift > OPEN_SHARE * lift[top], 3600 - top)
-        inside = np.flatnonzero(turned) - 3600 + top
-        return cls(float(inside[0] * _TURN / 7200) % _TURN, float(inside[0] * _TURN / 7200) % _TURN + len(inside) * _TURN / 7200, lift[top])
+        return cls(*open_window(kinematics), top_of(kinematics))
 
     def holds(self, cam_angle: Array) -> NDArray[np.bool_]:
         """Whether cam angles (rad, unwrapped or not) lie in it."""
@@ -46,21 +41,21 @@ class OpenWindow:
 def turn_quantities(system: TrainSystem, record: CycleRecord, window: OpenWindow) -> dict[str, float]:
     """Numbers (SI) of one turn, by the names and rules of a steady cycle (docs/quantities.md).
 
-    Peak contact forces, least force at the cam and seating are those of every step; spring forces and lifts those of the samples.
+    All but gaps and the lift above the rigid one are those of every step.
     """
     mechanism, names = system.mechanism, system.interaction_names
     lift = record.q[:, mechanism.index(mechanism.valve)]
     rigid = mechanism.kinematics.valve_lift(record.cam_angle)
-    spring = record.spring_forces[:, :, 1].sum(axis=1)
-    retainer = record.spring_forces[:, :, 0].sum(axis=1)
+    retainer, spring = (record.loads[LOADS.index(side)].tolist() for side in ("retainer", "seat"))
+    largest = float(record.bodies[mechanism.index(mechanism.valve), PEAK_PLACE])
     values = {f"peak_{force_name(name)}": float(record.peak_forces[k]) for k, name in enumerate(names)}
     for place in DRIVING:
         if (name := place.replace("_", " ")) in names:
             values[f"minimum_{place}_contact_force"] = float(record.least_forces[names.index(name)])
     values |= {
-        "peak_spring_force": float(spring.max()), "minimum_spring_force": float(spring.min()),
-        "peak_retainer_force": float(retainer.max()), "minimum_retainer_force": float(retainer.min()),
-        "peak_valve_lift": float(lift.max()), "lift_loss_displacement": float(window.top - lift.max()),
+        "peak_spring_force": spring[HIGHEST], "minimum_spring_force": spring[LOWEST],
+        "peak_retainer_force": retainer[HIGHEST], "minimum_retainer_force": retainer[LOWEST],
+        "peak_valve_lift": largest, "lift_loss_displacement": window.top - largest,
     }  # fmt: skip
     apart = [record.gaps[:, names.index(one)] for place in PLACES if (one := place.replace("_", " ")) in names]
     cam = record.gaps[:, names.index("cam")]

@@ -151,8 +151,9 @@ RUNS: tuple[QuantityRow, ...] = (
         "contact force over the overlap, damping left out.", sense=LESS, systems=BOTH),
     row("largest_clash_energy", "largest clash energy", "Largest energy stored at one time in the contacts that one clash presses.",
         sense=LESS, systems=BOTH),
-    row("largest_clash_impulse", "largest clash impulse", "Largest integral over one clash of the force between the coils that it presses.",
-        sense=LESS, systems=BOTH),
+    row("largest_clash_impulse", "largest clash impulse",
+        "Largest impulse that coils give each other within 0.3 ms beyond the force they hold before and after: the blow, without the load "
+        "of coils that rest on each other.", sense=LESS, systems=BOTH),
     *with_angle(row("peak_shear_stress", "peak shear stress",
                     "Largest shear stress at the inner fibre over wire and cycle, curvature and direct shear included.", sense=LESS,
                     systems=BOTH)),

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.integrate.clash import runs
+from valvetrain.integrate.transitions import CONTACTS_LOGGED
 from valvetrain.quantities.kinematics import RigidTable
+from valvetrain.quantities.peaks import ring_peak, ring_top
+from valvetrain.quantities.spans import TURN, Span, shared, span_of, spans_above
 from valvetrain.solution.event import Detail, Event
 from valvetrain.solution.result import Solution
 
 Array = NDArray[np.float64]
-TURN = 2 * np.pi
 
 SMALLEST_GAP = 2e-6
 """Gaps below this (m) are vibration of a contact, not an event."""
@@ -25,60 +28,123 @@ CAUSE_SURGE = "surge lowers the spring force below its static value"
 CAUSE_VIBRATION = "vibration of the train unloads the contact"
 #: Closings of contacts that the integrator logged are read and not kept.
 LOGGED = ("touch",)
+#: Losses of contact that follow on each other within this angle (rad) are one stretch in which the train is open.
+NEXT_TO = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class RigidCycle:
-    """Rigid motion at the samples of a run (S,): lift (m), acceleration (m/s2), contact force at the cam (N)."""
+    """Rigid motion at the samples of a run (S,): lift (m), acceleration (m/s2), contact force at the cam (N); ``top`` (m) and
+    ``nose`` (cam rad): its largest lift and where it stands, whatever the samples; ``open_spans``: begin and end (cam rad) of the
+    stretches off the seat."""
 
     valve_lift: Array
     valve_acceleration: Array
     contact_force: Array
+    top: float
+    nose: float
+    open_spans: tuple[Span, ...]
 
 
 def rigid_cycle(solution: Solution, rigid: RigidTable) -> RigidCycle:
     """The rigid table, which may have any number of samples, at the cam angles of a run."""
     names = ("valve_lift", "valve_acceleration", "contact_force")
-    return RigidCycle(*(np.interp(solution.cam_angle, rigid.cam_angle, rigid[name], period=TURN) for name in names))
+    moved, slowed, pressed = (np.interp(solution.cam_angle, rigid.cam_angle, rigid[name], period=TURN) for name in names)
+    opened = rigid.open_spans or tuple(spans_above(rigid.cam_angle, rigid["valve_lift"]))
+    lift = rigid["valve_lift"]
+    return RigidCycle(moved, slowed, pressed, ring_peak(lift), ring_top(rigid.cam_angle, lift), opened)
 
 
 def train_events(solution: Solution, rigid: RigidCycle) -> tuple[Event, ...]:
     """All events of one closed cycle but clashes, in order of cam angle."""
-    found = [*_contact_losses(solution, rigid), *_floats(solution, rigid), *_seatings_and_bounces(solution)]
+    losses = _contact_losses(solution, rigid)
+    found = [*losses, *_floats(solution, rigid, losses), *_seatings_and_bounces(solution)]
     return tuple(sorted(found, key=lambda event: event.cam_angle))
+
+
+def lost_spans(events: Sequence[Event], turn: float) -> list[Span]:
+    """Cam angles in which any contact of the drive is lost; ``turn``: time (s) of a cam turn."""
+    return [span_of(event.cam_angle, event.cam_angle + event.duration / turn * TURN) for event in events if event.kind in PLACES.values()]
 
 
 def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
     """Loft at the cam and losses of contact elsewhere while the rigid valve is open; size is the largest gap (m)."""
+    logged = solution.statistics.get(CONTACTS_LOGGED) == 1
+    if logged and not any(event.kind in LOGGED for event in solution.events):
+        return [event for event in solution.events if event.kind in PLACES.values()]  # found before, when the log was there
     found = []
     for place, kind in PLACES.items():
         if not solution.has(f"{place}_gap"):
             continue
-        gap, force = solution.channel(f"{place}_gap"), solution.channel(f"{place}_contact_force")
-        for start, last_open in runs((gap > SMALLEST_GAP) & (rigid.valve_lift > 0), ring=True):
-            length = last_open - start + 1
-            window = _window(start, length, len(gap))
-            details: dict[str, Detail] = {
-                "cause": _cause(solution, rigid, window), "landing_cam_angle": float(solution.cam_angle[window[-1]]),
-                "landing_force": float(np.max(force[_window(int(window[-1]), 8, len(gap))])),
-            }  # fmt: skip
-            found.append(_event(solution, kind, start, length, float(np.max(gap[window])), "m", place.replace("_", " "), details))
+        gap, name = solution.channel(f"{place}_gap"), place.replace("_", " ")
+        for begin, end, largest in _logged_spans(solution, name, gap) if logged else _sampled_spans(solution, gap):
+            for part in shared([(begin, end)], rigid.open_spans):
+                whole = part[1] - part[0] >= (end - begin) * (1 - 1e-9)
+                size = largest if whole else _largest_within(solution.cam_angle, gap, part)
+                if size > SMALLEST_GAP:
+                    details = _loss_details(solution, rigid, place, part)
+                    found.append(_event(solution, kind, part, size, name, details))
     return found
 
 
-def _floats(solution: Solution, rigid: RigidCycle) -> list[Event]:
+def _logged_spans(solution: Solution, name: str, gap: Array) -> list[tuple[float, float, float]]:
+    """Release, touch (cam rad) and largest gap (m) of every stretch in which a contact is open, as the integrator saw them."""
+    touches = [event for event in solution.events if event.kind in LOGGED and event.where == name]
+    if not touches and np.min(gap) > 0:
+        return [(0.0, TURN, float(np.max(gap)))]
+    releases = [float(event.details["release_cam_angle"]) % TURN for event in touches]
+    return [
+        (release, release + (event.cam_angle - release) % TURN, float(event.details["largest_gap"]))
+        for event, release in zip(touches, releases, strict=True)
+    ]
+
+
+def _sampled_spans(solution: Solution, gap: Array) -> list[tuple[float, float, float]]:
+    """The same from the samples of a run without such a log."""
+    spans = spans_above(solution.cam_angle, gap, SMALLEST_GAP)
+    return [(*span, _largest_within(solution.cam_angle, gap, span)) for span in spans]
+
+
+def _largest_within(cam_angle: Array, values: Array, span: Span) -> float:
+    """Largest value within a span, its ends among it, straight between samples."""
+    inside = (cam_angle - span[0]) % TURN <= span[1] - span[0]
+    ends = np.interp(np.array(span), cam_angle, values, period=TURN)
+    return max(float(np.max(values[inside], initial=-np.inf)), float(np.max(ends)))
+
+
+def _loss_details(solution: Solution, rigid: RigidCycle, place: str, part: Span) -> dict[str, Detail]:
+    force = solution.channel(f"{place}_contact_force")
+    last = int(np.argmin((solution.cam_angle - part[1]) % TURN))
+    return {
+        "cause": _cause_within(solution, rigid, part), "landing_cam_angle": part[1] % TURN,
+        "landing_force": float(np.max(force[np.arange(last - 1, last + 7) % len(force)])),
+    }  # fmt: skip
+
+
+def _floats(solution: Solution, rigid: RigidCycle, losses: Sequence[Event]) -> list[Event]:
     """Loss of control over the nose: the valve runs above its rigid lift with the train open; size is the excess lift (m)."""
-    gaps = [solution.channel(f"{place}_gap") > SMALLEST_GAP for place in PLACES if solution.has(f"{place}_gap")]
-    if not gaps:
-        return []
-    nose = (rigid.valve_lift > 0.3 * np.max(rigid.valve_lift)) & (rigid.valve_acceleration < 0)
-    excess = solution.channel("valve_lift") - rigid.valve_lift
-    found = []
-    for start, last_open in runs(np.any(gaps, axis=0) & nose & (excess > 10 * SMALLEST_GAP), ring=True):
-        length = last_open - start + 1
-        window = _window(start, length, len(excess))
-        details: dict[str, Detail] = {"cause": _cause(solution, rigid, window)}
-        found.append(_event(solution, "float", start, length, float(np.max(excess[window])), "m", "valve", details))
+    angle, excess = solution.cam_angle, solution.channel("valve_lift") - rigid.valve_lift
+    slowing = spans_above(angle, -rigid.valve_acceleration, -1e-9 * float(np.max(np.abs(rigid.valve_acceleration))))
+    over = shared(spans_above(angle, rigid.valve_lift, 0.3 * rigid.top), slowing)
+    above = shared(over, spans_above(angle, excess, 10 * SMALLEST_GAP))
+    lost = _joined(lost_spans(losses, _period(solution)))
+    return [
+        _event(solution, "float", part, _largest_within(angle, excess, part), "valve", {"cause": _cause_within(solution, rigid, part)})
+        for part in shared(above, lost)
+    ]
+
+
+def _joined(spans: Sequence[Span]) -> list[Span]:
+    """The same stretches, those that meet made one."""
+    found: list[Span] = []
+    for begin, end in sorted(spans):
+        if found and begin <= found[-1][1] + NEXT_TO:
+            found[-1] = found[-1][0], max(end, found[-1][1])
+        else:
+            found.append((begin, end))
+    if len(found) > 1 and found[-1][1] >= found[0][0] + TURN - NEXT_TO:
+        first = found.pop(0)
+        found[-1] = found[-1][0], max(found[-1][1], first[1] + TURN)
     return found
 
 
@@ -142,7 +208,7 @@ def _sampled_openings(solution: Solution) -> list[_Opening]:
         speed = float(-rate[last])
         ahead = float(np.clip(gap[last] / speed, 0.0, 2 * seconds)) if speed > 0 else seconds
         velocity = speed + float(rate[before] - rate[last]) * ahead / seconds
-        height = float(np.max(lift[_window(start, length, count)]))
+        height = float(np.max(lift[np.arange(start, start + length) % count]))
         found.append(_Opening(float(angle[start]), float(angle[last]) + ahead * step / seconds, velocity, height))
     return found
 
@@ -163,6 +229,10 @@ def _time_at(solution: Solution, angle: float) -> float:
     return float(solution.time[0] + (angle - solution.cam_angle[0]) / rate)
 
 
+def _cause_within(solution: Solution, rigid: RigidCycle, part: Span) -> str:
+    return _cause(solution, rigid, _between(solution, part[0], part[1] - part[0]))
+
+
 def _cause(solution: Solution, rigid: RigidCycle, window: NDArray[np.int64]) -> str:
     first = window[: max(1, len(window) // 4)]
     if np.min(rigid.contact_force[window]) <= 0:
@@ -172,10 +242,6 @@ def _cause(solution: Solution, rigid: RigidCycle, window: NDArray[np.int64]) -> 
     return CAUSE_VIBRATION
 
 
-def _window(start: int, length: int, count: int) -> NDArray[np.int64]:
-    return np.arange(start, start + max(length, 1)) % count
-
-
-def _event(solution: Solution, kind: str, start: int, length: int, size: float, unit: str, where: str, details: dict[str, Detail]) -> Event:
-    place, step = start % len(solution.time), float(solution.time[1] - solution.time[0])
-    return Event(kind, float(solution.cam_angle[place]), float(solution.time[place]), length * step, size, unit, where, details)
+def _event(solution: Solution, kind: str, span: Span, size: float, where: str, details: dict[str, Detail]) -> Event:
+    lasts = (span[1] - span[0]) / TURN * _period(solution)
+    return Event(kind, span[0], _time_at(solution, span[0]), lasts, size, "m", where, details)

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from valvetrain.quantities.kinematics import RigidTable
-from valvetrain.quantities.peaks import ring_peak
-from valvetrain.quantities.train_events import PLACES, SMALLEST_GAP, RigidCycle
+from valvetrain.quantities.peaks import ring_peak, ring_value
+from valvetrain.quantities.spans import TURN, Span, covered, span_of, spans_above
+from valvetrain.quantities.train_events import SMALLEST_GAP, RigidCycle, lost_spans
 from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
 
@@ -17,7 +18,9 @@ from valvetrain.solution.result import Solution
 COUNTED = (
     "cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy", "contact_friction_dissipated_energy",
     "steady_cycles_count", "steady_residual_ratio", "steady_tolerance_ratio", "motion_period_count", "time_step_duration",
-    "steps_per_cycle_count",
+    "steps_per_cycle_count", "minimum_spring_force", "minimum_retainer_force", "peak_spring_force_cam_angle",
+    "minimum_spring_force_cam_angle",
+    "peak_cam_torque", "minimum_cam_torque", "peak_valve_lift", "peak_valve_acceleration", "peak_lever_speed",
 )  # fmt: skip
 #: Front of the names of what differs from cycle to cycle.
 SCATTER = "cycle_scatter_"
@@ -37,15 +40,16 @@ def counted_quantities(solution: Solution) -> dict[str, float]:
 def train_quantities(solution: Solution, rigid: RigidCycle, events: Sequence[Event]) -> dict[str, float]:
     """Numbers (SI) of one cycle; names follow docs/quantities.md."""
     lift, clearance = solution.channel("valve_lift"), "piston_clearance"
-    step = float(solution.time[1] - solution.time[0])
-    apart = [solution.channel(f"{place}_gap") > SMALLEST_GAP for place in PLACES if solution.has(f"{place}_gap")]
+    counted = counted_quantities(solution)
+    turn = 2 * np.pi / (solution.engine_speed / 2)
     values = {
-        "peak_rigid_valve_lift": float(rigid.valve_lift.max()), "lift_loss_displacement": float(rigid.valve_lift.max() - lift.max()),
-        "peak_valve_acceleration": float(np.max(np.abs(solution.channel("valve_acceleration")))),
-        "valve_open_duration": step * float(np.sum(lift > SMALLEST_GAP)),
-        "loss_of_contact_duration": step * float(np.sum(np.any(apart, axis=0) & (rigid.valve_lift > 0))) if apart else 0.0,
+        "peak_rigid_valve_lift": rigid.top, "lift_loss_displacement": rigid.top - counted.get("peak_valve_lift", ring_peak(lift)),
+        "valve_open_duration": turn / TURN * covered(_open_spans(solution, events)),
+        "loss_of_contact_duration": turn / TURN * covered(lost_spans(events, turn)),
     }  # fmt: skip
-    if solution.has("cam_torque"):
+    if "peak_valve_acceleration" not in counted:
+        values["peak_valve_acceleration"] = float(np.max(np.abs(solution.channel("valve_acceleration"))))
+    if solution.has("cam_torque") and "peak_cam_torque" not in counted:
         torque = solution.channel("cam_torque")
         values |= {"peak_cam_torque": ring_peak(torque), "minimum_cam_torque": -ring_peak(-torque)}
     if "cycle_work_energy" in solution.statistics:
@@ -55,20 +59,40 @@ def train_quantities(solution: Solution, rigid: RigidCycle, events: Sequence[Eve
     for place in DRIVING:
         name = f"{place}_contact_force"
         if solution.has(name):
-            values[f"minimum_{name}"] = float(np.min(solution.channel(name)[opened]))
-            values[f"peak_open_{name}"] = float(np.max(solution.channel(name)[opened]))
+            force = solution.channel(name)[opened]
+            values[f"minimum_{name}"] = _number(solution, f"least_{name}", float(np.min(force)))
+            values[f"peak_open_{name}"] = _number(solution, f"open_{name}", float(np.max(force)))
     if solution.has("cam_contact_force"):
-        values["nose_cam_contact_force"] = float(solution.channel("cam_contact_force")[int(np.argmax(rigid.valve_lift))])
+        values["nose_cam_contact_force"] = _number(
+            solution, "nose_cam_contact_force", ring_value(solution.cam_angle, solution.channel("cam_contact_force"), rigid.nose)
+        )
     if solution.has("lever_speed"):
         rate = np.abs(solution.channel("lever_speed"))
-        values |= {"peak_lever_speed": float(rate.max()), "peak_lever_speed_valve_lift": float(lift[int(np.argmax(rate))])}
+        fastest = _number(solution, "peak_lever_speed_cam_angle", float(solution.cam_angle[int(np.argmax(rate))]))
+        values |= {"peak_lever_speed": _number(solution, "peak_lever_speed", float(rate.max()))}
+        values["peak_lever_speed_valve_lift"] = float(np.interp(fastest, solution.cam_angle, lift, period=TURN))
     if solution.has(clearance):
-        values["minimum_piston_clearance_gap"] = float(np.min(solution.channel(clearance)))
+        values["minimum_piston_clearance_gap"] = -ring_peak(-solution.channel(clearance))
     for spring in solution.springs:
         moved = solution.channel_of(spring, "axial_displacement")
         if solution.has(moved) and solution.channel(moved).size:
             values[f"{spring}_mean_peak_section_displacement"] = float(np.mean(np.max(-solution.channel(moved), axis=0)))
     return values | _event_numbers(events)
+
+
+def _number(solution: Solution, name: str, sampled: float) -> float:
+    """What the integrator saw of a number on every step; where it did not look, what the samples tell."""
+    logged = solution.statistics.get(name)
+    return float(logged) if isinstance(logged, (int, float)) else sampled
+
+
+def _open_spans(solution: Solution, events: Sequence[Event]) -> list[Span]:
+    """Cam angles in which the valve is off its seat, of releases and touches where they are known."""
+    touches = [event for event in of_kind(events, "seating") if "release_cam_angle" in event.details]
+    if not touches:
+        return spans_above(solution.cam_angle, solution.channel("valve_lift"), SMALLEST_GAP)
+    opened = [float(event.details["release_cam_angle"]) for event in touches]
+    return [span_of(begin, begin + (event.cam_angle - begin) % TURN) for begin, event in zip(opened, touches, strict=True)]
 
 
 def margin_quantities(rigid: RigidTable) -> dict[str, float]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from valvetrain.cam.roots import solve
 from valvetrain.mechanism.rigid import RigidKinematics
+from valvetrain.quantities.peaks import ring_peak
 from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
 
@@ -21,6 +22,8 @@ _TURN = 2 * np.pi
 HEIGHTS = {"1_mm": 1e-3, "50_thou": 0.050 * 25.4e-3}
 #: Angles at which a lift law is looked at before its crossings are solved.
 GRID = 1440
+#: Share of the largest rigid lift above which the valve counts as open.
+OPEN_SHARE = 0.1
 
 
 def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[float, float] | None:
@@ -42,8 +45,27 @@ def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[f
 
 def _between(lift: Callable[[Array], Array], height: float, low: float, high: float) -> float:
     """Where ``lift`` passes ``height`` between an angle at which it is at most that and one at which it is more."""
-    found = solve(lambda angle: float(lift(np.array(angle))) - height, (low, high), within=1e-12)
-    return low if found is None else found
+    below, above = height - float(lift(np.array(low))), float(lift(np.array(high))) - height
+    if below > 1e-6 * above:
+        found = solve(lambda angle: float(lift(np.array(angle))) - height, (low, high), within=1e-12)
+        return low if found is None else found
+    while abs(high - low) > 1e-12:  # it rests at that height on one side: no sign changes, only the answer to "above"
+        middle = (low + high) / 2
+        low, high = (low, middle) if float(lift(np.array(middle))) > height else (middle, high)
+    return high
+
+
+def top_of(kinematics: RigidKinematics) -> float:
+    """Largest lift (m) of a rigid valve."""
+    angle = np.arange(GRID) * _TURN / GRID
+    return ring_peak(np.asarray(kinematics.valve_lift(angle)))
+
+
+def open_window(kinematics: RigidKinematics) -> tuple[float, float]:
+    """Begin and end (cam rad; the end may pass the turn) of the stretch around the largest lift of a rigid valve in which it stands above
+    :data:`OPEN_SHARE` of that; the whole turn of a lift that never falls below."""
+    found = lift_crossings(kinematics.valve_lift, OPEN_SHARE * top_of(kinematics))
+    return (0.0, _TURN) if found is None else found
 
 
 def event_numbers(subject: str, word: str, crossings: tuple[float, float] | None) -> dict[str, float]:

@@ -240,7 +240,7 @@ def render(page: Page, gaps: Gaps | None = None) -> str:
 
 def _drawn(chart: Chart, gaps: Gaps | None) -> str:
     """The figure as JSON, or the reason why it cannot be drawn, which the page then shows in its place."""
-    from valvetrain.report.plotly_chart import to_json
+    from valvetrain.report.plotly_chart import in_script, to_json
 
     try:
         return to_json(chart)
@@ -248,7 +248,7 @@ def _drawn(chart: Chart, gaps: Gaps | None) -> str:
         words = f"The figure could not be drawn: {reason(error)}"
         if gaps is not None:
             gaps.add(f"report page, {chart.key}: {words}")
-        return json.dumps({"gap": words}).replace("</", "<\\/")
+        return in_script(json.dumps({"gap": words}))
 
 
 def plotly_script() -> str:

@@ -68,7 +68,14 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
 
 def to_json(chart: Chart) -> str:
     """The figure as JSON text that may stand inside a script element."""
-    return json.dumps(figure(chart), separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    return in_script(json.dumps(figure(chart), separators=(",", ":"), allow_nan=False))
+
+
+def in_script(text: str) -> str:
+    """JSON text, equal once read, that no HTML parser takes for the end of its script element or for a comment in it."""
+    for sign in "<>&\u2028\u2029":
+        text = text.replace(sign, f"\\u{ord(sign):04x}")
+    return text
 
 
 def packed(values: ArrayLike) -> dict[str, str]:
@@ -109,7 +116,7 @@ def _add_axes(
         "gridcolor": theme.GRID, "linecolor": theme.RULE, "tickcolor": theme.RULE, "zeroline": False, "ticks": "outside", "ticklen": 4,
         "tickfont": {"size": 12, "color": theme.MUTED}, "automargin": False, "exponentformat": "none", "tickangle": 0,
     }  # fmt: skip
-    title = {"font": {"size": 12.5, "color": theme.MUTED}, "standoff": 6, "text": panel.x_label if named else ""}
+    title = {"font": {"size": 12.5, "color": theme.MUTED}, "standoff": 6, "text": _plain(panel.x_label) if named else ""}
     x_axis = {"domain": x_domain, "anchor": f"y{suffix}", "range": list(x_range), "showgrid": False, "showline": True, "title": title}
     if panel.x_step:
         x_axis |= {"dtick": panel.x_step * (2 if narrow else 1), "tick0": 0}
@@ -121,7 +128,7 @@ def _add_axes(
         y_axis |= {"type": "log", "range": [float(np.log10(end)) for end in y_range], "dtick": 1}
     if panel.y_words:
         places, words = zip(*panel.y_words, strict=True)
-        y_axis |= {"tickmode": "array", "tickvals": list(places), "ticktext": list(words), "showticklabels": not narrow}
+        y_axis |= {"tickmode": "array", "tickvals": list(places), "ticktext": [_plain(one) for one in words], "showticklabels": not narrow}
     layout[f"yaxis{suffix}"] = common | y_axis
     _add_furniture(layout, panel, suffix, x_domain, y_domain, parted)
 
@@ -183,7 +190,7 @@ def _trace(layer: Layer) -> dict[str, Any]:
         text = words_shown if any(layer.labels) else {"mode": "markers"}
         words = {"textfont": {"size": 11.5, "color": layer.colour}, "cliponaxis": False}
         return place | {"type": "scatter", "marker": marker, **_hover(layer)} | text | words
-    hover = f"%{{x:.1f}}, {layer.y_words} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
+    hover = f"%{{x:.1f}}, {_plain(layer.y_words)} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"
     second = {} if layer.second is None else {"customdata": packed(layer.second)}
     more = f" (%{{customdata:.4g}} {layer.second_unit})" if second else ""
     return place | {"type": "heatmap", "z": packed(layer.z), "zsmooth": False, "hovertemplate": hover + more} | second
@@ -192,7 +199,7 @@ def _trace(layer: Layer) -> dict[str, Any]:
 def _colour_axis(heat: HeatMap, narrow: bool) -> dict[str, Any]:
     """Scale of a map: beside it on a wide page, below it on a narrow one."""
     stops = [[(index / (len(heat.colours) - 1)) ** (1 / heat.power), colour] for index, colour in enumerate(heat.colours)]
-    title = {"text": f"{heat.name} ({heat.unit})", "side": "top" if narrow else "right", "font": {"size": 12}}
+    title = {"text": _plain(f"{heat.name} ({heat.unit})"), "side": "top" if narrow else "right", "font": {"size": 12}}
     place = {"orientation": "h", "y": 0, "yanchor": "top", "ypad": 50, "len": 1.0} if narrow else {"x": 1.0, "len": 0.9}
     bar = place | {"title": title, "thickness": 10, "outlinewidth": 0, "tickfont": {"size": 11, "color": theme.MUTED}}
     room = {} if narrow else {"xpad": 54 if heat.second is not None else 16}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+
+#: Signs with which a spreadsheet takes a cell for a formula, and words that are numbers all the same.
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-](inf|nan)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +74,11 @@ def table(*columns: tuple[str, str, Sequence[Any] | NDArray[Any]]) -> Table:
 
 
 def quoted(value: Any) -> str:
-    """One CSV cell: floats to the last digit, nothing for None, quotes where needed."""
+    """One CSV cell: floats to the last digit, nothing for None, quotes where needed; words that a spreadsheet would compute are led by
+    an apostrophe."""
     if value is None:
         return ""
     text = repr(value) if isinstance(value, float) else str(value)
-    return '"' + text.replace('"', '""') + '"' if any(sign in text for sign in ',"\n') else text
+    if isinstance(value, str) and text.startswith(_FORMULA) and not _NUMBER.fullmatch(text):
+        text = f"'{text}"
+    return '"' + text.replace('"', '""') + '"' if any(sign in text for sign in ',"\n\r') else text

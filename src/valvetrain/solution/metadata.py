@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.status import Status
 
+Part = TypeVar("Part")
 #: Raised when what is stored, or how, changes.
 FORMAT_VERSION = 1
 
@@ -32,25 +33,50 @@ def unpack(text: str, kind: str, where: str) -> dict[str, Any]:
     try:
         content: dict[str, Any] = json.loads(text)
         found, version = content["format"], content["version"]
-    except (ValueError, KeyError, TypeError) as error:
+        if not isinstance(found, str) or type(version) is not int:
+            raise ValueError("format and version are no word and no number")
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise InputError(f"is not a valvetrain {kind} file; give one that this package wrote", where) from error
     if found != f"valvetrain {kind}":
-        raise InputError(f"holds a {found}, not a valvetrain {kind}; open it as what it is", where)
+        raise InputError(f"holds a {found[:40]}, not a valvetrain {kind}; open it as what it is", where)
     if version > FORMAT_VERSION:
         raise InputError(f"was written by a newer valvetrain (file version {version}); update the package", where)
     try:
-        content["status"] = Status(**content["status"])
-        content["provenance"] = _provenance(content["provenance"])
-        content["events"] = tuple(Event(**event) for event in content["events"])
+        content["status"] = _made(Status, content["status"])
+        content["provenance"] = None if content["provenance"] is None else _made(Provenance, content["provenance"])
+        if not isinstance(content["events"], list):
+            _refuse("events")
+        content["events"] = tuple(_made(Event, event) for event in content["events"])
+        for name in ("statistics", "quantities"):
+            if not _FITS["Mapping"](content.setdefault(name, {})):
+                _refuse(name)
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"is damaged: its description cannot be read ({error}); write it again", where) from error
     return content
 
 
-def _provenance(content: dict[str, Any] | None) -> Provenance | None:
-    if content is None:
-        return None
-    return Provenance(**{**content, "citations": tuple(content["citations"]), "springs": tuple(content.get("springs", ("spring",)))})
+#: Begin of a field's type -> whether a value of JSON may stand for it.
+_FITS: dict[str, Callable[[Any], bool]] = {
+    "str": lambda value: isinstance(value, str),
+    "float": lambda value: isinstance(value, (int, float)) and not isinstance(value, bool),
+    "tuple": lambda value: isinstance(value, list) and all(isinstance(one, str) for one in value),
+    "Mapping": lambda value: isinstance(value, dict) and all(isinstance(one, (str, int, float, type(None))) for one in value.values()),
+}
+
+
+def _refuse(name: str) -> None:
+    raise ValueError(f"'{name}' is not what it should be")
+
+
+def _made(kind: type[Part], content: Any) -> Part:
+    """An object from its stored fields; ValueError, TypeError or KeyError where one is unknown, missing or of another type."""
+    if not isinstance(content, dict):
+        raise ValueError(f"a {kind.__name__.lower()} is missing")
+    for entry in fields(kind):  # type: ignore[arg-type]  # every one is a dataclass
+        fits = _FITS[str(entry.type).split("[")[0]]
+        if entry.name in content and not fits(content[entry.name]):
+            _refuse(entry.name)
+    return kind(**content)
 
 
 def _fields(item: Any) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +15,11 @@ from valvetrain.errors import InputError
 from valvetrain.solution import metadata
 from valvetrain.solution.arrays import ChannelArrays, Variable
 from valvetrain.solution.atomic import write_bytes
+from valvetrain.solution.checksum import checked_content, closing_line
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.netcdf_layout import write_arrays
 from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.rebuilt import DAMAGED, refuse_claims, solution_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import Buckling, Leaning, StaticCurve
 
@@ -81,8 +84,7 @@ def load_netcdf(path: _PathLike) -> Solution:
     'massless'
     """
     dataset, content = _read(path, "solution")
-    words = content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", "")
-    return Solution(dataset, *words, content.get("quantities", {}), tuple(content.get("gaps", ())))
+    return solution_of(dataset, content, str(path))
 
 
 def save_static_curve(curve: StaticCurve, path: _PathLike, provenance: Provenance | None = None) -> Path:
@@ -96,9 +98,8 @@ def save_static_curve(curve: StaticCurve, path: _PathLike, provenance: Provenanc
 def load_static_curve(path: _PathLike) -> StaticCurve:
     """Read what :func:`save_static_curve` wrote; :class:`InputError` for any other file."""
     dataset, content = _read(path, "static-curve")
-    names = ("compression", "force", "stiffness", "coil_gap", "coil_contact_force", "upper_coil", "axial_position", "coil_number")
-    arrays: dict[str, Any] = {name: np.asarray(dataset[name].values) for name in names}
-    buckling, leaning = content.get("buckling"), content.get("leaning")
+    arrays = _arrays(dataset, _CURVE, str(path))
+    buckling, leaning = (_numbers(content, name, count, str(path)) for name, count in (("buckling", 3), ("leaning", 2)))
     return StaticCurve(
         **arrays, status=content["status"], buckling=None if buckling is None else Buckling(*buckling),
         leaning=None if leaning is None else Leaning(*leaning),
@@ -121,9 +122,16 @@ def save_modal_result(result: ModalResult, path: _PathLike, provenance: Provenan
 def load_modal_result(path: _PathLike) -> ModalResult:
     """Read what :func:`save_modal_result` wrote; :class:`InputError` for any other file."""
     dataset, content = _read(path, "modal-result")
-    names = ("natural_frequency", "shape", "coil_number", "axial_transmission")
-    arrays = {name: np.asarray(dataset[name].values) for name in names}
-    return ModalResult(compression=content["compression"], **arrays, axial_modes=tuple(content["axial_modes"]), status=content["status"],
+    where, arrays = str(path), _arrays(dataset, _MODES, str(path))
+    modes = _numbers(content, "axial_modes", None, where) or ()
+    if not all(isinstance(mode, int) and 0 <= mode < len(arrays["natural_frequency"]) for mode in modes):
+        raise InputError(f"{DAMAGED} 'axial_modes' names modes that it does not hold; write it again", where)
+    told = [
+        _numbers({name: [value]}, name, 1, where) for name in ("compression", "attached_mass") if (value := content.get(name)) is not None
+    ]
+    if content.get("compression") is None or None in told:
+        raise InputError(f"{DAMAGED} 'compression' is missing; write it again", where)
+    return ModalResult(compression=content["compression"], **arrays, axial_modes=tuple(modes), status=content["status"],
         attached_mass=content.get("attached_mass"),
     )  # fmt: skip
 
@@ -164,25 +172,59 @@ def _write(arrays: ChannelArrays, text: str, path: _PathLike) -> Path:
     """Made in memory first: a disk that is full then stops a plain write, not the library of the format."""
     with io.BytesIO() as memory:
         write_arrays(memory, arrays, {_METADATA: text})
-        return write_bytes(path, memory.getvalue())
+        image = memory.getvalue()
+    return write_bytes(path, image + closing_line(image))
 
 
 def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
     import xarray
 
     where = str(path)
-    if not Path(path).is_file():
-        raise InputError("no such file; check the path", where)
+    checked_content(Path(path))
     try:
-        with xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened:
+        refuse_claims(Path(path))
+        with warnings.catch_warnings(action="ignore"), xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened:
             dataset = opened.load()
-    except (OSError, ValueError, KeyError, RuntimeError, EOFError) as error:
+        text = dataset[_METADATA].values.item() if _METADATA in dataset.variables else None
+        text = text.decode() if isinstance(text, bytes) else text
+        dataset = dataset if text is None else _plain_attributes(dataset.drop_vars(_METADATA))
+    except InputError:
+        raise
+    except Exception as error:  # the libraries below raise many kinds for bytes that make no sense to them
         raise InputError("cannot be read as NetCDF, it is another kind of file or was cut short; write it again", where) from error
-    if _METADATA not in dataset.variables:
+    if not isinstance(text, str):
         raise InputError(f"is not a valvetrain {kind} file; give one that this package wrote", where)
-    text = dataset[_METADATA].values.item()
-    content = metadata.unpack(text if isinstance(text, str) else bytes(text).decode(), kind, where)
-    return _plain_attributes(dataset.drop_vars(_METADATA)), content
+    return dataset, metadata.unpack(text, kind, where)
+
+
+#: Arrays of a static curve and of a modal result with their dimensions.
+_CURVE = {
+    "compression": ("step",), "force": ("step",), "stiffness": ("step",), "coil_gap": ("step", "coil_pair"),
+    "coil_contact_force": ("step", "coil_pair"), "upper_coil": ("coil_pair",), "axial_position": ("step", "wire_point"),
+    "coil_number": ("wire_point",),
+}  # fmt: skip
+_MODES = {
+    "natural_frequency": ("mode",), "shape": ("mode", "wire_point", "axis"), "coil_number": ("wire_point",),
+    "axial_transmission": ("mode",),
+}  # fmt: skip
+
+
+def _arrays(dataset: xarray.Dataset, due: dict[str, tuple[str, ...]], where: str) -> dict[str, Any]:
+    """The arrays that are due; :class:`InputError` where one is missing, has other dimensions or holds no numbers."""
+    for name, dims in due.items():
+        if name not in dataset.variables or dataset[name].dims != dims or dataset[name].dtype.kind != "f":
+            raise InputError(f"{DAMAGED} '{name}' is missing or is no row of numbers; write it again", where)
+    return {name: np.asarray(dataset[name].values) for name in due}
+
+
+def _numbers(content: dict[str, Any], name: str, count: int | None, where: str) -> list[Any] | None:
+    """A stored list of numbers, ``count`` of them where told; None where there is none."""
+    found = content.get(name)
+    if found is None:
+        return None
+    if not isinstance(found, list) or count not in (None, len(found)) or not all(type(one) in (int, float) for one in found):
+        raise InputError(f"{DAMAGED} '{name}' is no row of numbers; write it again", where)
+    return found
 
 
 def _plain_attributes(dataset: xarray.Dataset) -> xarray.Dataset:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,8 @@ from valvetrain.errors import InputError
 from valvetrain.solution import metadata
 from valvetrain.solution.arrays import ChannelArrays, Variable
 from valvetrain.solution.atomic import atomic_path
-from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.checksum import checked_content, close_file
+from valvetrain.solution.rebuilt import DAMAGED, solution_of
 from valvetrain.solution.result import Solution
 
 if TYPE_CHECKING:
@@ -63,9 +65,11 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     blocks = [one.values.reshape(len(one.values), int(np.prod(one.values.shape[1:]))) for one in rows.values()]
     count = len(solution.time)
     with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
-        stream.write(f"{_MARK}\n# {text}\n{','.join(header)}\n")
+        stream.write(f"{_MARK}\n# {_no_formula(text)}\n{','.join(header)}\n")
         stream.writelines(f"{_row(blocks, row)}\n" for row in range(count))
         stream.write(f"# end of {count} rows\n")
+        stream.close()
+        close_file(temporary)
     return Path(path)
 
 
@@ -92,23 +96,25 @@ def load_csv(path: str | os.PathLike[str]) -> Solution:
     True
     """
     where = str(path)
-    if not Path(path).is_file():
-        raise InputError("no such file; check the path", where)
     try:
-        lines = Path(path).read_text(encoding="utf-8").split("\n")
+        lines = checked_content(Path(path)).decode("utf-8").replace("\r\n", "\n").split("\n")
     except UnicodeDecodeError as error:
         raise InputError("is not a text file; give a CSV file that this package wrote", where) from error
-    if lines[0] != _MARK or len(lines) < 3:
+    if lines[0] != _MARK or len(lines) < 5:
         raise InputError("is not a valvetrain solution in CSV; give one that this package wrote", where)
     if lines[-1] != "" or lines[-2] != f"# end of {len(lines) - 5} rows":
         raise InputError("was cut short: its closing line is missing; write it again", where)
     content = metadata.unpack(lines[1][2:], "solution", where)
     try:
         dataset = _dataset(content, lines[3:-2])
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"is damaged: its rows do not fit its description ({error}); write it again", where) from error
-    words = content["events"], content["status"], content["statistics"], content["provenance"] or Provenance("", "")
-    return Solution(dataset, *words, content.get("quantities", {}), tuple(content.get("gaps", ())))
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError, MemoryError) as error:
+        raise InputError(f"{DAMAGED} its rows do not fit its description ({error}); write it again", where) from error
+    return solution_of(dataset, content, where)
+
+
+def _no_formula(text: str) -> str:
+    """JSON, equal once read, in which no cell of a spreadsheet begins with the sign of a formula."""
+    return re.sub(r",([=+@-])", lambda found: f",\\u{ord(found[1]):04x}", text)
 
 
 def _row(blocks: list[np.ndarray[Any, Any]], row: int) -> str:
@@ -132,6 +138,14 @@ def _described(one: Variable) -> dict[str, Any]:
     return {"dims": list(one.dims), "type": str(one.values.dtype), "attributes": dict(one.attrs)}
 
 
+def _number_type(word: object) -> np.dtype[Any]:
+    """The type of that name; ValueError for one of words or of any length, which would make room as it claims."""
+    found = np.dtype(word if isinstance(word, str) else "")
+    if found.kind not in "biuf":
+        raise ValueError(f"'{found}' is no type of numbers")
+    return found
+
+
 def _dataset(content: dict[str, Any], lines: list[str]) -> xarray.Dataset:
     import xarray
 
@@ -141,8 +155,8 @@ def _dataset(content: dict[str, Any], lines: list[str]) -> xarray.Dataset:
     variables: dict[str, tuple[object, ...]] = {}
     coords: dict[str, tuple[object, ...]] = {}
     for column, block in zip(columns, np.split(table, np.cumsum(widths)[:-1], axis=1), strict=True):
-        array = block.reshape(len(lines), *column["shape"]).astype(column["type"])
+        array = block.reshape(len(lines), *column["shape"]).astype(_number_type(column["type"]))
         (coords if column["coord"] else variables)[column["name"]] = (column["dims"], array, column["attributes"])
     for name, entry in content["constants"].items():
-        coords[name] = (entry["dims"], np.array(entry["values"], dtype=entry["type"]), entry["attributes"])
+        coords[name] = (entry["dims"], np.array(entry["values"], dtype=_number_type(entry["type"])), entry["attributes"])
     return xarray.Dataset(variables, coords=coords, attrs=content["attributes"])

@@ -77,6 +77,8 @@ def _lost_rate(rod: FiniteElementRod, path: Sequence[Equilibrium]) -> float | No
         before, place = place, place + 1
         if place == len(middle):
             return None
+    if excess(middle[before]) <= 0.0:  # a very slender spring has lost its rate where the first mean over the window stands
+        return float(middle[before])
     return float(brentq(excess, middle[before], middle[place], xtol=PLACE_TOLERANCE))
 
 

@@ -82,3 +82,10 @@ def grid_convergence(values: tuple[float, float, float], sizes: tuple[float, flo
     step = (middle - fine) / ((sizes[1] / sizes[2]) ** used - 1)
     extrapolated = fine - step
     return GridConvergence(values, order, True, extrapolated, TRUSTED * abs(coarse - extrapolated), TRUSTED * abs(step))
+
+
+def two_grids(value: float, finer: float, ratio: float) -> GridConvergence:
+    """Uncertainty of ``value`` from one grid that is ``ratio`` times as fine: the declared order is assumed, and Roache's safety factor
+    of three for two grids is taken."""
+    finest = DOUBTFUL * abs(value - finer) / (ratio**DECLARED_ORDER - 1)
+    return GridConvergence((value, value, finer), None, False, finer, finest * ratio**DECLARED_ORDER, finest)

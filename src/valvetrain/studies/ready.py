@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from valvetrain.integrate.clash import runs
 from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions
 from valvetrain.integrate.run import run_to_orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
+from valvetrain.quantities.peaks import ring_top
+from valvetrain.quantities.valve_events import open_window
 from valvetrain.solution.arrays import empty_channels
 from valvetrain.solution.gaps import Gaps, reason
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
@@ -31,8 +32,6 @@ from valvetrain.system.train_system import TrainSystem
 if TYPE_CHECKING:
     from valvetrain.integrate.train_orbit import Orbit
 
-#: Share of the rigid lift beyond which the valve counts as open.
-OPEN = 0.1
 #: What a run can meet that is its own failure and not the study's: whatever it is, the other runs are there.
 FAILURES = (Exception,)
 
@@ -63,15 +62,13 @@ class Ready:
 
     @cached_property
     def window(self) -> tuple[float, float] | None:
-        """Begin and end (cam rad) of the longest stretch in which a rigid valve is open by more than :data:`OPEN` of its lift; the end may
-        pass the turn. None of prescribed motion."""
-        if self.motion is None:
-            return None
-        angle, lift = self.motion.cam_angle, self.motion.derivatives[0]
-        stretches = runs(lift > OPEN * float(np.max(lift)), ring=True)
-        first, last = max(stretches, key=lambda one: one[1] - one[0])
-        step = float(angle[1] - angle[0])
-        return float(angle[0]) + first * step, float(angle[0]) + last * step
+        """Begin and end (cam rad) of the stretch in which a rigid valve counts as open (:func:`open_window`); none of prescribed motion."""
+        return None if self.motion is None else open_window(self.motion.kinematics)
+
+    @cached_property
+    def nose(self) -> float | None:
+        """Cam angle (rad) of the largest rigid lift; none of prescribed motion."""
+        return None if self.motion is None else ring_top(self.motion.cam_angle, self.motion.derivatives[0])
 
 
 def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Ready:
@@ -141,7 +138,7 @@ def integrate_from(
         return Solution(empty_channels(), (), Status("refused", ready.refusal, remedy=remedy), {}, provenance), None
     prescribed = isinstance(ready.system, PrescribedSpring)
     until = Cycles(plan.cycles) if prescribed else Periodic(plan.cycles_to_settle)
-    options = RunOptions(plan.samples, keep=plan.keep, rest=ready.rest, window=ready.window, start=start)
+    options = RunOptions(plan.samples, keep=plan.keep, rest=ready.rest, window=ready.window, nose=ready.nose, start=start)
     try:
         return run_to_orbit(ready.system, engine_speed / 2, until, options, provenance)
     except FAILURES as error:

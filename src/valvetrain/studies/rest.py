@@ -63,13 +63,15 @@ def at_rest(
     """
     begun = time.perf_counter()
     curve, stress = static_curve(rod, largest_compression, steps, visit)
+    points = curve if curve.path is None else curve.path
+    stands = bool(points.compression[-1] >= rod.precompression * (1 - 1e-9))  # a curve may stop before the installed state
     facts = {"elements per coil": rod.elements_per_coil, "elements": rod.mesh.elements}
-    found = modal_result(rod, modes, attached_mass) if modes else None
+    found = modal_result(rod, modes, attached_mass) if modes and stands else None
     if found is not None and curve.buckling is not None and rod.precompression >= curve.buckling.compression:
         found = replace(found, status=path_status(rod, curve.buckling, curve.leaning) or found.status)
     return SpringAtRest(
         rod.definition.name, rod.name, rod.precompression, curve, found, stress, facts, time.perf_counter() - begun,
-        rest_point(rod, rod.installed), stress_per_force=nominal_stress_per_force(rod.definition),
+        rest_point(rod, rod.installed) if stands else None, stress_per_force=nominal_stress_per_force(rod.definition),
     )  # fmt: skip
 
 

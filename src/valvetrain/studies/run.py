@@ -29,6 +29,7 @@ from valvetrain.solution.study import Study
 from valvetrain.sources.contract import against_source
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.batch import available_cores
+from valvetrain.studies.before_run import refuse_speeds
 from valvetrain.studies.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.studies.engine import LOST, LOST_REMEDY, Progress, map_points, threads
 from valvetrain.studies.notes import buckling_notes, undamped_notes
@@ -82,11 +83,7 @@ def run_problem(
     """
     begun, gaps = time.perf_counter(), Gaps()
     speeds = tuple(float(speed) for speed in engine_speeds)
-    if any(not (np.isfinite(speed) and speed > 0) for speed in speeds):
-        raise InputError("every engine speed must be positive; give it as '4200 rpm'", "--engine-speed")
-    if speeds and not problem.moves:
-        remedy = "add a [lift_law] table, or leave the engine speed out for its statics and modes"
-        raise InputError(f"case '{problem.record.name}' holds no lift law, so its spring does not move; {remedy}", "--engine-speed")
+    refuse_speeds(problem, speeds)
     problem.must_run()
     samples = None if problem.kind == TRAIN else round(2 * np.pi / problem.output_step)
     if command == "sweep" and problem.kind == TRAIN:

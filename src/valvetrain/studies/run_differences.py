@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from valvetrain.studies.run_store import KeptRun
+from valvetrain.studies.run_store import KeptRun, check_inputs
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,12 @@ class ResultDifference:
 
 
 def input_differences(one: KeptRun, other: KeptRun) -> tuple[tuple[str, Any, Any], ...]:
-    """(key path, value of ``one``, value of ``other``) of all inputs that differ: case, choices, versions; None where a key is missing."""
+    """(key path, value of ``one``, value of ``other``) of all inputs that differ: case, choices, versions; None where a key is missing.
+
+    Raises :class:`InputError` where the inputs on disk are not those that a run was made from.
+    """
+    for run in (one, other):
+        check_inputs(run)
     first, second = _inputs_of(one), _inputs_of(other)
     keys = dict.fromkeys((*first, *second))
     return tuple((key, first.get(key), second.get(key)) for key in keys if first.get(key) != second.get(key))
@@ -52,7 +57,7 @@ def result_differences(one: KeptRun, other: KeptRun) -> tuple[ResultDifference, 
 def _inputs_of(run: KeptRun) -> dict[str, Any]:
     try:
         values = dict(_leaves(tomllib.loads(run.case_file.read_text("utf-8"))))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         values = {}
     about = {"case": run.case, "command": run.answer.get("command"), "choices": run.answer.get("choices")}
     return dict(_leaves(about | {"versions": run.answer.get("versions")})) | values

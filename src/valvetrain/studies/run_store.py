@@ -21,8 +21,9 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.solution.atomic import SUFFIX, is_abandoned, lock, remove_abandoned, write_bytes, write_text
+from valvetrain.studies.run_answer import ANSWER, answer_text, read_answer
 
-ROOT, LATEST, CASE_FILE, ANSWER = Path("runs"), "latest", Path("inputs") / "case.toml", "run.json"
+ROOT, LATEST, CASE_FILE = Path("runs"), "latest", Path("inputs") / "case.toml"
 #: End of the name of a folder whose run goes on or was killed, and the list of its finished runs.
 UNFINISHED, LIST = "-unfinished", "unfinished-runs.jsonl"
 _RUN_FILE = re.compile(r"run-\d{4,}\.nc")
@@ -203,8 +204,23 @@ def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> KeptRun:
     files = [*dict.fromkeys((*answer.get("files", ()), *written))]
     whole = {**answer, "digest": inputs.digest, "choices": dict(inputs.choices), "files": files}
     _remove(folder, set(map(str, earlier.get("files", ()))) - set(map(str, files)))
-    write_text(folder / ANSWER, json.dumps(whole, indent=2, allow_nan=False, default=str) + "\n")
+    write_text(folder / ANSWER, answer_text(whole))
     return KeptRun(folder, whole)
+
+
+def check_inputs(run: KeptRun) -> None:
+    """Raise :class:`InputError` where the inputs of a kept run are not those that it was made from; a run without a digest passes."""
+    names = [str(name) for name in run.answer.get("files", ()) if str(name).startswith(f"{CASE_FILE.parent.as_posix()}/")]
+    try:
+        text = run.case_file.read_bytes().decode()
+        side_files = {Path(name).name: (run.folder / name).read_bytes() for name in names if Path(name).name != CASE_FILE.name}
+        same = Inputs(run.case, text, side_files, run.answer.get("choices", {})).digest == run.digest
+    except (OSError, ValueError) as error:
+        raise InputError("the inputs of this run cannot be read; repeat the run", str(run.folder)) from error
+    if run.digest and not same:
+        raise InputError(
+            "the inputs in this folder are not those of its run, they were changed or damaged; repeat the run", str(run.folder)
+        )
 
 
 def link_latest(folder: Path) -> None:
@@ -253,13 +269,14 @@ def find_run(name: str, root: Path = ROOT) -> KeptRun:
 
 
 def run_of_path(path: Path) -> KeptRun | None:
-    """The run that a folder, its ``run.json`` or its case file belongs to; None where there is none."""
+    """The run that a folder, its ``run.json`` or its case file belongs to; None where there is none. Raises :class:`InputError` where its
+    ``run.json`` is damaged."""
     try:
         places = (path, path.parent) if path.name == ANSWER else (path, path.parent.parent) if path.name == CASE_FILE.name else (path,)
         for folder in places:
             if folder.name == LATEST and folder.is_file():  # where links are not possible
                 folder = folder.parent / folder.read_text("utf-8").strip()
-            if folder.is_dir() and (answer := _read_answer(folder)):
+            if folder.is_dir() and (answer := read_answer(folder)):
                 return KeptRun(folder, answer)
     except (OSError, ValueError):
         return None
@@ -269,7 +286,7 @@ def run_of_path(path: Path) -> KeptRun | None:
 def safe_name(text: str) -> str:
     """A name as a folder may bear it."""
     plain = re.sub(r"[^\w.-]+", "-", unicodedata.normalize("NFC", text))[:80]
-    return plain.encode()[:160].decode(errors="ignore").strip(".-") or "case"
+    return plain.encode()[:120].decode(errors="ignore").strip(".-") or "case"
 
 
 def _tables(item: Any) -> Iterator[Any]:
@@ -293,10 +310,9 @@ def _free_name(name: str, content: bytes, taken: Mapping[str, bytes]) -> str:
 def _read_answer(folder: Path) -> dict[str, Any]:
     """The ``run.json`` of a folder; empty where there is none that can be read."""
     try:
-        found = json.loads((folder / ANSWER).read_text("utf-8"))
-    except (OSError, ValueError):
+        return read_answer(folder)
+    except InputError:
         return {}
-    return found if isinstance(found, dict) and "created_at" in found else {}
 
 
 def _remove(folder: Path, names: Iterable[str]) -> None:

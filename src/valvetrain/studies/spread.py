@@ -9,6 +9,7 @@ from importlib import resources
 
 import numpy as np
 
+from valvetrain.parameters.loading import library_names
 from valvetrain.solution.quantity import Quantity, unit_of
 from valvetrain.solution.record import CaseRecord, PublishedValue
 from valvetrain.studies.uncertainty_file import rows_that_hold
@@ -37,7 +38,7 @@ class Spread:
 def load_spread(record: CaseRecord) -> tuple[Spread, ...]:
     """The spread that ships with a library case; empty when there is none or the case is not word for word the one it belongs to."""
     file = resources.files("valvetrain") / "parameters" / "library" / f"{record.name}.spread"
-    if not file.is_file():
+    if record.name not in library_names() or not file.is_file():
         return ()
     content = tomllib.loads(file.read_text(encoding="utf-8"))
     if content.pop("case", {}).get("digest") != record.digest:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
+from valvetrain.parameters.loading import library_names
 from valvetrain.solution.definition import shown
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.record import CaseRecord
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 _STILL = "statics"
 #: Between engine speed and variant in the heading of a train's rows.
 _OF = ", of "
+#: Share of a value beyond which its bar is explained.
+COARSE = 0.05
 #: What is told of a train in a sentence, with how people call it.
 _TOLD = (
     ("peak_spring_force", "peak spring force"), ("peak_cam_contact_force", "peak cam force"),
@@ -45,7 +48,7 @@ def meshes_of(record: CaseRecord) -> tuple[int, ...]:
 
 def _content(record: CaseRecord) -> dict[str, Any]:
     file = resources.files("valvetrain") / "parameters" / "library" / f"{record.name}.uncertainty"
-    if not file.is_file():
+    if record.name not in library_names() or not file.is_file():
         return {}
     content = tomllib.loads(file.read_text(encoding="utf-8"))
     return content if content.get("case", {}).get("digest") == record.digest else {}
@@ -111,10 +114,25 @@ def uncertainty_sentences(record: CaseRecord, engine_speeds: Sequence[float], qu
             continue
         if label:
             parts = [f"{words} {_firm(here[name])}" for name, words in _TOLD if name in here]
-            sentences.append(f"{_rpm(speed)}, {label}, with numerical uncertainty: {'; '.join(parts)}.")
+            sentences.append(f"{_rpm(speed)}, {label}, with numerical uncertainty: {'; '.join(parts)}.{_of_division(here)}")
         elif "main_clash_below_10_khz_peak_force" in here:
             sentences.append(_clash_sentence(speed, here, meshes))
     return tuple(sentences)
+
+
+def _of_division(here: Mapping[str, Uncertainty]) -> str:
+    """Where large bars come from, when it is not the step."""
+    large = [words for name, words in _TOLD if name in here and _is_coarse(here[name])]
+    if not large:
+        return ""
+    return (
+        f" More than {100 * COARSE:.0f} % of {', '.join(large)} hangs on how finely the springs are divided (elements or masses), next to "
+        "nothing on the step: surge of few elements runs at other frequencies and meets the seating in another phase."
+    )
+
+
+def _is_coarse(row: Uncertainty) -> bool:
+    return row.numerical > COARSE * abs(row.value) and row.step_part < 0.1 * row.numerical
 
 
 def _firm(row: Uncertainty) -> str:

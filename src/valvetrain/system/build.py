@@ -49,6 +49,13 @@ def build(case: AnyCase, *, spring_models: Sequence[str] = (), spring_sets: Sequ
     ['massless', 'multi-mass']
     """
     case = case_of(case)
+    try:
+        return _built(case, spring_models, spring_sets)
+    except (ArithmeticError, ValueError) as error:  # numbers at which the parts' formulas end
+        raise InputError(f"the parts of case '{case.name}' cannot be built ({error}); check its numbers and their units") from error
+
+
+def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str]) -> Problem:
     law = build_lift_law(case.lift_law)
     specs = tuple(spring_model(word, "--spring") for word in dict.fromkeys(spring_models))
     if case.train is not None:
@@ -96,7 +103,7 @@ def _train_members(
     else:
         variants = train.variants or (TrainVariant(train.spring_model, train.spring_set, train.spring_model),)
     gears: dict[TrainParameters, Gear] = {}
-    members = []
+    members: list[Member] = []
     for variant in variants:
         own = variant.apply(train)
         chosen = own.spring_set or next(iter(own.springs), "")

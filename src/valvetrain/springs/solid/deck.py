@@ -38,6 +38,11 @@ class SolidContact:
     seats: bool = True
 
 
+def comment(words: str) -> str:
+    """``words`` as they may stand in a comment of the deck: one line of ASCII, at most 60 characters."""
+    return "".join(char if " " <= char <= "~" else "?" for char in words[:60])
+
+
 def model_text(
     mesh: SolidMesh, material: Material, options: MeshOptions, contact: SolidContact | None = None, mass_damping: float = 0.0
 ) -> str:

@@ -15,7 +15,7 @@ from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import Status
 from valvetrain.springs.solid import axis_motion, steps
 from valvetrain.springs.solid.calculix import SolverOutput, Watch, run_deck
-from valvetrain.springs.solid.deck import MILLIMETRE, SolidContact, contact_pairs, model_text, seats_text
+from valvetrain.springs.solid.deck import MILLIMETRE, SolidContact, comment, contact_pairs, model_text, seats_text
 from valvetrain.springs.solid.layout import MeshOptions
 from valvetrain.springs.solid.mesh import SolidMesh
 from valvetrain.springs.solid.printed import Printed, read_printed
@@ -59,7 +59,7 @@ class SolidSpring:
 
     def deck(self, *load_steps: str, before: str = "", mass_damping: float = 0.0) -> str:
         """The whole input deck with the given steps; ``before`` holds tables that stand between model and steps."""
-        title = f"** {self.spring.name}: {len(self.mesh.elements)} {self.options.element_type}; mm, N, s, tonne, MPa\n"
+        title = f"** {comment(self.spring.name)}: {len(self.mesh.elements)} {self.options.element_type}; mm, N, s, tonne, MPa\n"
         model = model_text(self.mesh, self.spring.material, self.options, self.contact, mass_damping)
         if self.contact is not None and self.contact.seats and self.options.ends != "sections":
             model += seats_text(self.mesh, self.spring, self.options.ends == "ground")

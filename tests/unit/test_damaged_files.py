@@ -1,0 +1,259 @@
+"""Result files that were damaged, or that lie: readers refuse in one sentence, make room for nothing that is only claimed, and tell
+damage from a difference."""
+
+from __future__ import annotations
+
+import json
+import tracemalloc
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+from synthetic_study import at_rest, rod_run
+from valvetrain.errors import InputError
+from valvetrain.solution import checksum
+from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve, save_modal_result, save_netcdf, save_static_curve
+from valvetrain.solution.textfile import load_csv, save_csv
+from valvetrain.studies.run_answer import answer_text, read_answer
+from valvetrain.studies.run_differences import input_differences
+from valvetrain.studies.run_store import Inputs, find_run, keep, kept_runs
+
+RUN = rod_run(samples=90)
+READERS = ((save_netcdf, load_netcdf, "run.nc"), (save_csv, load_csv, "run.csv"))
+
+
+def refused(load, path, words=None):
+    """The sentence of a refusal, which names the file and is one line."""
+    with pytest.raises(InputError, match=words) as refusal:
+        load(path)
+    said = str(refusal.value)
+    assert path.name in said and said.isprintable() and len(said) < 800
+    return said
+
+
+@pytest.fixture
+def opened(tmp_path):
+    """A saved run without its closing line, to be changed with h5py by the test."""
+    path = save_netcdf(RUN, tmp_path / "run.nc")
+    path.write_bytes(checksum.checked_content(path))
+    return path
+
+
+@pytest.mark.parametrize(("save", "load", "name"), READERS)
+@pytest.mark.parametrize("place", [0.001, 0.2, 0.5, 0.8, 0.97])
+def test_one_exchanged_bit_anywhere_is_damage(tmp_path, save, load, name, place):
+    path = save(RUN, tmp_path / name)
+    content = bytearray(path.read_bytes())
+    content[int(place * len(content))] ^= 1
+    path.write_bytes(bytes(content))
+    refused(load, path)
+
+
+@pytest.mark.parametrize(("save", "load", "name"), READERS)
+def test_a_file_of_before_the_checksum_is_read(tmp_path, save, load, name):
+    path = save(RUN, tmp_path / name)
+    content = path.read_bytes()
+    path.write_bytes(content[: content.rindex(b"# blake2b")])
+    assert load(path).identical(RUN)
+
+
+@pytest.mark.parametrize(("save", "load", "name"), READERS)
+@pytest.mark.parametrize("cut", [1, 20, 39])
+def test_a_cut_closing_line_is_told(tmp_path, save, load, name, cut):
+    path = save(RUN, tmp_path / name)
+    path.write_bytes(path.read_bytes()[:-cut])
+    refused(load, path, "cut short")
+
+
+def test_other_programs_read_what_is_closed_by_a_checksum(tmp_path):
+    with xarray.open_dataset(save_netcdf(RUN, tmp_path / "run.nc"), engine="h5netcdf") as dataset:
+        np.testing.assert_array_equal(dataset["seat_force"].values, RUN.channel("seat_force"))
+    table = np.genfromtxt(save_csv(RUN, tmp_path / "run.csv"), delimiter=",", skip_header=3)
+    np.testing.assert_array_equal(table[:, 0], RUN.time)
+
+
+def test_terabytes_that_are_only_claimed_are_refused_without_room_for_them(opened):
+    with h5py.File(opened, "r+") as file:
+        del file["seat_force"]
+        file.create_dataset("seat_force", shape=(10**12,), chunks=(1000,), dtype="f8")
+    assert opened.stat().st_size < 3e6
+    tracemalloc.start()
+    refused(load_netcdf, opened, "seat_force.*claims 8e\\+12 bytes and holds 0")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 50e6
+
+
+def _external(file):
+    del file["seat_force"]
+    file["seat_force"] = h5py.ExternalLink("/etc/hostname", "/x")
+
+
+def _raw_outside(file):
+    shape = file["seat_force"].shape
+    del file["seat_force"]
+    file.create_dataset("seat_force", shape=shape, dtype="f8", external=[("/etc/hostname", 0, h5py.h5f.UNLIMITED)])
+
+
+def _missing(file):
+    del file["time"]
+
+
+def _words(file):
+    del file["seat_force"]
+    file["seat_force"] = np.array(["a", "b"], dtype="S3")
+
+
+def _group(file):
+    file.create_group("a/b/c")
+
+
+def _unit(file):
+    file["seat_force"].attrs["units"] = 3.0
+
+
+def _no_unit(file):
+    del file["seat_force"].attrs["units"]
+
+
+@pytest.mark.parametrize("change", [_external, _raw_outside, _missing, _words, _group, _unit, _no_unit])
+def test_a_netcdf_file_that_lies_is_refused(opened, change):
+    with h5py.File(opened, "r+") as file:
+        change(file)
+    refused(load_netcdf, opened)
+
+
+def description(path, **more):
+    """Exchange parts of the description in a NetCDF file."""
+    with h5py.File(path, "r+") as file:
+        held = json.loads(file["valvetrain_metadata"][()]) | more
+        file["valvetrain_metadata"][()] = json.dumps({key: value for key, value in held.items() if value is not ...})
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"version": "one"}, {"version": None}, {"format": 7}, {"statistics": []}, {"quantities": {"a": []}}, {"events": [3]},
+        {"events": {}},
+        {"status": {"code": 4}}, {"status": {"code": "completed", "time": "soon"}}, {"provenance": {"case_name": 1, "model": "x"}},
+        {"provenance": {"case_name": "a", "model": "x", "citations": "abc"}}, {"events": [{"kind": "clash", "cam_angle": "x"}]},
+        {"status": ...},
+    ],
+)  # fmt: skip
+def test_a_description_of_other_types_is_refused(opened, more):
+    description(opened, **more)
+    refused(load_netcdf, opened)
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, '{"a":' * 50_000, "null", "{}", '"x"', "7"])
+def test_deep_and_empty_descriptions_are_refused(opened, text):
+    with h5py.File(opened, "r+") as file:
+        file["valvetrain_metadata"][()] = text
+    refused(load_netcdf, opened, "not a valvetrain")
+
+
+def test_a_description_without_statistics_is_read_as_none(opened):
+    description(opened, statistics=...)
+    assert load_netcdf(opened).statistics == {}
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [({"axial_modes": [99]}, "axial_modes"), ({"axial_modes": "x"}, "axial_modes"), ({"compression": ...}, "compression")],
+)
+def test_modes_that_lie_are_refused(tmp_path, more, words):
+    path = save_modal_result(at_rest()[0].modes, tmp_path / "modes.nc")
+    path.write_bytes(checksum.checked_content(path))
+    description(path, **more)
+    refused(load_modal_result, path, words)
+
+
+@pytest.mark.parametrize("name", ["force", "coil_gap", "coil_number"])
+def test_a_curve_without_one_of_its_rows_is_refused(tmp_path, name):
+    path = save_static_curve(at_rest()[0].curve, tmp_path / "curve.nc")
+    path.write_bytes(checksum.checked_content(path))
+    with h5py.File(path, "r+") as file:
+        del file[name]
+    refused(load_static_curve, path, name)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [('"type": "float64"', '"type": "U900000000"'), ('"shape": []', '"shape": [1000000000000]'), ('"columns": [',
+    '"columns": 3, "x": [')]
+)  # fmt: skip
+def test_a_csv_description_that_lies_is_refused(tmp_path, old, new):
+    path = save_csv(RUN, tmp_path / "run.csv")
+    text = checksum.checked_content(path).decode()
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    checksum.close_file(path)
+    refused(load_csv, path)
+
+
+# ---- kept runs
+
+ANSWER = {
+    "created_at": "2026-01-01T00:00:00+00:00", "case": "own", "command": "run", "completed": True,
+    "quantities": {"preload": {"value": 300.0, "unit": "N"}}, "runs": [],
+}  # fmt: skip
+
+
+def kept(folder, answer=ANSWER):
+    """A run on disk."""
+    return keep(folder, Inputs("own", 'name = "own"\n', {}, {"command": "run", "engine_speeds": [4000.0]}), answer)
+
+
+def test_a_kept_run_is_read_back_as_written(tmp_path):
+    run = kept(tmp_path / "own" / "a")
+    assert read_answer(run.folder) == json.loads(json.dumps(dict(run.answer)))
+
+
+@pytest.mark.parametrize(("old", "new"), [(b"300.0", b"301.0"), (b'"preload"', b'"preloax"'), (b"true", b"false")])
+def test_a_changed_number_of_a_kept_run_is_damage_and_no_difference(tmp_path, old, new):
+    kept(tmp_path / "own" / "a"), kept(tmp_path / "own" / "b")
+    path = tmp_path / "own" / "b" / "run.json"
+    assert old in path.read_bytes()
+    path.write_bytes(path.read_bytes().replace(old, new, 1))
+    with pytest.raises(InputError, match="checksum"):
+        find_run(str(path.parent))
+    assert [run.folder.name for run in kept_runs(root=tmp_path)] == ["a"]
+
+
+def test_a_run_of_before_the_checksum_is_read(tmp_path):
+    run = kept(tmp_path / "own" / "a")
+    path = run.folder / "run.json"
+    path.write_text(json.dumps({key: value for key, value in json.loads(path.read_text()).items() if key != "checksum"}), encoding="utf-8")
+    assert find_run(str(run.folder)).answer["case"] == "own"
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"created_at": 3}, {"case": ["own"]}, {"quantities": []}, {"quantities": {"preload": 3}},
+        {"quantities": {"preload": {"value": "x"}}},
+        {"runs": {}}, {"runs": [3]}, {"runs": [{"engine_speed": 4}]}, {"runs": [{"quantities": [1]}]}, {"files": "a"}, {"choices": []},
+        {"choices": {"engine_speeds": "4000 rpm"}}, {"quantities_by_label": {"a": 3}},
+    ],
+)  # fmt: skip
+def test_an_answer_of_another_shape_is_refused(tmp_path, more):
+    folder = tmp_path / "own" / "a"
+    folder.mkdir(parents=True)
+    (folder / "run.json").write_text(answer_text(ANSWER | more), encoding="utf-8")
+    refused(lambda path: find_run(str(path)), folder / "run.json", "not what a run writes")
+
+
+@pytest.mark.parametrize("text", ["", "{", "[" * 100_000, '{"created_at": ' + "[" * 100_000])
+def test_an_answer_that_is_no_json_is_refused(tmp_path, text):
+    (tmp_path / "run.json").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="no JSON"):
+        find_run(str(tmp_path / "run.json"))
+
+
+def test_changed_inputs_of_a_kept_run_are_told(tmp_path):
+    one, other = kept(tmp_path / "a"), kept(tmp_path / "b")
+    assert not [key for key, *_ in input_differences(one, other)]
+    other.case_file.write_text('name = "other"\n', encoding="utf-8")
+    with pytest.raises(InputError, match="changed or damaged"):
+        input_differences(one, other)
