@@ -27,8 +27,11 @@ KEPT = Path(__file__).parent / "page_sums.json"
 FOREIGN = 100_000
 #: Characters of a file that are looked at: long tables of channels go on as they begin.
 MOST = 60_000
-#: What differs from one machine and version to the next.
-FLEETING = re.compile(r"\d+\.\d+\.\d+\S*|\d{4}-\d\d-\d\dT[\d:.+Z]+|(?<=>)[^<]*(?:Python|numpy|Linux)[^<]*")
+#: What differs from one machine and version to the next: packed numbers to their last bit, digests, versions, times.
+FLEETING = re.compile(
+    r'"bdata":"[^"]*"|\b[0-9a-f]{16,}\b|'
+    r"\d+\.\d+\.\d+\S*|\d{4}-\d\d-\d\dT[\d:.+Z]+|(?<=>)[^<]*(?:Python|numpy|Linux)[^<]*"
+)
 
 
 def block(text: str) -> list[Any]:
@@ -52,7 +55,9 @@ def told(name: str) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         written = write_study(STUDIES[name](), folder, page=True, figures=True)
         found: dict[str, Any] = {
-            f"{path.parent.name if path.suffix == '.svg' else ''} {path.name}": blocks(path.read_text(encoding="utf-8")[:MOST], r"<g\b")
+            f"{path.parent.name if path.suffix == '.svg' else ''} {path.name}": blocks(
+                FLEETING.sub("", path.read_text(encoding="utf-8")[:MOST]), r"<g\b"
+            )
             for path in sorted((*written.data, *written.figures))
             if path.suffix in (".csv", ".svg")
         }

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from valvetrain.cli.bounds import read_limits
 
 from unit.cli_parts import SMALL, call, sentence
-from valvetrain.cli.bounds import read_limits
 from valvetrain.cli.options import read_count, read_workers
 from valvetrain.errors import InputError
 

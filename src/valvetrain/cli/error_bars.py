@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 NARROW = 80
 #: Digits of a value that are shown, and of its bar.
 DIGITS, BAR_DIGITS = 4, 2
-#: Smallest bar that is shown; a power of ten would take the room of a column.
+#: Smallest bar that is shown; a power of ten would be as wide as a column.
 LEAST_BAR = 1e-4
 
 

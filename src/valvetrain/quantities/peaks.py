@@ -32,19 +32,19 @@ def ring_peak(values: Array) -> float:
     return top - (after - before) ** 2 / (8 * bend) if bend < 0 else top
 
 
-def ring_top(angle: Array, values: Array) -> float:
+def ring_top(cam_angle: Array, values: Array) -> float:
     """Angle (rad) of :func:`ring_peak`; of a level top its middle, straight on from its first sample."""
     place, step = int(np.argmax(values)), 2 * np.pi / len(values)
     before, top, after = (float(values[(place + one) % len(values)]) for one in (-1, 0, 1))
     bend = before - 2 * top + after
-    return float(angle[place]) + (step * (before - after) / (2 * bend) if bend < 0 else 0.0)
+    return float(cam_angle[place]) + (step * (before - after) / (2 * bend) if bend < 0 else 0.0)
 
 
-def ring_value(angle: Array, values: Array, place: float) -> float:
+def ring_value(cam_angle: Array, values: Array, place: float) -> float:
     """Value of one closed turn of even samples at an angle (rad): the cubic through the two samples on either side of it."""
     step = 2 * np.pi / len(values)
-    first = int(np.floor((place - float(angle[0])) / step))
-    share = (place - float(angle[0])) / step - first
+    first = int(np.floor((place - float(cam_angle[0])) / step))
+    share = (place - float(cam_angle[0])) / step - first
     a, b, c, d = (float(values[(first + one) % len(values)]) for one in (-1, 0, 1, 2))
     slope, end = (c - a) / 2, (d - b) / 2
     return b + share * (slope + share * (3 * (c - b) - 2 * slope - end + share * (slope + end - 2 * (c - b))))

@@ -126,8 +126,8 @@ def _of_division(here: Mapping[str, Uncertainty]) -> str:
     if not large:
         return ""
     return (
-        f" More than {100 * COARSE:.0f} % of {', '.join(large)} hangs on how finely the springs are divided (elements or masses), next to "
-        "nothing on the step: surge of few elements runs at other frequencies and meets the seating in another phase."
+        f" More than {100 * COARSE:.0f} % of {', '.join(large)} depends on how finely the springs are divided (elements or masses), next "
+        "to nothing on the step: surge of few elements runs at other frequencies and meets the seating in another phase."
     )
 
 
