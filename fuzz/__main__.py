@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -19,13 +20,23 @@ from collections import Counter
 from pathlib import Path
 from queue import Empty, Queue
 
-from fuzz.worker import SECONDS, ask
+from fuzz.questions import KINDS
+from fuzz.worker import SECONDS, ask, generator, write
 
 PLACE = Path(__file__).resolve().parents[1] / "build" / "fuzz"
 #: Inputs that one process is asked in a row.
 CHUNK = {"cases": 500, "runs": 10, "files": 250}
-#: A process that is this long (s) at one input, its start included, is stopped from outside.
-STUCK = SECONDS + 160
+#: A process that used this much processor time (s), or waited this long (s), at one input, its start included, is stopped from outside.
+STUCK, ASLEEP = SECONDS + 40, 900.0
+
+
+def processor_time(number: int) -> float:
+    """Processor time (s) that the process of that number has used; 0 where it is gone."""
+    try:
+        fields = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 class Told:
@@ -65,13 +76,13 @@ def ask_range(kind: str, seed: int, first: int, last: int, told: Told) -> None:
             lines = process.stdout
             reader = threading.Thread(target=lambda: [told.line(kind, seed, line) for line in lines])  # noqa: B023 (joined below)
             reader.start()
-            seen, since = b"", time.monotonic()
+            seen, since, used = b"", time.monotonic(), 0.0
             while process.poll() is None:
                 time.sleep(0.2)
                 now = Path(mark.name).read_bytes()
                 if now != seen:
-                    seen, since = now, time.monotonic()
-                elif time.monotonic() - since > STUCK:
+                    seen, since, used = now, time.monotonic(), processor_time(process.pid)
+                elif processor_time(process.pid) - used > STUCK or time.monotonic() - since > ASLEEP:
                     process.kill()
             reader.join()
             if process.returncode == 0:
@@ -81,6 +92,7 @@ def ask_range(kind: str, seed: int, first: int, last: int, told: Told) -> None:
                 return
             at = int(seen)
             told.finding(f"{kind}-{seed}-{at}", f"finding: the process ended with {process.returncode}")
+            write(PLACE, kind, seed, at, KINDS[kind][0](generator(kind, seed, at)), f"the process ended with {process.returncode}")
             told.answers.update({f"{kind} asked before a process ended": at - first + 1})
             first = at + 1
 
@@ -130,7 +142,8 @@ def main() -> int:
     for words, count in Counter(words.split("'")[0][9:].strip() for _, words in told.findings).most_common():
         print(f"{count:8d}  found: {words}")
     total = sum(told.answers.values())
-    print(f"{total} inputs in {seconds:.0f} s ({total / max(seconds, 1e-9):.1f} a second), slowest {told.slowest[0]:.1f} s "
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    print(f"{total} inputs in {seconds:.0f} s, {used.ru_utime + used.ru_stime:.0f} s of processor time; slowest {told.slowest[0]:.1f} s "
           f"({told.slowest[1]}), largest process {told.memory / 1e6:.0f} MB; reproducing files in {PLACE}")  # fmt: skip
     return 1 if told.findings else 0
 
