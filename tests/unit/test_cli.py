@@ -50,6 +50,12 @@ def test_run_compare_and_sweep_share_their_options():
         assert not [option for option in shared if option not in shown], command
 
 
+def test_the_shell_completes_the_names_of_cases(tmp_path):
+    asked = {"_VALVETRAIN_COMPLETE": "complete_bash", "COMP_WORDS": "valvetrain run gu2021-b", "COMP_CWORD": "2"}
+    answer = process("run", folder=tmp_path, **asked)
+    assert answer.stdout.split() == ["gu2021-beehive"], answer.stderr
+
+
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_completion_prints_a_script_that_knows_the_commands(tmp_path, shell):
     script = process("--show-completion", shell, folder=tmp_path, _TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION="1")

@@ -11,8 +11,19 @@ import typer
 
 from valvetrain.errors import InputError
 
+
+def matching_cases(begun: str) -> list[str]:
+    """Library cases whose names begin so, for the completion of the shell; file names are the shell's own."""
+    from valvetrain.parameters.loading import library_names
+
+    return [name for name in library_names() if name.startswith(begun)]
+
+
 CaseArgument = Annotated[
-    str, typer.Argument(metavar="CASE", help="Name of a library case (see 'valvetrain cases') or path of a case file.")
+    str,
+    typer.Argument(
+        metavar="CASE", help="Name of a library case (see 'valvetrain cases') or path of a case file.", autocompletion=matching_cases
+    ),
 ]
 SetOption = Annotated[
     list[str] | None,

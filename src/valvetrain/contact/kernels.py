@@ -16,8 +16,12 @@ velocity would cut the force off. A Maxwell link remembers the force of its bran
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from valvetrain.compiled import njit
+
+#: Nothing is allocated here; counting references to the rows passed in costs the time loop of a train some percent.
+OPTIONS: dict[str, Any] = {"cache": True, "_nrt": False, "forceinline": True}
 
 WIDTH = 8
 STIFFNESS, EXPONENT, DAMPING, RESTITUTION, DEPTH, SLOWEST = range(6)
@@ -32,7 +36,7 @@ OWN_LAW = 100
 """Code of a law that brings its own compiled ``kernel`` (``contact.law.OwnLaw``)."""
 
 
-@njit(cache=True, inline="always")
+@njit(**OPTIONS)
 def _power(depth, exponent):
     if exponent == 1.5:
         return depth * math.sqrt(depth)
@@ -41,7 +45,7 @@ def _power(depth, exponent):
     return depth**exponent
 
 
-@njit(cache=True)
+@njit(**OPTIONS)
 def update_impact(memory, place, slowest, penetration, penetration_rate):
     """Keep the two numbers from ``place`` on in ``memory``: first touch, then the greatest rate since (at least ``slowest``, m/s)."""
     if penetration <= 0.0:
@@ -55,7 +59,7 @@ def update_impact(memory, place, slowest, penetration, penetration_rate):
         memory[place + IMPACT_RATE] = abs(penetration_rate)
 
 
-@njit(cache=True)
+@njit(**OPTIONS)
 def maxwell_force(branch_stiffness, branch_damping, force, stretched, elapsed):
     """Force (N) of a spring and a damper in series after ``elapsed`` (s) in which the pair was stretched evenly by ``stretched`` (m).
 
@@ -67,7 +71,7 @@ def maxwell_force(branch_stiffness, branch_damping, force, stretched, elapsed):
     return force * math.exp(-share) - branch_stiffness * stretched * math.expm1(-share) / share
 
 
-@njit(cache=True)
+@njit(**OPTIONS)
 def contact_force(code, parameters, impact_rate, penetration, penetration_rate):
     """Normal force (N, compressive positive, never adhesive) of law ``code`` at a penetration (m) and its rate (m/s).
 
@@ -99,7 +103,7 @@ def contact_force(code, parameters, impact_rate, penetration, penetration_rate):
     return max(0.0, elastic * (1.0 + factor * penetration_rate))
 
 
-@njit(cache=True)
+@njit(**OPTIONS)
 def coulomb_friction(coefficient, slip_rate, normal_force, sliding_velocity):
     """Friction force (N) against ``sliding_velocity`` (m/s): mu N tanh(v / slip_rate), within 0.1 % of mu N at v = 4 slip_rate."""
     return -coefficient * normal_force * math.tanh(sliding_velocity / slip_rate)
