@@ -1,18 +1,19 @@
 # Two commands matter: `make run` and `make test`. Each works alone on a fresh clone.
 CASE ?= gu2021-beehive
-VENV := .venv
+# An interpreter asked for by name, and the lowest versions allowed, have an environment of their own.
+VENV := .venv$(if $(PYTHON),-$(notdir $(PYTHON)))$(if $(LOWEST),-lowest)
 BIN  := $(VENV)/bin
 # One thread per worker: runs are parallel over cases and tests, never inside one.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1
 PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadfile
 
-export PYTHON
+export PYTHON VENV LOWEST
 
 .PHONY: help run test validate bench identify uncertainty lint pins clean environment-run environment-test parts mutants faults fuzz
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
-	@echo "make test      set up, then run all tests"
+	@echo "make test      set up, then run all tests (PYTHON=python3.12: by that interpreter; LOWEST=1: with the lowest versions allowed)"
 	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
 	@echo "make bench     measure the speed of the main parts"
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
@@ -70,5 +71,5 @@ pins:
 	@bash scripts/pins.sh
 
 clean:
-	rm -rf $(VENV) build dist runs src/valvetrain.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .numba_cache
+	rm -rf .venv .venv-* build dist runs src/valvetrain.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .numba_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import json
 import os
 import random
@@ -22,12 +20,20 @@ KINDS = ("solution.nc", "solution.csv", "static.nc", "modes.nc", "run.json", "ca
 @cache
 def whole() -> dict[str, bytes]:
     """One whole file of each kind, of a run made here; and the folder it was made in."""
-    from valvetrain.cli.main import app
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.report.json import study_json
+    from valvetrain.report.write import write_study
+    from valvetrain.studies.run import run_study
+    from valvetrain.studies.run_store import collect_inputs, keep
 
-    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
+    when = "2026-01-01T00:00:00+00:00"
+    with tempfile.TemporaryDirectory() as folder:
         target = Path(folder, "kept")
-        words = ["run", "job-t", "--spring", "massless,multi-mass", "--elements-per-coil", "8", "--no-report", "--workers", "1"]
-        assert app([*words, "--output", str(target)], standalone_mode=False) == 0
+        case = load_case("job-t", {"spring.options.finite-element.elements_per_coil": 8})
+        study = run_study(case, spring_models=("massless", "multi-mass"), workers=1, created_at=when)
+        written = write_study(study, target, page=False).data
+        answer = study_json(study) | {"created_at": when, "files": [path.relative_to(target).as_posix() for path in written]}
+        keep(target, collect_inputs(case.name, case.text, target, {"command": "run", "engine_speeds": [8000.0]}), answer)
         named = {
             "solution.nc": next(target.glob("multi-mass-*.nc")), "solution.csv": next(target.glob("multi-mass-*.csv")),
             "static.nc": next(target.glob("static-*.nc")), "modes.nc": next(target.glob("modes-*.nc")), "run.json": target / "run.json",
@@ -43,7 +49,9 @@ def make(rng: random.Random) -> bytes:
     if manner < 0.55:
         return f"{kind} damaged\n".encode() + damaged(rng, content)
     if manner < 0.65 and kind.endswith((".nc", ".csv")):
-        return f"{kind} unmarked\n".encode() + damaged(rng, content[:-43])
+        # as it was before there were checksums
+        earlier = content[:-43].replace(b'"checksum": "blake2b"', b'"checksum": ""       ')
+        return f"{kind} unmarked\n".encode() + damaged(rng, earlier)
     lie = {"nc": lying_netcdf, "csv": lying_csv, "json": lying_json, "toml": damaged}[kind.rpartition(".")[2]]
     return f"{kind} lying\n".encode() + lie(rng, content)
 

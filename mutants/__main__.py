@@ -101,7 +101,11 @@ def main() -> None:
             print(f"{number:4d} {fault.file}:{fault.line} [{fault.kind}]\n{difference(fault)}")
         return
     base, end = renew("base"), time.monotonic() + 60 * given.minutes
-    known, tasks, answers = trails(base, anew=not given.recorded), Queue[tuple[int, Fault]](), dict[int, dict[str, Any]]()
+    known, tasks, answers = (
+        trails(base, anew=not given.recorded, workers=given.workers),
+        Queue[tuple[int, Fault]](),
+        dict[int, dict[str, Any]](),
+    )
     same = judged()
     for number, fault in chosen:
         if mark(fault) in same:
@@ -113,7 +117,7 @@ def main() -> None:
         thread.start()
     for thread in threads:
         thread.join()
-    summary({number: fault for number, fault in chosen}, answers)
+    summary(dict(chosen), answers, alike=sum(mark(fault) in same for _, fault in chosen))
     place = PLACE / f"faults-{given.seed}-{given.sample}-{given.folders or 'all'}.json"
     told = [
         {**fault.__dict__, "number": number, **answers.get(number, {"verdict": "the same" if mark(fault) in same else "not asked"})}
@@ -123,8 +127,8 @@ def main() -> None:
     print(f"kept in {place}")
 
 
-def summary(chosen: dict[int, Fault], answers: dict[int, dict[str, Any]]) -> None:
-    """The share by folder and in all."""
+def summary(chosen: dict[int, Fault], answers: dict[int, dict[str, Any]], alike: int) -> None:
+    """The share by folder and in all; ``alike``: faults of the sample that change nothing, as they were judged before."""
     seen, every, late, endless = Counter[str](), Counter[str](), 0, 0
     for number, answer in answers.items():
         if answer["verdict"] == "endless":  # a loop without end, or a machine too busy: told apart, since nobody knows
@@ -138,8 +142,10 @@ def summary(chosen: dict[int, Fault], answers: dict[int, dict[str, Any]]) -> Non
         print(f"{folder:12s} {seen[folder]:4d} of {every[folder]:4d}")
     total = max(sum(every.values()), 1)
     share = 100 * sum(seen.values()) / total
-    print(f"noticed {sum(seen.values())} of {total} ({share:.1f} %), {late} of them only by a golden number or a printed page")
-    print(f"{endless} came to no end and are left out")
+    print(f"noticed {sum(seen.values())} of {total} ({share:.1f} %), {late} of them by golden numbers or a printed page alone")
+    print(
+        f"of the sample of {len(chosen)}: {alike} change nothing, {endless} came to no end, {len(chosen) - alike - len(answers)} not asked"
+    )
 
 
 if __name__ == "__main__":

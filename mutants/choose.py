@@ -9,7 +9,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from mutants.copies import ROOT, compiles
 from mutants.faults import Fault, faults, seeded
@@ -18,8 +18,9 @@ SOURCE = ROOT / "src" / "valvetrain"
 #: Tests of pages that are written from tables of modules.
 PAGES = ("_page.py", "_table.py", "_guide.py", "_words.py")
 #: Seconds of tests, as recorded, that are asked at most about one fault: those that enter its function, those whose file says its name,
-#: the others of the files of the first, all.
-SECONDS = (90.0, 40.0, 10.0, 30.0)
+#: the others of the files of the first, all; those of the first and second whose file is called after the function or its module; golden
+#: numbers and printed pages.
+SECONDS = (90.0, 40.0, 10.0, 30.0, 60.0, 40.0)
 
 
 def sample(count: int, seed: int, folders: Iterable[str] = ()) -> list[Fault]:
@@ -48,23 +49,40 @@ def _is_python(fault: Fault) -> bool:
     return True
 
 
-class Definitions(ast.NodeVisitor):
-    """Functions of a file: (first line with decorators, last line, name, names said inside)."""
+class Function(NamedTuple):
+    """A function: first line with decorators, last line, name, name as Python qualifies it, names said inside."""
+
+    first: int
+    last: int
+    name: str
+    whole: str
+    words: frozenset[str]
+
+
+class Definitions:
+    """Functions of a file."""
 
     def __init__(self, path: Path) -> None:
-        self.found: list[tuple[int, int, str, frozenset[str]]] = []
+        self.found: list[Function] = []
         self.tree = ast.parse(path.read_text(encoding="utf-8"))
-        self.visit(self.tree)
+        self._within(self.tree, "")
 
-    def visit(self, node: ast.AST) -> None:
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
-            first = min([node.lineno, *(mark.lineno for mark in getattr(node, "decorator_list", []))])
-            self.found.append((first, node.end_lineno or first, getattr(node, "name", ""), said(node)))
-        self.generic_visit(node)
+    def _within(self, node: ast.AST, prefix: str) -> None:
+        for child in ast.iter_child_nodes(node):
+            below = prefix
+            if isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+                first = min([child.lineno, *(mark.lineno for mark in getattr(child, "decorator_list", []))])
+                name = getattr(child, "name", "")
+                whole = f"{prefix}{name or '<lambda>'}"
+                self.found.append(Function(first, child.end_lineno or first, name, whole, said(child)))
+                below = f"{whole}.<locals>."
+            elif isinstance(child, ast.ClassDef):
+                below = f"{prefix}{child.name}."
+            self._within(child, below)
 
-    def around(self, line: int) -> list[tuple[int, int, str, frozenset[str]]]:
+    def around(self, line: int) -> list[Function]:
         """Functions about a line, the innermost first."""
-        return sorted((one for one in self.found if one[0] <= line <= one[1]), key=lambda one: one[1] - one[0])
+        return sorted((one for one in self.found if one.first <= line <= one.last), key=lambda one: one.last - one.first)
 
     def names_at(self, line: int) -> set[str]:
         """What a statement outside functions gives its name to."""
@@ -93,10 +111,10 @@ def places(fault: Fault, entered: set[str]) -> set[str]:
     """Functions (as trails name them) whose entering tells that a test may notice the fault."""
     here = definitions()[fault.file]
     around = here.around(fault.line)
-    for first, _, _, _ in around:
-        if f"{fault.file}:{first}" in entered:
-            return {f"{fault.file}:{first}"}
-    names = {name for _, _, name, _ in around if name} if around else here.names_at(fault.line)
+    for one in around:
+        if f"{fault.file}:{one.whole}" in entered:
+            return {f"{fault.file}:{one.whole}"}
+    names = {one.name for one in around if one.name} if around else here.names_at(fault.line)
     found = set() if around else {place for place in entered if place.startswith(f"{fault.file}:")}
     return found | _callers(names, entered)
 
@@ -108,13 +126,13 @@ def _callers(names: set[str], entered: set[str]) -> set[str]:
     while rest := names - done:
         done |= rest
         for file, known in definitions().items():
-            for first, _, name, words in known.found:
-                if words & rest:
-                    place = f"{file}:{first}"
+            for one in known.found:
+                if one.words & rest:
+                    place = f"{file}:{one.whole}"
                     if place in entered:
                         found.add(place)
-                    elif name and compiles(f"valvetrain/{file}"):
-                        names = names | {name}
+                    elif one.name and compiles(f"valvetrain/{file}"):
+                        names = names | {one.name}
     return found
 
 
@@ -124,20 +142,27 @@ def tests_for(fault: Fault, trails: dict[str, dict[str, Any]]) -> list[str]:
     entered = {place for _, one, _ in known for place in one["places"]} | {place for trail in trails.values() for place in trail["import"]}
     wanted = places(fault, entered)
     inside = definitions()[fault.file].around(fault.line)
-    names = {name for _, _, name, _ in inside if name} or definitions()[fault.file].names_at(fault.line)
+    names = {one.name for one in inside if one.name} or definitions()[fault.file].names_at(fault.line)
     first = {node for node, one, _ in known if wanted & set(one["places"])}
     near = {file for node, _, file in known if node in first} | {file for file, one in trails.items() if wanted & set(one["import"])}
     spoken = {file for file in trails if set(re.findall(r"\w+", (ROOT / file).read_text(encoding="utf-8"))) & names}
     spoken |= set() if inside else {file for file in trails if file.endswith(PAGES)}
     ranks = {node: (0 if node in first else 1 if file in spoken else 2 if file in near else 3) for node, _, file in known}
     seconds = {node: one["seconds"] for node, one, _ in known}
-    spent, chosen = [0.0] * 4, []
-    for node in sorted(ranks, key=lambda node: (ranks[node], _late(node), seconds[node], node)):
-        rank = ranks[node]
-        if (rank < 3 or not inside) and spent[rank] + seconds[node] <= SECONDS[rank]:
-            spent[rank] += seconds[node]
+    spent, chosen = [0.0] * len(SECONDS), []
+    said_here = _words("_".join((Path(fault.file).stem, *names)))
+    alike = {node: len(_words(Path(file).stem) & said_here) if ranks[node] < 2 else 0 for node, _, file in known}
+    for node in sorted(ranks, key=lambda node: (_late(node), -alike[node], ranks[node], seconds[node], node)):
+        purse = len(SECONDS) - 1 if _late(node) else len(SECONDS) - 2 if alike[node] else ranks[node]
+        if (ranks[node] < 3 or not inside) and spent[purse] + seconds[node] <= SECONDS[purse]:
+            spent[purse] += seconds[node]
             chosen.append(node)
     return chosen
+
+
+def _words(name: str) -> set[str]:
+    """Words of a name, without the ends that make them plural, and without those that say little."""
+    return {word.removesuffix("s") for word in name.lower().split("_") if len(word) > 3} - {"test", "kernel", "term", "value", "every"}
 
 
 def _late(node: str) -> bool:

@@ -30,9 +30,9 @@ def renew(name: str) -> Path:
             path.unlink()
     for file in wanted:
         source, target = ROOT / file, copy / file
-        if not target.exists() or source.stat().st_mtime_ns != target.stat().st_mtime_ns or source.read_bytes() != target.read_bytes():
+        if not target.exists() or source.read_bytes() != target.read_bytes():  # same text keeps its time, which kernels are stamped by
             target.parent.mkdir(parents=True, exist_ok=True)
-            if target.exists() and target.suffix == ".py" and source.read_bytes() != target.read_bytes():
+            if target.exists() and target.suffix == ".py":
                 drop_kernels(copy, file.removeprefix("src/"))
             shutil.copy2(source, target)
     return copy

@@ -1,8 +1,8 @@
 """A pytest plugin: which test enters which functions of the package, in this process and in those it starts.
 
 Active where VALVETRAIN_TRAIL names a file: one JSON object {"import": [places], "tests": {node: {"seconds", "places"}}}; a place is
-``path below src:first line of the function``. What a fixture of a module enters counts for each test that uses the fixture, since the
-others of the module find its result ready.
+``path below src:name of the function``, which outlives changes of other lines. What a fixture of a module enters counts for each test
+that uses the fixture, since the others of the module find its result ready.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Steps:
         sys.settrace(None)
         threading.settrace(None)  # type: ignore[arg-type]
         cut = len(self.source)
-        return {f"{code.co_filename[cut:]}:{code.co_firstlineno}" for code in self.codes if code.co_filename.startswith(self.source)}
+        return {f"{code.co_filename[cut:]}:{code.co_qualname}" for code in self.codes if code.co_filename.startswith(self.source)}
 
 
 class Trail:

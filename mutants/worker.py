@@ -73,7 +73,7 @@ def seed_and_judge(base: Path, copy: Path, fault: Fault, nodes: list[str], limit
     path = copy / "src" / "valvetrain" / fault.file
     text, times = path.read_text(encoding="utf-8"), path.stat()
     below = f"valvetrain/{fault.file}"
-    dropped = drop_kernels(copy, below) if compiles(below) or fault.line in _outside(text) else []
+    dropped = drop_kernels(copy, below) if _reaches_kernels(text, fault.line, compiles(below)) else []
     try:
         path.write_text(seeded(text, fault), encoding="utf-8")
         return judge(copy, nodes, limit + (300.0 if dropped else 0.0))
@@ -85,13 +85,17 @@ def seed_and_judge(base: Path, copy: Path, fault: Fault, nodes: list[str], limit
         restore_kernels(base, copy, dropped)
 
 
-def _outside(text: str) -> set[int]:
-    """Lines outside functions: constants there may be built into kernels."""
-    inside: set[int] = set()
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.FunctionDef):
-            inside |= set(range(node.lineno, (node.end_lineno or 0) + 1))
-    return set(range(1, text.count("\n") + 2)) - inside
+def _reaches_kernels(text: str, line: int, kernels_here: bool) -> bool:
+    """Whether compiled code may hold the line: all outside functions (constants are built in); of a file with ``kernels_here`` the
+    functions that are decorated, hold decorated ones, or speak of the compiler."""
+    functions = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.FunctionDef)]
+    around = [
+        node for node in functions if min([node.lineno, *(mark.lineno for mark in node.decorator_list)]) <= line <= (node.end_lineno or 0)
+    ]
+    if not around or not kernels_here:
+        return not around
+    inside = [one for one in ast.walk(around[0]) if isinstance(one, ast.FunctionDef)]  # a walk meets the outermost first
+    return any(one.decorator_list for one in inside) or "njit" in ast.dump(around[0])
 
 
 def main() -> None:

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Makes, completes or mends the environment in .venv from the pinned versions.
-# Usage: scripts/environment.sh run|test     (PYTHON=... chooses the interpreter)
+# Makes, completes or mends the environment in .venv (or $VENV) from the pinned versions.
+# Usage: scripts/environment.sh run|test     (PYTHON=... chooses the interpreter, LOWEST=1 the lowest versions allowed)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 kind=${1:-run}
-venv=.venv
+venv=${VENV:-.venv}
 unfinished=$venv/.unfinished
 case $kind in
     run) pins=requirements.txt ;;
@@ -16,7 +16,16 @@ esac
 say() { printf '%s\n' "$*" >&2; }
 recent_enough() { "$1" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1; }
 version_of() { "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])'; }
-key() { printf '%s %s %s\n' "$(cat requirements.txt "$pins" pyproject.toml scripts/environment.sh | cksum)" "$PWD" "$(version_of "$venv/bin/python")"; }
+key() { printf '%s %s %s\n' "$(cat requirements.txt "$pins" pyproject.toml scripts/*.sh scripts/lowest_versions.py | cksum)${LOWEST:+ lowest}" "$PWD" "$(version_of "$venv/bin/python")"; }
+
+at_hand() {  # the interpreter itself, or the newest of that name that pyenv keeps without showing it
+    local root
+    if ! recent_enough "$1" && root=$(pyenv root 2>/dev/null); then
+        set -- "$1" "$(find "$root/versions" -path "*/bin/$1" 2>/dev/null | sort -V | tail -n 1)"
+        if [ -n "$2" ]; then printf '%s' "$2"; return; fi
+    fi
+    printf '%s' "$1"
+}
 
 choose_python() {
     local candidate
@@ -57,8 +66,15 @@ complete() {
 install() {
     local pip=("$venv/bin/python" -m pip --disable-pip-version-check install -qq --no-input)
     touch "$unfinished"
-    say "Installing the versions pinned in $pins (a minute or two the first time)."
-    if ! "${pip[@]}" --require-hashes -r "$pins" || ! "${pip[@]}" --no-deps --no-build-isolation -e .; then
+    local what=(--require-hashes -r "$pins")
+    if [ -n "${LOWEST:-}" ]; then
+        "$venv/bin/python" scripts/lowest_versions.py > "$venv/lowest.txt"
+        what=(-r "$venv/lowest.txt")
+        say "Installing the lowest versions that pyproject.toml allows (a minute or two the first time)."
+    else
+        say "Installing the versions pinned in $pins (a minute or two the first time)."
+    fi
+    if ! "${pip[@]}" "${what[@]}" || ! "${pip[@]}" --no-deps --no-build-isolation -e .; then
         say "The environment could not be installed (see above); mend the cause, often the network, and repeat 'make $kind'."
         exit 1
     fi
@@ -70,6 +86,7 @@ install() {
 # Two commands started at once must not install over each other.
 if command -v flock >/dev/null; then exec 9<pyproject.toml; flock 9; fi
 
+if [ -n "${PYTHON:-}" ]; then PYTHON=$(at_hand "$PYTHON"); fi
 if ! usable; then make_venv; fi
 if complete "$kind" "$pins"; then exit 0; fi
 install

@@ -141,7 +141,7 @@ def _broken(kind: str, folder: Path, reference: Reference, code: int, victim: st
         broken.append("a work folder of the solver stays")
     shutil.rmtree(folder / "work", ignore_errors=True)
     early = -number in (code,)  # before the command listened, or SIGKILL
-    allowed = {0, 1} if victim != "parent" else {0, 128 + number} if number else {0, 143}
+    allowed = {0, 128 + number} if victim == "parent" else {0, 1} if number else {0, 1, 143}  # 143: what waits for ever is ended
     if code not in allowed and not (victim == "parent" and number and early):
         broken.append(f"exit code {code}: {errors[-300:]}")
     if victim == "worker" and code == 0 and there.keys() < reference.numbers.keys():

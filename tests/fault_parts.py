@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from unit.cli_parts import MODULE, process_environment, wait_until
+from unit.cli_parts import MODULE, hear_interrupts, process_environment, wait_until
 
 MARK = "VALVETRAIN_FAULT_TEST"
 #: A sweep of trains over two workers, many speeds of some 50 ms each.
@@ -41,7 +41,7 @@ def started(*arguments: str, folder: Path, code: str = "", **environment: str) -
     """The command (or ``code``) as a process of its own group, and the mark of all that it starts; nothing of it is left afterwards."""
     mark = uuid.uuid4().hex
     command = [sys.executable, *(["-c", code] if code else MODULE), *arguments]
-    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "preexec_fn": hear_interrupts}
     with subprocess.Popen(
         command, cwd=folder, env=process_environment(**{MARK: mark, **environment}), start_new_session=True, **pipes
     ) as run:

@@ -1,4 +1,4 @@
-"""Imported by every Python that a test starts while trails are kept; quick, and silent elsewhere."""
+"""Imported by every Python that the tool or one of its tests starts; quick, and silent elsewhere."""
 
 import os
 
@@ -6,3 +6,7 @@ if "VALVETRAIN_TRAIL_CHILDREN" in os.environ:
     from mutants.trail import follow_child
 
     follow_child()
+if "VALVETRAIN_MUTANTS_STAMP" in os.environ:
+    from mutants.stamp import install
+
+    install()

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import os
+import pickle
 import re
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -38,6 +40,34 @@ def njit(*given: Any, **options: Any) -> Any:
     return decorate
 
 
+class CheckedFile(IndexDataCacheFile):
+    """Numba's files of one kernel with a digest at their end: machine code with one wrong bit would be run, and might even go on."""
+
+    def _dump(self, obj: Any) -> bytes:
+        content: bytes = super()._dump(obj)  # type: ignore[no-untyped-call]
+        return content + _digest(content)
+
+    def _load_index(self) -> Any:
+        with suppress(FileNotFoundError), open(self._index_path, "rb") as file:
+            if pickle.load(file) == self._version:
+                _checked(file.read())
+        return super()._load_index()  # type: ignore[no-untyped-call]
+
+    def _load_data(self, name: str) -> Any:
+        return pickle.loads(_checked(Path(self._data_path(name)).read_bytes()))  # type: ignore[no-untyped-call]
+
+
+def _digest(content: bytes) -> bytes:
+    return hashlib.blake2b(content, digest_size=16).digest()
+
+
+def _checked(content: bytes) -> bytes:
+    """Content without the digest at its end. Raises :class:`ValueError` where the two do not fit."""
+    if _digest(content[:-16]) != content[-16:]:
+        raise ValueError("the digest differs")
+    return content[:-16]
+
+
 class KernelCache(FunctionCache):
     """Numba's cache of one kernel, valid for all sources that kernels are made of, not for the kernel's own file alone.
 
@@ -48,14 +78,20 @@ class KernelCache(FunctionCache):
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]
         stamp = (self._impl.locator.get_source_stamp(), sources_digest(PACKAGE))
-        self._cache_file = IndexDataCacheFile(self._cache_path, self._impl.filename_base, stamp)  # type: ignore[no-untyped-call]
+        self._cache_file = CheckedFile(self._cache_path, f"{self._impl.filename_base}.checked", stamp)  # type: ignore[no-untyped-call]
+
+    @property
+    def _place(self) -> Path:
+        """One folder for all kernels of a package, so that one sentence speaks of all of them."""
+        folder = Path(self._cache_path)
+        return PACKAGE if PACKAGE in folder.parents else folder.parent
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Kept machine code for a signature, None where there is none that can be read."""
         try:
             return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         except Exception as reason:  # damaged bytes raise whatever they happen to spell
-            _tell_once(f"compiled kernels in {self._cache_path} are damaged ({type(reason).__name__}); they are compiled anew")
+            _tell_once(f"compiled kernels in {self._place} are damaged ({type(reason).__name__}); they are compiled anew")
             try:
                 self.flush()  # type: ignore[no-untyped-call]
             except OSError:
@@ -68,7 +104,7 @@ class KernelCache(FunctionCache):
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
         except OSError as reason:
             self.disable()  # type: ignore[no-untyped-call]
-            _tell_once(f"compiled kernels cannot be kept in {self._cache_path} ({reason.strerror or reason}); runs compile them anew")
+            _tell_once(f"compiled kernels cannot be kept in {self._place} ({reason.strerror or reason}); runs compile them anew")
 
 
 def _cache_of(function: Callable[..., Any]) -> KernelCache:

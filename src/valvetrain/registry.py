@@ -24,6 +24,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "quantities": ("valvetrain.quantities", "table of quantities"),
     "sections": ("valvetrain.sections", "section of the report"),
     "commands": ("valvetrain.commands", "command"),
+    "lift_formats": ("valvetrain.lift_formats", "form of lift files"),
 }  # fmt: skip
 
 #: Kind -> word -> place. The order is the order of tables and menus.
@@ -38,6 +39,7 @@ BUILT_IN["commands"] = {
     "refine": "valvetrain.cli.refine:register",
     "runs": "valvetrain.cli.runs:register",
     "compare-runs": "valvetrain.cli.compare_runs:register",
+    "lift": "valvetrain.cli.lift:register",
     "new": "valvetrain.cli.new:register",
     "cases": "valvetrain.cli.cases:register",
     "check": "valvetrain.cli.check:register",
@@ -68,6 +70,7 @@ BUILT_IN["lifts"] = {
     "zero": "valvetrain.cam.zero:SPEC",
     "spline": "valvetrain.cam.spline:SPEC",
     "table": "valvetrain.cam.spline:SPEC",
+    "measured": "valvetrain.cam.measured:SPEC",
     "stations": "valvetrain.cam.stations:SPEC",
     "polynomial": "valvetrain.cam.polynomial:SPEC",
     "polydyne": "valvetrain.cam.polydyne:SPEC",
@@ -81,6 +84,13 @@ BUILT_IN["lifts"] = {
     "modified-trapezoid": "valvetrain.cam.modified_trapezoid:SPEC",
     "three-arc": "valvetrain.cam.three_arc:SPEC",
     "tangent": "valvetrain.cam.tangent:SPEC",
+}
+#: In the order in which a content is asked; the last takes any text.
+BUILT_IN["lift_formats"] = {
+    "workbook": "valvetrain.measurements.lift_formats.workbook:SPEC",
+    "s96": "valvetrain.measurements.lift_formats.s96:SPEC",
+    "fractions": "valvetrain.measurements.lift_formats.fractions:SPEC",
+    "columns": "valvetrain.measurements.lift_formats.columns:SPEC",
 }
 BUILT_IN["contacts"] = {
     "linear": "valvetrain.contact.linear:SPEC",

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
 import tomllib
 
 import pytest
@@ -57,3 +60,25 @@ def test_both_files_of_pins_agree_and_hold_every_dependency():
     for declared, pins in ((project["dependencies"], run), (project["optional-dependencies"]["dev"], development)):
         names = {re.split(r"[<>=!~\[; ]", requirement)[0] for requirement in declared}
         assert names <= set(pins)
+
+
+def test_the_lowest_versions_are_those_of_the_project():
+    """``make test LOWEST=1`` installs exactly the bounds that pyproject.toml promises, one of each dependency."""
+    command = [sys.executable, str(ROOT / "scripts" / "lowest_versions.py")]
+    pins = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    assert len(pins) == len(set(pins)) > 15
+    assert not [pin for pin in pins if f'"{pin.replace("==", ">=")}"' not in text]
+    project = tomllib.loads(text)["project"]
+    assert {re.split("[<>=]", one)[0] for one in project["dependencies"]} <= {pin.partition("==")[0] for pin in pins}
+
+
+@pytest.mark.parametrize(
+    ("variables", "folder"),
+    [((), ".venv"), (("PYTHON=python3.12",), ".venv-python3.12"), (("PYTHON=/opt/bin/python3.13",), ".venv-python3.13"),
+     (("LOWEST=1",), ".venv-lowest")],
+)  # fmt: skip
+def test_each_interpreter_and_the_lowest_versions_have_their_own_environment(variables, folder):
+    clean = {name: value for name, value in os.environ.items() if name not in ("PYTHON", "VENV", "LOWEST", "MAKEFLAGS", "MAKELEVEL")}
+    told = subprocess.run(["make", "-n", "run", *variables], cwd=ROOT, capture_output=True, text=True, check=True, env=clean)
+    assert f"\n{folder}/bin/valvetrain run" in f"\n{told.stdout}"

@@ -132,6 +132,7 @@ def test_a_request_to_stop_that_the_interpreter_drops_is_still_heard(monkeypatch
             os.kill(os.getpid(), signal.SIGINT)
             time.sleep(0.01)  # the handler runs here, where what it raises is lost
 
+    hears = signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background of a script have it ignored
     with threads(1) as pool, listening():
         job = pool.submit(time.sleep, 3.0)
         begun = time.monotonic()
@@ -141,6 +142,23 @@ def test_a_request_to_stop_that_the_interpreter_drops_is_still_heard(monkeypatch
         with pytest.raises(Stopped):
             result_of(job)
         assert time.monotonic() - begun < 2.0
+    signal.signal(signal.SIGINT, hears)
+
+
+def test_a_background_job_leaves_ctrl_c_to_others_and_hears_sigterm():
+    """A shell ignores SIGINT for the background jobs of a script, and nohup SIGHUP: both stay ignored, for that was asked."""
+    before = {number: signal.signal(number, signal.SIG_IGN) for number in (signal.SIGINT, signal.SIGHUP)}
+    try:
+        with pytest.raises(Stopped), listening():
+            os.kill(os.getpid(), signal.SIGINT)
+            os.kill(os.getpid(), signal.SIGHUP)
+            assert signal.getsignal(signal.SIGINT) is signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(1)
+        assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def test_a_study_that_is_stopped_hands_over_what_it_has(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -85,6 +86,12 @@ def process(*arguments: str, folder: Path, **environment: str) -> subprocess.Com
 def process_environment(**changes: str) -> dict[str, str]:
     """Environment in which a new interpreter finds the package."""
     return {**os.environ, "PYTHONPATH": str(SOURCE), **changes}
+
+
+def hear_interrupts() -> None:
+    """Before a new process becomes the command: let SIGINT reach it. Tests that a script runs in the background have it ignored, and so
+    would what they start, for good: that is how a shell keeps Ctrl-C from background jobs."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def sentence(result: Result | subprocess.CompletedProcess[str]) -> str:

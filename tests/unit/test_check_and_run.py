@@ -83,7 +83,7 @@ def hexadecimal(digits: int) -> str:
 def test_whole_numbers_of_more_than_64_bits_are_refused_in_a_sentence(digits, tmp_path):
     path = tmp_path / "case.toml"
     path.write_text(hexadecimal(digits), encoding="utf-8")
-    with pytest.raises(InputError, match=r"spring.wire_diameter.*64 bits"):
+    with pytest.raises(InputError, match=r"spring\.wire_diameter.*64 bits"):
         load_case(path)
 
 

@@ -43,8 +43,8 @@ def test_version_and_help():
 
 
 def test_run_compare_and_sweep_share_their_options():
-    shared = ("--engine-speed", "--spring", "--spring-set", "--set", "--elements-per-coil", "--output", "--workers", "--limit", "--report",
-              "--figures", "--published", "--open", "--json", "--quiet")  # fmt: skip
+    shared = ("--engine-speed", "--spring", "--spring-set", "--set", "--elements-per-coil", "--output", "--workers", "--limit",
+              "--implausible", "--report", "--figures", "--published", "--open", "--json", "--quiet")  # fmt: skip
     for command in ("run", "compare", "sweep"):
         shown = call(command, "--help").output
         assert not [option for option in shared if option not in shown], command

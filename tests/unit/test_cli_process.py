@@ -10,7 +10,7 @@ import sys
 
 import pytest
 
-from unit.cli_parts import MODULE, SMALL, process, process_environment, processor_time, sentence, wait_until
+from unit.cli_parts import MODULE, SMALL, hear_interrupts, process, process_environment, processor_time, sentence, wait_until
 
 HEAVY = ("numba", "scipy", "xarray", "pint", "plotly", "matplotlib", "pydantic", "numpy", "h5py", "jinja2")
 
@@ -97,8 +97,9 @@ def test_ctrl_c_ends_at_once_with_one_sentence_and_130(tmp_path):
     ]
     before = sum(os.times()[2:4])
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=process_environment()
-    ) as running:
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=process_environment(),
+        preexec_fn=hear_interrupts,
+    ) as running:  # fmt: skip
         assert running.stderr is not None
         assert running.stderr.readline().startswith("this will take about ")
         # One model is done in a moment, the other has minutes before it.
@@ -128,7 +129,7 @@ def test_ctrl_c_ends_worker_processes_too(tmp_path):
         f"main.app.command('x')(lambda: map_cases(runpy.run_path, [{str(job)!r}] * 4, 2))\n"
         "import sys; sys.argv = ['valvetrain', 'x']; main.main()"
     )
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "preexec_fn": hear_interrupts}
     with subprocess.Popen([sys.executable, "-c", code], text=True, env=process_environment(), start_new_session=True, **pipes) as running:
         wait_until(lambda: mark.exists() and mark.stat().st_size == 2, "both workers begin")
         os.killpg(running.pid, signal.SIGINT)

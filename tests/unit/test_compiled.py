@@ -76,12 +76,18 @@ def test_the_digest_follows_kernels_and_what_they_import(tmp_path):
 
 
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])
-@pytest.mark.parametrize("damage", ["empty", "half", "words"])
+@pytest.mark.parametrize("damage", ["empty", "half", "words", "short", "bit", "longer"])
 def test_damaged_kernels_are_told_and_compiled_anew(load, tmp_path, capsys, ending, damage):
     load()(1.5)
     (file,) = kept(tmp_path, ending)
     whole = file.read_bytes()
-    file.write_bytes({"empty": b"", "half": whole[: len(whole) // 2], "words": b"not a kernel at all"}[damage])
+    middle = len(whole) // 2
+    file.write_bytes(
+        {
+            "empty": b"", "half": whole[:middle], "words": b"not a kernel at all", "short": whole[:-1], "longer": whole + b"0",
+            "bit": whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :],
+        }[damage]
+    )  # fmt: skip
     assert load()(1.5) == 3.0
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and "are damaged" in said and "compiled anew" in said

@@ -21,6 +21,7 @@ from valvetrain.studies.run_differences import input_differences
 from valvetrain.studies.run_store import Inputs, find_run, keep, kept_runs
 
 RUN = rod_run(samples=90)
+PROMISE = b'"checksum": "blake2b"'
 READERS = ((save_netcdf, load_netcdf, "run.nc"), (save_csv, load_csv, "run.csv"))
 
 
@@ -33,11 +34,18 @@ def refused(load, path, words=None):
     return said
 
 
+def without_checksum(path):
+    """Make a file what it was before there were checksums: no closing line, and nothing that promises one."""
+    body, closed = checksum.checked_content(path)
+    assert closed and body.count(PROMISE) == 1
+    path.write_bytes(body.replace(PROMISE, b'"checksum": ""       '))
+
+
 @pytest.fixture
 def opened(tmp_path):
-    """A saved run without its closing line, to be changed with h5py by the test."""
+    """A run saved as before there were checksums, to be changed with h5py by the test."""
     path = save_netcdf(RUN, tmp_path / "run.nc")
-    path.write_bytes(checksum.checked_content(path))
+    without_checksum(path)
     return path
 
 
@@ -54,9 +62,16 @@ def test_one_exchanged_bit_anywhere_is_damage(tmp_path, save, load, name, place)
 @pytest.mark.parametrize(("save", "load", "name"), READERS)
 def test_a_file_of_before_the_checksum_is_read(tmp_path, save, load, name):
     path = save(RUN, tmp_path / name)
-    content = path.read_bytes()
-    path.write_bytes(content[: content.rindex(b"# blake2b")])
+    without_checksum(path)
     assert load(path).identical(RUN)
+
+
+@pytest.mark.parametrize(("save", "load", "name"), READERS)
+@pytest.mark.parametrize("end", [b"", bytes(43), b"# blake2f" + b"0" * 34])
+def test_a_file_that_lost_its_closing_line_is_refused(tmp_path, save, load, name, end):
+    path = save(RUN, tmp_path / name)
+    path.write_bytes(path.read_bytes()[:-43] + end)
+    refused(load, path)
 
 
 @pytest.mark.parametrize(("save", "load", "name"), READERS)
@@ -165,7 +180,7 @@ def test_a_description_without_statistics_is_read_as_none(opened):
 )
 def test_modes_that_lie_are_refused(tmp_path, more, words):
     path = save_modal_result(at_rest()[0].modes, tmp_path / "modes.nc")
-    path.write_bytes(checksum.checked_content(path))
+    without_checksum(path)
     description(path, **more)
     refused(load_modal_result, path, words)
 
@@ -173,7 +188,7 @@ def test_modes_that_lie_are_refused(tmp_path, more, words):
 @pytest.mark.parametrize("name", ["force", "coil_gap", "coil_number"])
 def test_a_curve_without_one_of_its_rows_is_refused(tmp_path, name):
     path = save_static_curve(at_rest()[0].curve, tmp_path / "curve.nc")
-    path.write_bytes(checksum.checked_content(path))
+    without_checksum(path)
     with h5py.File(path, "r+") as file:
         del file[name]
     refused(load_static_curve, path, name)
@@ -185,7 +200,7 @@ def test_a_curve_without_one_of_its_rows_is_refused(tmp_path, name):
 )  # fmt: skip
 def test_a_csv_description_that_lies_is_refused(tmp_path, old, new):
     path = save_csv(RUN, tmp_path / "run.csv")
-    text = checksum.checked_content(path).decode()
+    text = checksum.checked_content(path)[0].decode()
     assert old in text
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
     checksum.close_file(path)

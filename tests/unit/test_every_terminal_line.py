@@ -233,7 +233,7 @@ def test_what_a_case_holds_is_said_in_the_fields_units():
 
 
 def test_sizes_are_said_as_people_say_them():
-    from valvetrain.cli.limits import memory_words, time_words
+    from valvetrain.studies.cost import memory_words, time_words
 
     assert [memory_words(size) for size in (3e5, 4.4e7, 9.99e8, 2.5e9)] == ["1 MB", "44 MB", "999 MB", "2.5 GB"]
     assert [time_words(size) for size in (0.2, 42.0, 89.0, 91.0, 5399.0, 7200.0, 129599.0, 259200.0)] == [

@@ -205,7 +205,7 @@ def test_page_of_nothing_but_a_case(tmp_path):
 
 
 def test_page_that_cannot_be_finished_is_not_begun(tmp_path, monkeypatch):
-    def fail(_):
+    def fail(*_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(write, "render", fail)

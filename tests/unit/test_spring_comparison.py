@@ -12,7 +12,7 @@ import time
 import numpy as np
 import pytest
 
-from unit.cli_parts import MODULE, SMALL, call, process_environment, processor_time, sentence, wait_until
+from unit.cli_parts import MODULE, SMALL, call, hear_interrupts, process_environment, processor_time, sentence, wait_until
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
 
 ALL = ("--spring", "finite-element,modal-varied,solid")
@@ -74,7 +74,8 @@ def test_an_interrupt_stops_the_solver_and_clears_its_files(small, tmp_path):
     program.chmod(0o755)
     command = [sys.executable, *MODULE, "compare", small, "--spring", "solid", *COARSE, "--output", str(tmp_path / "out")]
     environment = process_environment(CCX=str(program), TMPDIR=str(work))
-    run = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment)
+    pipes = {"stderr": subprocess.PIPE, "stdout": subprocess.PIPE, "preexec_fn": hear_interrupts}
+    run = subprocess.Popen(command, text=True, env=environment, **pipes)
     wait_until(lambda: mark.exists() and bool(mark.read_text().strip()), "the solver starts")
     wait_until(lambda: stands_still(run.pid), "the rod's part is done and the solver is waited for")
     run.send_signal(signal.SIGINT)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from valvetrain.cli.limits import time_words
 from valvetrain.cli.outcome import tell
 from valvetrain.cli.study_command import StudyRequest, answer_study, study_command
 from valvetrain.errors import InputError
+from valvetrain.studies.cost import time_words
 
 if TYPE_CHECKING:
     from valvetrain.studies.solid import SolidMotion
@@ -71,6 +71,7 @@ def compare(
         lambda report, finished: compare_study(
             request.case, engine_speeds=request.engine_speeds, spring_models=request.spring_models, spring_sets=request.spring_sets,
             solid=motion, workers=request.workers, progress=report, finished=finished, created_at=request.created_at.isoformat(),
+            limits=request.limits, implausible=request.implausible,
         ),
     )  # fmt: skip
 

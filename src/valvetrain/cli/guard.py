@@ -11,6 +11,7 @@ from typing import Any
 from typer.core import TyperGroup
 
 from valvetrain.cli.outcome import complain, error_object, manner, set_manner
+from valvetrain.cli.streams import mend_streams, reader_left
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError
 from valvetrain.solution.gaps import TRACEBACK_VARIABLE
 from valvetrain.studies.stopping import exit_code, listening, noted
@@ -29,9 +30,7 @@ class GuardedGroup(TyperGroup):
         standalone_mode: bool = True, windows_expand_args: bool = True, **extra: Any,
     ) -> Any:  # fmt: skip
         """Parse, run, and leave by ``SystemExit`` with the exit code (or hand it back when not standalone)."""
-        for stream in (sys.stdout, sys.stderr):
-            with contextlib.suppress(AttributeError, ValueError):
-                stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # a name may hold what the terminal cannot show
+        mend_streams()
         set_manner(sys.argv[1:] if args is None else list(args))
         _told.clear()
         with listening():
@@ -76,11 +75,8 @@ def _report(error: Exception) -> int:
         return _usage(error)
     if type(error).__name__ == "Abort":
         return interrupted()
-    if isinstance(error, BrokenPipeError):
-        # The reader has left; nothing may be written to its end any more, at exit either.
-        with contextlib.suppress(OSError, ValueError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return FAILED
+    if isinstance(error, BrokenPipeError) and reader_left():
+        return 0  # it has read what it wanted
     if os.environ.get(TRACEBACK_VARIABLE):
         raise error
     if isinstance(error, MemoryError):

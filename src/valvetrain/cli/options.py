@@ -33,9 +33,22 @@ SpeedOption = Annotated[
         help="Crank speeds instead of the case's own: '4200, 5600 rpm' or '1000:9000:500 rpm'.",
     ),
 ]  # fmt: skip
+
+
+def read_folder(text: str) -> Path:
+    """The folder of that name; an empty name, as a variable without a value gives it, is refused with an :class:`InputError`."""
+    if not text.strip():
+        raise InputError("the name of the folder is empty; give one, or leave the option out", "--output")
+    return Path(text)
+
+
 OutputOption = Annotated[
-    Path | None, typer.Option("--output", metavar="FOLDER", help="Folder of the results (default: a new one, runs/CASE/DATE-TIME-DIGEST).")
-]
+    Path | None,
+    typer.Option(
+        "--output", metavar="FOLDER", parser=read_folder,
+        help="Folder of the results (default: a new one, runs/CASE/DATE-TIME-DIGEST).",
+    ),
+]  # fmt: skip
 WorkersOption = Annotated[
     int | None, typer.Option("--workers", metavar="N", help="Runs at a time (default: the cores there are, at most 4).")
 ]
@@ -60,6 +73,10 @@ LimitOption = Annotated[
         help="Let a request be larger than the default bounds of 10 min and 2 GB: '2 h', '8 GB'. Repeatable.",
     ),
 ]  # fmt: skip
+ImplausibleOption = Annotated[
+    bool,
+    typer.Option("--implausible", help="Let values pass that no valvetrain can have (docs/plausible.md); without it they are refused."),
+]
 PublishedOption = Annotated[bool, typer.Option("--published", help="Print every published value beside the computed one, and findings.")]
 
 

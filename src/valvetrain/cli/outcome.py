@@ -15,6 +15,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
+from valvetrain.cli.streams import reader_left
 from valvetrain.errors import InputError
 from valvetrain.solution.gaps import TRACEBACK_VARIABLE, reason
 
@@ -56,11 +57,18 @@ class Outcome:
 def deliver(outcome: Outcome) -> None:
     """Print an outcome on standard output, failures on standard error; exit code 1 where a run failed."""
     failures = outcome.failures
-    if manner().json:
-        sys.stdout.write(to_json(outcome.data) + "\n")
-    elif not manner().quiet:
-        failures = (*failures, *_show(outcome))
-    sys.stdout.flush()
+    try:
+        if manner().json:
+            sys.stdout.write(to_json(outcome.data) + "\n")
+        elif not manner().quiet:
+            failures = (*failures, *_show(outcome))
+        sys.stdout.flush()
+    except BrokenPipeError:  # whoever read it has left; the exit code still tells of the work
+        if not reader_left():
+            raise
+    except OSError as error:
+        error.filename = error.filename or "standard output"
+        raise
     for sentence in failures:
         complain(f"failed: {sentence}")
     if failures:
@@ -87,7 +95,11 @@ def output_console() -> Console:
 
 
 class _Plain(Console):
-    """A console to which no words from outside can speak in control sequences."""
+    """A console to which no words from outside can speak in control sequences, and whose caller says what follows when its reader left."""
+
+    def on_broken_pipe(self) -> None:
+        """Called inside the handling of the error, which goes on; rich would end the process with code 1."""
+        raise BrokenPipeError
 
     def render_str(self, text: str, **manner: Any) -> Text:
         """Words as they may be shown; see the base class."""

@@ -31,5 +31,6 @@ def run(request: StudyRequest) -> None:
         lambda report, finished: run_study(
             case, engine_speeds=request.engine_speeds, spring_models=request.spring_models, spring_sets=request.spring_sets,
             workers=request.workers, progress=report, finished=finished, created_at=request.created_at.isoformat(),
+            limits=request.limits, implausible=request.implausible,
         ),
     )  # fmt: skip

@@ -29,9 +29,10 @@ def run_up(
     duration: Annotated[str, typer.Option("--duration", metavar="TIME", help="Time between them.")] = "2 s",
 ) -> None:  # fmt: skip
     """Accelerate a train through its speeds: envelope of forces, loss of contact and float over engine speed."""
-    from valvetrain.cli.limits import USUAL_CYCLES, refuse_beyond
+    from valvetrain.cli.limits import refuse_beyond
     from valvetrain.cli.options import read_engine_speeds
     from valvetrain.cli.progress import announce_compilation
+    from valvetrain.studies.request_cost import USUAL_CYCLES
     from valvetrain.studies.run_up import run_up_study
     from valvetrain.units import parse_quantity
 

@@ -23,7 +23,6 @@ from valvetrain.cli.options import (
     read_models,
     read_words,
 )
-from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -68,11 +67,12 @@ def static(
     """Force, stiffness and stress over compression, coils closing, of every spring of a case, and at heights and loads asked for."""
     from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.outcome import deliver
+    from valvetrain.solution.atomic import check_target
 
     chosen, largest = choose_case(case, settings, elements_per_coil), read_length(to, "--to")
     read_count(steps, 2, 2000, "--steps")
-    if csv is not None and csv.is_dir():
-        raise InputError(f"'{csv}' is a folder; give the name of a file", "--csv")
+    if csv is not None:
+        check_target(csv, "--csv")
     asked = read_amounts(height, "length", "--height"), read_amounts(load, "force", "--load")
     deliver(compute_static(chosen, read_models(spring), read_words(spring_set), largest, steps, csv, *asked))
 

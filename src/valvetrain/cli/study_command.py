@@ -20,6 +20,7 @@ from valvetrain.cli.options import (
     CaseArgument,
     ElementsOption,
     FiguresOption,
+    ImplausibleOption,
     JsonOption,
     LimitOption,
     OpenOption,
@@ -42,7 +43,6 @@ from valvetrain.errors import InputError
 from valvetrain.studies.run_answer import ANSWER
 
 if TYPE_CHECKING:
-    from valvetrain.cli.bounds import Limits
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import Report
     from valvetrain.parameters.case import Case
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from valvetrain.solution.gaps import Gaps
     from valvetrain.solution.provenance import Provenance
     from valvetrain.solution.study import Study
+    from valvetrain.studies.cost import Limits
     from valvetrain.studies.run import Finished
 
 
@@ -81,6 +82,7 @@ class StudyRequest:
     spring_sets: tuple[str, ...]
     workers: int
     limits: Limits
+    implausible: bool
     output: Path | None
     report: bool
     figures: bool
@@ -92,11 +94,12 @@ class StudyRequest:
 def _shared(
     case: CaseArgument, engine_speed: SpeedOption = None, spring: SpringOption = None, spring_set: SpringSetOption = None,
     settings: SetOption = None, elements_per_coil: ElementsOption = None, output: OutputOption = None, workers: WorkersOption = None,
-    limit: LimitOption = None, report: ReportOption = True, figures: FiguresOption = False, published: PublishedOption = False,
+    limit: LimitOption = None, implausible: ImplausibleOption = False, report: ReportOption = True, figures: FiguresOption = False,
+    published: PublishedOption = False,
     open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False, more: Mapping[str, Any] = MappingProxyType({}),
 ) -> dict[str, Any]:  # fmt: skip
     """Read the options that all studies share; :func:`valvetrain.cli.outcome.set_manner` has read the last two."""
-    from valvetrain.cli.bounds import read_limits
+    from valvetrain.studies.cost import read_limits
     from valvetrain.studies.run_store import check_folder
 
     chosen = choose_case(case, settings, elements_per_coil, more)
@@ -106,7 +109,8 @@ def _shared(
         raise InputError(f"case '{chosen.name}' has no lift law, so nothing moves at an engine speed; add a [lift_law] table")
     return {
         "case": chosen, "folder": folder_of(case), "engine_speeds": speeds, "spring_models": read_models(spring),
-        "spring_sets": read_words(spring_set), "workers": read_workers(workers), "limits": read_limits(limit), "output": output,
+        "spring_sets": read_words(spring_set), "workers": read_workers(workers), "limits": read_limits(limit), "implausible": implausible,
+        "output": output,
         "report": report or open_page, "figures": figures, "published": published, "open_page": open_page,
         "created_at": datetime.now(UTC).replace(microsecond=0),
     }  # fmt: skip

@@ -48,5 +48,6 @@ def sweep(
             request.case, engine_speeds, spring_models=request.spring_models, spring_sets=request.spring_sets, workers=request.workers,
             progress=report, finished=finished, created_at=request.created_at.isoformat(),
             critical=None if no_critical_speeds else critical,
+            limits=request.limits, implausible=request.implausible,
         ),
     )  # fmt: skip

@@ -54,4 +54,4 @@ def _note(raw: dict[str, Any]) -> Note:
     if status is not None and (not isinstance(status, str) or status not in STATUSES):
         shown = clipped(str(status), 30)
         raise InputError(f"status '{shown}' is unknown; {nearest(shown, STATUSES)}")
-    return Note(cast(ValueStatus | None, status), source)
+    return Note(cast("ValueStatus | None", status), source)

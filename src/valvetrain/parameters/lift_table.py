@@ -8,10 +8,10 @@ from itertools import pairwise
 from pathlib import Path
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import bounded_bytes
 from valvetrain.units import DIMENSIONS, dimension_of, unit_factor
 
-#: Larger files are no lift table.
-MOST_BYTES = 5_000_000
+_BLANKS = re.compile(r"\s+")
 
 
 def read_lift_table(path: Path, angle_unit: str, angle_of: str, lift_unit: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -83,7 +83,9 @@ def _rows(path: Path) -> list[tuple[float, float]]:
 
 
 def _numbers(text: str) -> tuple[float, float] | None:
-    parts = re.split(r"\s*[;\t]\s*|\s+", text) if re.search(r"[;\t]|\d\s+[-+.\d]", text) else re.split(r"\s*,\s*", text)
+    # runs of blanks become one character, which no pattern below can share out in many ways
+    text = _BLANKS.sub(lambda run: "\t" if "\t" in run[0] else " ", text)
+    parts = re.split(r" ?[;\t] ?| ", text) if re.search(r"[;\t]|\d [-+.\d]", text) else re.split(r" ?, ?", text)
     try:
         angle, lift = (float(part.rstrip(",").replace(",", ".")) for part in parts[:2])
     except ValueError:
@@ -93,9 +95,9 @@ def _numbers(text: str) -> tuple[float, float] | None:
 
 def _read(path: Path) -> str:
     try:
-        if path.stat().st_size > MOST_BYTES:
-            raise InputError(f"{path.name} is larger than {MOST_BYTES // 1_000_000} MB, so it is no lift table; give another file")
-        return path.read_bytes().decode("utf-8-sig")
+        return bounded_bytes(path, "lift table").decode("utf-8-sig")
+    except InputError as error:
+        raise InputError(f"lift table '{path.name[:80]}' {error.reason}") from None
     except UnicodeDecodeError as error:
         raise InputError(f"{path.name} is no text file; export the lift table as CSV") from error
     except (OSError, ValueError) as error:

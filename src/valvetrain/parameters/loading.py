@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
@@ -14,6 +15,7 @@ from pydantic_core import PydanticCustomError
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
+from valvetrain.parameters.bounded_file import bounded_bytes
 from valvetrain.parameters.case import Case, CaseSummary
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.moved import refuse_moved
@@ -26,10 +28,11 @@ from valvetrain.parameters.toml_text import resolved, toml_text
 from valvetrain.units.text import clipped
 
 LIBRARY = Path(__file__).parent / "library"
-#: Larger files are no case file.
-MOST_BYTES = 5_000_000
+#: Keys of more parts than this (``a.b.c``) are no case's; reading them takes time with the square of their number.
+MOST_PARTS = 32
 #: A case, the name of a library case or the path of a case file.
 AnyCase = Case | str | os.PathLike[str]
+_DEEP_KEY = re.compile(rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{MOST_PARTS}}}(?=[\w"'-])""")
 
 
 def case_of(case: AnyCase) -> Case:
@@ -73,7 +76,8 @@ def load_case(name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] |
 
 def read_case(path: Path, changes: Mapping[str, Any] | None = None) -> Case:
     """The case in the file ``path``; errors as :func:`load_case`."""
-    return parse_case(_read_text(path), name=clipped(path.stem, LONGEST_NAME), folder=path.parent, where=path.name, changes=changes)
+    name = os.fsencode(path.stem).decode("utf-8", "replace")  # the name of a case is text, that of its file any bytes
+    return parse_case(_read_text(path), name=clipped(name, LONGEST_NAME), folder=path.parent, where=path.name, changes=changes)
 
 
 def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str = "case", changes: Mapping[str, Any] | None = None) -> Case:
@@ -135,13 +139,9 @@ def list_cases() -> tuple[CaseSummary, ...]:
 
 def _read_text(path: Path) -> str:
     try:
-        if path.is_dir():
-            raise InputError("is a folder; give the TOML file in it", path.name or str(path))
-        with path.open("rb") as stream:  # a device may have no size and no end
-            content = stream.read(MOST_BYTES + 1)
-        if len(content) > MOST_BYTES:
-            raise InputError(f"is larger than {MOST_BYTES // 1_000_000} MB, so it is no case file; give another", path.name)
-        return content.decode("utf-8-sig")
+        return bounded_bytes(path, "case").decode("utf-8-sig")
+    except InputError as error:
+        raise InputError(error.reason, _one_line(path.name or str(path), 60)) from None
     except UnicodeDecodeError:
         raise InputError("is no text file; a case is TOML in UTF-8", path.name) from None
     except FileNotFoundError:
@@ -153,6 +153,9 @@ def _read_text(path: Path) -> str:
 
 
 def _parse_toml(text: str, where: str) -> dict[str, Any]:
+    if (deep := _DEEP_KEY.search(text)) is not None:
+        line = text.count("\n", 0, deep.start()) + 1
+        raise InputError(f"a key has more than {MOST_PARTS} parts with dots between; write tables", f"{where}, line {line}")
     try:
         tree = tomllib.loads(text)
         _refuse_long_integers(tree, "", where)

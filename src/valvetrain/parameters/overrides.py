@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from valvetrain.errors import InputError
+from valvetrain.units.text import clipped
 
 #: Stands for a value that is taken out of the case.
 REMOVED = object()
@@ -20,6 +21,8 @@ def read_assignment(text: str, where: str = "") -> tuple[str, Any]:
     The value is read as TOML where it is TOML (``24``, ``true``, ``[0, 4, 7]``), else as text (``4.1 mm``); nothing after the sign removes
     the key. Raises :class:`InputError` without a path or an equals sign.
     """
+    if any("\ud800" <= char <= "\udfff" for char in text):  # bytes of the command line that are not UTF-8
+        raise InputError(f"'{clipped(text)}' is not UTF-8, which a case file is; write it otherwise, or rename the file", where)
     path, sign, value = text.partition("=")
     path = path.strip()
     if not sign or not path or not all(part.strip() for part in path.split(".")):

@@ -29,14 +29,16 @@ def resolved(tree: Mapping[str, Any], lift_law: LiftLawParameters | None) -> dic
     if lift_law is None:
         return dict(tree)
     kept = {key: value for key, value in tree["lift_law"].items() if key in ("lift_of", "zero_of_angle", "status", "source")}
-    values = lift_law.values
-    table = {
-        "kind": "spline",
-        "cam_angles": [f"{angle!r} rad" for angle in values["cam_angles"]],
-        "lifts": [f"{lift!r} m" for lift in values["lifts"]],
-        "degree": values["degree"],
-        "smoothing": f"{values['smoothing']!r} m",
-    }
+    units = {"cam_angles": "rad"}
+    table: dict[str, Any] = {"kind": lift_law.kind, "lift_of": lift_law.lift_of}
+    for name, value in lift_law.values.items():
+        unit = units.get(name, "m")
+        if isinstance(value, tuple):
+            table[name] = [f"{item!r} {unit}" for item in value]
+        else:
+            table[name] = value if isinstance(value, int) else f"{value!r} {unit}"
+    if lift_law.zero_of_angle:
+        table["zero_of_angle"] = lift_law.zero_of_angle
     return {**tree, "lift_law": kept | table}
 
 

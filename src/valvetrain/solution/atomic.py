@@ -31,6 +31,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     :class:`InputError` when the folder cannot be written.
     """
     target = Path(path)
+    _refuse_what_is_no_file(target)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         _sweep_once(str(target.parent.absolute()))
@@ -48,9 +49,20 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         os.close(handle)
 
 
+def check_target(path: str | os.PathLike[str], where: str = "") -> None:
+    """Refuse, with an :class:`InputError` placed at ``where``, a name under which no file can be written: before the work, not after."""
+    target = Path(path)
+    _refuse_what_is_no_file(target, where)
+    parent = next(place for place in target.absolute().parents if os.path.lexists(place))
+    try:
+        os.rmdir(tempfile.mkdtemp(prefix=".valvetrain.", dir=parent))
+    except OSError as error:
+        raise InputError(f"folder '{str(parent)[:120]}' may not be written to ({error.strerror}); choose another", where) from None
+
+
 def write_text(path: str | os.PathLike[str], text: str) -> Path:
     """Write ``text`` (UTF-8, unix line ends) to ``path`` whole or not at all."""
-    return write_bytes(path, text.encode())
+    return write_bytes(path, text.encode("utf-8", "replace"))  # a name of a file may hold bytes that are no text
 
 
 def write_bytes(path: str | os.PathLike[str], content: bytes | memoryview) -> Path:
@@ -58,6 +70,13 @@ def write_bytes(path: str | os.PathLike[str], content: bytes | memoryview) -> Pa
     with atomic_path(path) as temporary:
         temporary.write_bytes(content)
     return Path(path)
+
+
+def _refuse_what_is_no_file(target: Path, where: str = "") -> None:
+    """A file takes the place of a file, never that of a device, a pipe or a folder."""
+    if os.path.exists(target) and not os.path.isfile(target):
+        what = "a folder" if os.path.isdir(target) else "a device or a pipe"
+        raise InputError(f"'{str(target)[:120]}' is {what}; give the name of a file", where)
 
 
 def remove_abandoned(folder: Path) -> tuple[Path, ...]:

@@ -31,11 +31,11 @@ def close_file(path: Path) -> None:
         stream.write(line)
 
 
-def checked_content(path: Path) -> bytes:
-    """Bytes of a result file without its closing line.
+def checked_content(path: Path) -> tuple[bytes, bool]:
+    """Bytes of a result file without its closing line, and whether it had one.
 
     Raises :class:`InputError` where there is no such file, or where its bytes are not those that were written. A file without the line
-    (written before there was one, or by another program) passes.
+    passes: what it holds tells whether it should have one (:func:`valvetrain.solution.metadata.unpack`).
     """
     try:
         if not path.is_file():
@@ -48,8 +48,8 @@ def checked_content(path: Path) -> bytes:
     if not _LINE.search(content[-length:]):
         if _CUT.search(content[-length:]):
             raise InputError("was cut short: its closing line is not whole; write it again, or fetch it again", str(path))
-        return content
+        return content, False
     body = content[:-length]
     if closing_line(body) != content[-length:]:
         raise InputError("is damaged: its bytes are not those that were written (checksum); write it again, or fetch it again", str(path))
-    return body
+    return body, True

@@ -22,14 +22,17 @@ FORMAT_VERSION = 1
 def pack(kind: str, *, status: Status, provenance: Provenance | None = None, events: tuple[Event, ...] = (), **more: Any) -> str:
     """JSON text with the result's ``kind`` (solution, static-curve, modal-result) and its words and events."""
     content = {
-        "format": f"valvetrain {kind}", "version": FORMAT_VERSION, "status": _fields(status),
+        "format": f"valvetrain {kind}", "version": FORMAT_VERSION, "checksum": "blake2b", "status": _fields(status),
         "provenance": None if provenance is None else _fields(provenance), "events": [_fields(event) for event in events], **more,
     }  # fmt: skip
     return json.dumps(content, default=_plain, ensure_ascii=False)
 
 
-def unpack(text: str, kind: str, where: str) -> dict[str, Any]:
-    """The content of :func:`pack` with its objects rebuilt; :class:`InputError` when it is not a ``kind`` of this package."""
+def unpack(text: str, kind: str, where: str, closed: bool) -> dict[str, Any]:
+    """The content of :func:`pack` with its objects rebuilt; ``closed``: whether the file ends in a checksum that is right.
+
+    Raises :class:`InputError` when it is not a ``kind`` of this package, and when it should have a checksum and has none.
+    """
     try:
         content: dict[str, Any] = json.loads(text)
         found, version = content["format"], content["version"]
@@ -41,6 +44,8 @@ def unpack(text: str, kind: str, where: str) -> dict[str, Any]:
         raise InputError(f"holds a {found[:40]}, not a valvetrain {kind}; open it as what it is", where)
     if version > FORMAT_VERSION:
         raise InputError(f"was written by a newer valvetrain (file version {version}); update the package", where)
+    if content.get("checksum") and not closed:
+        raise InputError("is damaged, or was rewritten by another program: its closing checksum is missing; write it again", where)
     try:
         content["status"] = _made(Status, content["status"])
         content["provenance"] = None if content["provenance"] is None else _made(Provenance, content["provenance"])

@@ -180,7 +180,7 @@ def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
     import xarray
 
     where = str(path)
-    checked_content(Path(path))
+    _, closed = checked_content(Path(path))
     try:
         refuse_claims(Path(path))
         with warnings.catch_warnings(action="ignore"), xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened:
@@ -194,7 +194,7 @@ def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
         raise InputError("cannot be read as NetCDF, it is another kind of file or was cut short; write it again", where) from error
     if not isinstance(text, str):
         raise InputError(f"is not a valvetrain {kind} file; give one that this package wrote", where)
-    return dataset, metadata.unpack(text, kind, where)
+    return dataset, metadata.unpack(text, kind, where, closed)
 
 
 #: Arrays of a static curve and of a modal result with their dimensions.

@@ -97,14 +97,15 @@ def load_csv(path: str | os.PathLike[str]) -> Solution:
     """
     where = str(path)
     try:
-        lines = checked_content(Path(path)).decode("utf-8").replace("\r\n", "\n").split("\n")
+        body, closed = checked_content(Path(path))
+        lines = body.decode("utf-8").split("\n")
     except UnicodeDecodeError as error:
         raise InputError("is not a text file; give a CSV file that this package wrote", where) from error
     if lines[0] != _MARK or len(lines) < 5:
         raise InputError("is not a valvetrain solution in CSV; give one that this package wrote", where)
     if lines[-1] != "" or lines[-2] != f"# end of {len(lines) - 5} rows":
         raise InputError("was cut short: its closing line is missing; write it again", where)
-    content = metadata.unpack(lines[1][2:], "solution", where)
+    content = metadata.unpack(lines[1][2:], "solution", where, closed)
     try:
         dataset = _dataset(content, lines[3:-2])
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError, MemoryError) as error:

@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
+from valvetrain.studies.batch import available_cores
 from valvetrain.studies.compare import compare_study
+from valvetrain.studies.cost import Limits, read_limits, refuse_cost
 from valvetrain.studies.critical_speeds import read_options
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.largest_lift import largest_lift
+from valvetrain.studies.request_cost import Asked, request_cost
 from valvetrain.studies.rest import STEPS
 from valvetrain.studies.rest_study import curve_by_model
 from valvetrain.studies.run import run_study
@@ -28,7 +32,7 @@ Speeds = Given | Sequence[Given]
 
 def simulate(
     case: AnyCase, engine_speeds: Speeds | None = None, *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
-    workers: int | None = None, progress: Progress | None = None,
+    workers: int | None = None, progress: Progress | None = None, limit: str = "", implausible: bool = False,
 ) -> Study:  # fmt: skip
     """Run a case at its engine speeds, or at those given, by its variants or by the spring models asked for.
 
@@ -40,6 +44,8 @@ def simulate(
     spring_sets : names of spring sets of a train
     workers : runs at a time; results do not depend on it
     progress : told the share done and what was done
+    limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
+    implausible : let values pass that no valvetrain can have (docs/plausible.md)
 
     Returns
     -------
@@ -47,7 +53,7 @@ def simulate(
 
     Raises
     ------
-    InputError : one sentence on what cannot be built or run, and the remedy
+    InputError : one sentence on what cannot be built or run, is too large or implausible, and the remedy
 
     Examples
     --------
@@ -56,22 +62,23 @@ def simulate(
     >>> round(study.solution("massless").quantities["peak_spring_force"])
     522
     """
+    limits = _checked("run", case := case_of(case), speeds := _speeds(engine_speeds), spring_models, spring_sets, workers, limit)
     return run_study(
-        case_of(case), engine_speeds=_speeds(engine_speeds), spring_models=spring_models, spring_sets=spring_sets, workers=workers,
-        progress=progress,
+        case, engine_speeds=speeds, spring_models=spring_models, spring_sets=spring_sets, workers=workers, progress=progress,
+        limits=limits, implausible=implausible,
     )  # fmt: skip
 
 
 def compare(
     case: AnyCase, spring_models: Sequence[str] = (), engine_speeds: Speeds | None = None, *, spring_sets: Sequence[str] = (),
-    workers: int | None = None, progress: Progress | None = None,
+    workers: int | None = None, progress: Progress | None = None, limit: str = "", implausible: bool = False,
 ) -> Study:  # fmt: skip
     """A case by several spring models side by side, at rest and in motion.
 
     Parameters
     ----------
     spring_models : words of spring models; those usual for the case by default
-    case, engine_speeds, spring_sets, workers, progress : as for :func:`simulate`
+    case, engine_speeds, spring_sets, workers, progress, limit, implausible : as for :func:`simulate`
 
     Returns
     -------
@@ -88,22 +95,23 @@ def compare(
     >>> [round(one.curve.force_at(7e-3)) for one in study.rest]
     [215, 215]
     """
+    limits = _checked("compare", case := case_of(case), speeds := _speeds(engine_speeds), spring_models, spring_sets, workers, limit)
     return compare_study(
-        case_of(case), engine_speeds=_speeds(engine_speeds), spring_models=spring_models, spring_sets=spring_sets, workers=workers,
-        progress=progress,
+        case, engine_speeds=speeds, spring_models=spring_models, spring_sets=spring_sets, workers=workers, progress=progress,
+        limits=limits, implausible=implausible,
     )  # fmt: skip
 
 
 def sweep(
     case: AnyCase, engine_speeds: Speeds = "1000:9000:100 rpm", *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
     whole: bool = False, workers: int | None = None, progress: Progress | None = None, critical_speeds: bool = True,
-    resolution: Given = "10 rpm", float_lift: Given = "50 um", bounce_height: Given = "100 um",
+    resolution: Given = "10 rpm", float_lift: Given = "50 um", bounce_height: Given = "100 um", limit: str = "", implausible: bool = False,
 ) -> Study:  # fmt: skip
     """A case over engine speed: numbers per speed and, of a train, where it loses contact, floats and bounces.
 
     Parameters
     ----------
-    case, spring_models, spring_sets, workers, progress : as for :func:`simulate`
+    case, spring_models, spring_sets, workers, progress, limit, implausible : as for :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:100 rpm" (first:last:step), rad/s or pint quantities
     whole : keep the channels of every solution (megabytes each); without it solutions hold their events and named quantities only
     critical_speeds : search a train's critical speeds between the lowest and the highest speed, as :func:`critical_speeds` does
@@ -128,22 +136,23 @@ def sweep(
     speeds = _speeds(engine_speeds)
     assert speeds is not None
     critical = read_options(resolution, float_lift, bounce_height) if critical_speeds else None
+    limits = _checked("sweep", case := case_of(case), speeds, spring_models, spring_sets, workers, limit, whole, critical is not None)
     return sweep_study(
-        case_of(case), speeds, spring_models=spring_models, spring_sets=spring_sets, whole=whole, workers=workers, progress=progress,
-        critical=critical,
+        case, speeds, spring_models=spring_models, spring_sets=spring_sets, whole=whole, workers=workers, progress=progress,
+        critical=critical, limits=limits, implausible=implausible,
     )  # fmt: skip
 
 
 def critical_speeds(
     case: AnyCase, engine_speeds: Speeds = "1000:9000:100 rpm", *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
     resolution: Given = "10 rpm", float_lift: Given = "50 um", bounce_height: Given = "100 um", workers: int | None = None,
-    progress: Progress | None = None,
+    progress: Progress | None = None, limit: str = "", implausible: bool = False,
 ) -> CriticalSpeeds:  # fmt: skip
     """The engine speeds at which a train first loses contact, floats and bounces, each as a bracket with a run at either end.
 
     Parameters
     ----------
-    case, spring_models, spring_sets, workers, progress : as for :func:`simulate`
+    case, spring_models, spring_sets, workers, progress, limit, implausible : as for :func:`simulate`
     engine_speeds : speeds of the crank at which the search begins; it goes on between them where control may be lost
     resolution : width of a bracket, "10 rpm", rad/s or a pint quantity
     float_lift : lift above the rigid one beyond which the valve floats, "50 um", m or a pint quantity
@@ -168,7 +177,7 @@ def critical_speeds(
     """
     found = sweep(
         case, engine_speeds, spring_models=spring_models, spring_sets=spring_sets, workers=workers, progress=progress,
-        resolution=resolution, float_lift=float_lift, bounce_height=bounce_height,
+        resolution=resolution, float_lift=float_lift, bounce_height=bounce_height, limit=limit, implausible=implausible,
     )  # fmt: skip
     if not len(found.critical_speeds):
         raise InputError(f"case '{found.record.name}' has no train that runs, so nothing loses contact; give a case with a [train] table")
@@ -217,6 +226,17 @@ def static_curve(
         raise InputError(f"a static curve needs one step or more; it has {steps}")
     wanted = None if largest_compression is None else si(largest_compression, "compression", "largest_compression")
     return curve_by_model(installed, spring_model, lift, wanted, steps)
+
+
+def _checked(
+    command: str, case: Case, speeds: tuple[float, ...] | None, models: Sequence[str], sets: Sequence[str], workers: int | None, limit: str,
+    whole: bool = True, searches: bool = False,
+) -> Limits:  # fmt: skip
+    """The bounds of ``limit``. Raises :class:`InputError` for a request whose estimated cost is beyond them."""
+    limits = read_limits((limit,) if limit else (), "limit")
+    asked = Asked(command, case, speeds, tuple(models), tuple(sets), available_cores() if workers is None else workers)
+    refuse_cost(request_cost(asked, whole, searches), limits, "limit=")
+    return limits
 
 
 def _speeds(engine_speeds: Speeds | None) -> tuple[float, ...] | None:

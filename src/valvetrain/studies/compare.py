@@ -17,6 +17,7 @@ from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
+from valvetrain.studies.cost import Limits
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.rest import reach_of, rest_by_model
 from valvetrain.studies.run import Finished, run_problem
@@ -38,6 +39,7 @@ FINE_STEPS, STEPS = 160, 64
 def compare_study(
     case: Case, *, engine_speeds: Sequence[float] | None = None, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
     solid: SolidMotion | None = None, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
+    limits: Limits = Limits(), implausible: bool = False,
     finished: Finished | None = None,
 ) -> Study:  # fmt: skip
     """The case by each of ``spring_models`` (a usual choice by default): the study's runs, and every spring at rest by each model.
@@ -56,6 +58,7 @@ def compare_study(
         speeds = ()  # solids stand beside the others at rest; motion is run where it is asked for
     study = run_problem(
         problem, speeds, workers=workers, progress=None if with_solid else progress, created_at=created_at, command="compare",
+        limits=limits, implausible=implausible,
         finished=finished,
     )  # fmt: skip
     if problem.kind == TRAIN:

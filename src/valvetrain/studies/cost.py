@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from valvetrain.errors import InputError
+
+SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+BYTES = {"MB": 1e6, "GB": 1e9, "TB": 1e12}
 #: Seconds around a run (states of rest, records, quantities), and bytes of a run kept without its channels.
 RUN, REDUCED = 0.03, 40_000.0
 #: Copies of a channel that stand side by side while a run is recorded, evaluated and written.
@@ -37,3 +44,60 @@ def estimate(
     seconds = (runs * RUN + simulated_time * (own_time + processor_time * refinement**2)) / at_a_time
     record = 8.0 * samples * channels
     return Cost(seconds, (runs * record if whole else runs * REDUCED) + COPIES * record * at_a_time)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Largest estimated time (s) and memory (bytes) of a request."""
+
+    seconds: float = 600.0
+    bytes: float = 2e9
+
+
+def read_limits(texts: Sequence[str] | None, where: str = "--limit") -> Limits:
+    """Bounds from such as ``'2 h'`` and ``'8 GB'``, in one text or several. Raises :class:`InputError` for anything else."""
+    limits = Limits()
+    for text in (part for whole in texts or () for part in whole.split(",")):
+        match = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([A-Za-z]+)\s*", text)
+        if match is None or match[2] not in (*SECONDS, *BYTES) or float(match[1]) == 0:
+            raise InputError(f"'{text[:40]}' is no bound; write a time such as '2 h' or a memory such as '8 GB'", where)
+        if match[2] in SECONDS:
+            limits = Limits(float(match[1]) * SECONDS[match[2]], limits.bytes)
+        else:
+            limits = Limits(limits.seconds, float(match[1]) * BYTES[match[2]])
+    return limits
+
+
+def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ") -> str:
+    """The cost in words. Raises :class:`InputError` with the numbers, and the ``option`` that raises the bound, where it is too large."""
+    told = f"about {time_words(cost.seconds)} and {memory_words(cost.bytes)}"
+    over = []
+    if cost.seconds > limits.seconds:
+        over.append((_rounded_up(cost.seconds, SECONDS), time_words(limits.seconds)))
+    if cost.bytes > limits.bytes:
+        over.append((_rounded_up(cost.bytes, BYTES), memory_words(limits.bytes)))
+    if over:
+        bounds = " and ".join(bound for _, bound in over)
+        raised = ", ".join(value for value, _ in over)
+        remedy = f"ask for fewer speeds, cycles or unknowns, or raise the bound with {option}'{raised}'"
+        raise InputError(f"this request will take {told}, beyond the bound of {bounds}; {remedy}")
+    return told
+
+
+def time_words(seconds: float) -> str:
+    """A time as people say it."""
+    for unit, size in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 1.5 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{max(1.0, seconds):.0f} s"
+
+
+def memory_words(size: float) -> str:
+    """A memory as people say it."""
+    return f"{size / 1e9:.3g} GB" if size >= 1e9 else f"{max(1.0, size / 1e6):.0f} MB"
+
+
+def _rounded_up(value: float, units: Mapping[str, float]) -> str:
+    """``value`` as the next whole number of the largest unit that leaves at least one."""
+    unit = [name for name, size in units.items() if value >= size or size == min(units.values())][-1]
+    return f"{math.ceil(1.05 * value / units[unit])} {unit}"

@@ -15,6 +15,7 @@ from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
 from valvetrain.quantities.peaks import ring_top
+from valvetrain.quantities.plausible import REMEDY, implausible
 from valvetrain.quantities.valve_events import open_window
 from valvetrain.solution.arrays import empty_channels
 from valvetrain.solution.gaps import Gaps, reason
@@ -24,6 +25,7 @@ from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
 from valvetrain.springs.contract import LargeSpring
 from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.studies.cost import Limits, memory_words
 from valvetrain.system.prescribed import PrescribedSpring, names_of
 from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_rest import TrainRest, rest_of
@@ -32,6 +34,8 @@ from valvetrain.system.train_system import TrainSystem
 if TYPE_CHECKING:
     from valvetrain.integrate.train_orbit import Orbit
 
+#: Bytes that one step of a cam turn takes while it is recorded (time, motion, forces and what is made of them).
+STEP_BYTES = 128.0
 #: What a run can meet that is its own failure and not the study's: whatever it is, the other runs are there.
 FAILURES = (Exception,)
 
@@ -39,7 +43,8 @@ FAILURES = (Exception,)
 @dataclass(frozen=True, eq=False)
 class Plan:
     """What is asked of every run: ``keep`` of its channels (``contacts`` for a sweep), samples per cam turn (None: the usual), whether
-    the solution keeps its channels at all, cam turns of prescribed motion, most turns of a train, and when (ISO 8601)."""
+    the solution keeps its channels at all, cam turns of prescribed motion, most turns of a train, when (ISO 8601), the memory (bytes) that
+    one run may take, and whether implausible results pass."""
 
     keep: Keep = "all"
     samples: int | None = None
@@ -47,6 +52,8 @@ class Plan:
     cycles: int = 2
     cycles_to_settle: int | None = None
     created_at: str = ""
+    most_bytes: float = Limits().bytes
+    implausible: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,12 +144,40 @@ def integrate_from(
         remedy = "choose another model, or tell more of the spring"
         return Solution(empty_channels(), (), Status("refused", ready.refusal, remedy=remedy), {}, provenance), None
     prescribed = isinstance(ready.system, PrescribedSpring)
+    if prescribed and (status := _too_many_steps(ready, engine_speed / 2, plan)) is not None:
+        return Solution(empty_channels(), (), status, {}, provenance), None
     until = Cycles(plan.cycles) if prescribed else Periodic(plan.cycles_to_settle)
     options = RunOptions(plan.samples, keep=plan.keep, rest=ready.rest, window=ready.window, nose=ready.nose, start=start)
     try:
         return run_to_orbit(ready.system, engine_speed / 2, until, options, provenance)
     except FAILURES as error:
         return Solution(empty_channels(), (), Status("diverged", reason(error), remedy="look at this run alone"), {}, provenance), None
+
+
+def _too_many_steps(ready: Ready, cam_speed: float, plan: Plan) -> Status | None:
+    """Why a run is not begun whose cam turn has more steps than the memory holds; None where it fits.
+
+    The step is the spring's own: a hard coil contact or a light wire shortens it by orders that no count of elements tells.
+    """
+    assert isinstance(ready.system, PrescribedSpring)
+    for spring in ready.system.springs:
+        step = float(spring.stable_time_step()) if hasattr(spring, "stable_time_step") else np.inf
+        steps = 2 * np.pi / cam_speed / max(step, 1e-300)
+        if not steps * STEP_BYTES <= plan.most_bytes:
+            words = (
+                f"{spring.name} needs steps of {step:.3g} s, {steps:.3g} in a cam turn, which take about "
+                f"{memory_words(steps * STEP_BYTES)}, beyond the bound of {memory_words(plan.most_bytes)}"
+            )
+            remedy = "give a softer coil contact, fewer elements or a higher speed, or raise the bound (--limit, limit=)"
+            return Status("refused", words, remedy=remedy)
+    return None
+
+
+def plausible(solution: Solution) -> Solution:
+    """The run, as ``diverged`` where a number of it is nonsense; its numbers stay."""
+    if solution.status.code not in ("completed", "not-converged") or not (words := implausible(solution)):
+        return solution
+    return replace(solution, status=Status("diverged", words, float(solution.time[-1]), remedy=REMEDY))
 
 
 def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:
@@ -182,6 +217,7 @@ def judge(ready: Ready, solution: Solution, plan: Plan, rest: Rest) -> Solution:
         gaps = Gaps()
         solution = gaps.part("all numbers", solution, evaluate, solution, frame)
         solution = gaps.part("coil bind", solution, bound, solution, ready.member.springs)
+        solution = solution if plan.implausible else gaps.part("plausible values", solution, plausible, solution)
         if gaps.sentences:
             solution = solution.with_found(solution.events, solution.quantities, (*solution.gaps, *gaps.sentences))
     return solution if plan.whole else solution.reduced()

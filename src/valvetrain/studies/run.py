@@ -15,6 +15,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.steel_contacts import usual_contacts
 from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.quantities.design import closing_quantities
+from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
 from valvetrain.quantities.spectrum import surge_engine_speeds
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.quantities.valve_events import rigid_events
@@ -30,6 +31,7 @@ from valvetrain.sources.contract import against_source
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.batch import available_cores
 from valvetrain.studies.before_run import refuse_speeds
+from valvetrain.studies.cost import Limits
 from valvetrain.studies.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.studies.engine import LOST, LOST_REMEDY, Progress, map_points, threads
 from valvetrain.studies.notes import buckling_notes, undamped_notes
@@ -46,6 +48,8 @@ CARD_WIRE_NOTE = (
     "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils with "
     "wide gaps are assumed. Its clashes and stresses are not those of the real spring."
 )
+#: Parts of a train with friction in a guide.
+RUBBING = ("follower", "valve")
 ReadyPoint = tuple[int, float]
 #: Told the place among the runs of a study, and the solution, as each is finished.
 Finished = Callable[[int, Solution], None]
@@ -58,6 +62,7 @@ GRID_SHARE = 0.5
 def run_study(
     case: Case, *, engine_speeds: Sequence[float] | None = None, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
     workers: int | None = None, progress: Progress | None = None, created_at: str = "", command: str = "run", whole: bool = True,
+    limits: Limits = Limits(), implausible: bool = False,
     finished: Finished | None = None,
 ) -> Study:  # fmt: skip
     """A case at its engine speeds (rad/s of the crank; those given instead) by its variants, or by the models and spring sets asked for.
@@ -68,16 +73,19 @@ def run_study(
     problem = build(case, spring_models=spring_models, spring_sets=spring_sets)
     speeds = problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)
     return run_problem(
-        problem, speeds, workers=workers, progress=progress, created_at=created_at, command=command, whole=whole, finished=finished
-    )
+        problem, speeds, workers=workers, progress=progress, created_at=created_at, command=command, whole=whole, finished=finished,
+        limits=limits, implausible=implausible,
+    )  # fmt: skip
 
 
 def run_problem(
     problem: Problem, engine_speeds: Sequence[float], *, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
     command: str = "run", whole: bool = True, critical: CriticalOptions | None = None, finished: Finished | None = None,
+    limits: Limits = Limits(), implausible: bool = False,
 ) -> Study:  # fmt: skip
     """The study of a problem at ``engine_speeds`` (rad/s of the crank); see :func:`run_study`. ``critical``: search a train's critical
-    speeds between the lowest and the highest of them; ``finished``: told place and solution of each run as it comes.
+    speeds between the lowest and the highest of them; ``finished``: told place and solution of each run as it comes; ``limits`` of
+    one run; ``implausible``: let pass what :mod:`valvetrain.quantities.plausible` calls nonsense.
 
     Raises :class:`StudyStopped`, a KeyboardInterrupt, with what is finished when it is stopped.
     """
@@ -85,11 +93,13 @@ def run_problem(
     speeds = tuple(float(speed) for speed in engine_speeds)
     refuse_speeds(problem, speeds)
     problem.must_run()
+    if not implausible:
+        refuse_implausible(problem, speeds)
     samples = None if problem.kind == TRAIN else round(2 * np.pi / problem.output_step)
     if command == "sweep" and problem.kind == TRAIN:
         samples = 720
     keep: Keep = "all" if whole else "ends" if problem.kind == TRAIN else "contacts"
-    plan = Plan(keep, samples, whole, problem.cycles, problem.cycles_to_settle, created_at)
+    plan = Plan(keep, samples, whole, problem.cycles, problem.cycles_to_settle, created_at, limits.bytes, implausible)
     count = available_cores() if workers is None else workers
     if count < 1:
         raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
@@ -128,6 +138,15 @@ def _notes(problem: Problem) -> tuple[str, ...]:
     notes: tuple[str, ...] = (CARD_WIRE_NOTE,) if made_up else ()
     notes += tuple(dict.fromkeys(said for m in problem.members if m.gear and (said := usual_contacts(m.gear.parameters.contacts))))
     return (*notes, *undamped_notes(problem.members), *buckling_notes(problem))
+
+
+def refuse_implausible(problem: Problem, engine_speeds: Sequence[float]) -> None:
+    """Raise :class:`InputError` for a motion or a part that is nonsense, whatever could be computed of it."""
+    gears = {member.label: member.gear.parameters for member in problem.members if member.gear is not None}
+    if engine_speeds and problem.moves:
+        refuse_implausible_motion(problem.valve_lift, (speed / 2 for speed in engine_speeds))
+    for train in gears.values():
+        refuse_implausible_parts({f"train.{part}.friction": getattr(getattr(train, part, None), "friction", 0.0) for part in RUBBING})
 
 
 def beside_published(study: Study, problem: Problem) -> Study:

@@ -10,6 +10,7 @@ import hashlib
 import json
 import os
 import re
+import tempfile
 import tomllib
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
@@ -22,6 +23,7 @@ from typing import Any
 from valvetrain.errors import InputError
 from valvetrain.solution.atomic import SUFFIX, is_abandoned, lock, remove_abandoned, write_bytes, write_text
 from valvetrain.studies.run_answer import ANSWER, answer_text, read_answer
+from valvetrain.units.text import clipped
 
 ROOT, LATEST, CASE_FILE = Path("runs"), "latest", Path("inputs") / "case.toml"
 #: End of the name of a folder whose run goes on or was killed, and the list of its finished runs.
@@ -179,18 +181,24 @@ def _free_folder(home: Path, stem: str) -> Path:
 def check_folder(folder: Path, kept: bool = False) -> None:
     """Refuse, with an :class:`InputError`, a folder that cannot be written, or, unless runs are ``kept`` in it, one that holds something
     else than an earlier run."""
+    shown = clipped(str(folder), 120)
     try:
-        there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+        there = next(path for path in (folder.absolute(), *folder.absolute().parents) if os.path.lexists(path) or path.exists())
         ours = (folder / ANSWER).is_file() or (folder / LIST).is_file()
         foreign = not kept and folder.is_dir() and not ours and any(path for path in folder.iterdir() if not path.name.endswith(SUFFIX))
     except (OSError, ValueError) as error:
-        raise InputError(f"'{folder}' is no usable folder name ({error}); choose another", "--output") from None
+        words = getattr(error, "strerror", None) or error
+        raise InputError(f"'{shown}' is no usable folder name ({words}); choose another", "--output") from None
+    place = clipped(str(there), 120)
     if not there.is_dir():
-        raise InputError(f"'{there}' is a file, not a folder; choose another", "--output")
-    if not os.access(there, os.W_OK):
-        raise InputError(f"folder '{there}' may not be written to; choose another", "--output")
+        what = "a link that leads nowhere" if there.is_symlink() and not there.exists() else "a file, not a folder"
+        raise InputError(f"'{place}' is {what}; choose another", "--output")
+    try:
+        os.rmdir(tempfile.mkdtemp(prefix=".valvetrain.", dir=there))  # some folders take nothing, whatever their permissions say
+    except OSError as error:
+        raise InputError(f"folder '{place}' may not be written to ({error.strerror}); choose another", "--output") from None
     if foreign:
-        raise InputError(f"folder '{folder}' holds files that no run wrote; choose an empty or a new one", "--output")
+        raise InputError(f"folder '{shown}' holds files that no run wrote; choose an empty or a new one", "--output")
 
 
 def keep(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> KeptRun:

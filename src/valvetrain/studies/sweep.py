@@ -8,6 +8,7 @@ from dataclasses import replace
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.solution.study import Study
+from valvetrain.studies.cost import Limits
 from valvetrain.studies.critical_speeds import CriticalOptions
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.run import Finished, run_problem
@@ -18,7 +19,8 @@ from valvetrain.system.build import build
 def sweep_study(
     case: Case, engine_speeds: Sequence[float], *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (),
     whole: bool = False, workers: int | None = None, progress: Progress | None = None, created_at: str = "",
-    critical: CriticalOptions | None = CriticalOptions(), finished: Finished | None = None,
+    critical: CriticalOptions | None = CriticalOptions(), finished: Finished | None = None, limits: Limits = Limits(),
+    implausible: bool = False,
 ) -> Study:  # fmt: skip
     """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and of a train its critical speeds between
     the lowest and the highest of them (``critical`` None: not searched).
@@ -34,7 +36,7 @@ def sweep_study(
     try:
         return _with_critical(run_problem(
             problem, speeds, workers=workers, progress=progress, created_at=created_at, command="sweep", whole=whole, critical=critical,
-            finished=finished,
+            finished=finished, limits=limits, implausible=implausible,
         ))  # fmt: skip
     except StudyStopped as cut:
         raise StudyStopped(_with_critical(cut.study)) from None

@@ -22,8 +22,9 @@ _SHOWN_UNITS = (
     "m mm cm um µm in inch thou mil ft N kN lbf kgf N/mm N/m lbf/in kg g lb oz Pa kPa MPa GPa bar psi ksi rad deg "
     "rpm rad/s s ms us min Hz kHz 1/s kg/m^3 g/cm^3 N/mm^2 mm/s m/s mm/s^2 m/s^2 N*s/m N*s/mm J mJ W %"
 ).split()
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?"
-_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*\Z", re.DOTALL)
+# no two neighbours of these patterns take the same characters: a text that fails is then read once, not once per way to share it out
+_NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,4})?"
+_QUANTITY = re.compile(rf"({_NUMBER})\s*(.*)\Z", re.DOTALL)
 _FACTOR = r"(?:1|[A-Za-zµμ_]+)(?:\s*(?:\^|\*\*)\s*-?\d(?:\.\d{1,3})?)?"
 _UNIT = re.compile(rf"{_FACTOR}(?:\s*[*/·]\s*{_FACTOR}|\s+{_FACTOR})*\Z")
 
@@ -99,7 +100,8 @@ def parse_quantities(text: object, dimension: str | None, where: str = "") -> tu
     for head in heads:
         if not re.fullmatch(_NUMBER, head):
             raise InputError(f"'{clipped(head)}' is no plain number; write the numbers, then one unit, as in '0, 1.5, 3 mm'", where)
-    return tuple(to_si(number, unit, dimension, f"'{clipped(text)}'", where) for number in [*map(float, heads), value])
+    shown = f"'{clipped(text)}'"
+    return tuple(to_si(number, unit, dimension, shown, where) for number in [*map(float, heads), value])
 
 
 def split_quantity(text: object, dimension: str | None, where: str) -> tuple[float, str]:
@@ -114,7 +116,7 @@ def split_quantity(text: object, dimension: str | None, where: str) -> tuple[flo
             return finite(float(text) if abs(text) < 1e300 else math.inf, text, where), ""
         remedy = "write it with its unit" if dimension is None else f"{phrase} is needed here: write '{clipped(repr(text))} {usual}'"
         raise InputError(f"{clipped(repr(text))} has no unit; {remedy}", where)
-    match = _QUANTITY.match(text)
+    match = _QUANTITY.match(text.strip())
     if match is None:
         raise InputError(f"'{clipped(text)}' is no quantity; {phrase} is needed here, such as '1 {usual}'".rstrip(), where)
     number, unit = match.groups()
@@ -150,7 +152,7 @@ def finite(value: float, shown: object, where: str) -> float:
 
 def clipped(text: str, limit: int = 40) -> str:
     """Foreign text that may stand in a message: printable, at most ``limit`` characters."""
-    clean = "".join(char if char.isprintable() else "?" for char in text)
+    clean = "".join(char if char.isprintable() else "?" for char in text[: limit + 1])
     return clean if len(clean) <= limit else clean[: limit - 3] + "..."
 
 

@@ -1,0 +1,142 @@
+"""A law behind measured stations: noise taken out with its uncertainty kept, base circle exactly zero."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from valvetrain.cam.contract import Array, LiftSpec
+from valvetrain.cam.pieces import PeriodicPieces, with_base_circle
+from valvetrain.errors import InputError
+from valvetrain.measurements.lift_answers import LiftAnswers
+from valvetrain.measurements.lift_reading import read_lift
+from valvetrain.measurements.lift_smoothing import DEGREE, SmoothedLift, smooth_lift
+from valvetrain.measurements.measured_lift import MeasuredLift
+from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.parameters.schema_lift import LiftModel, check_angles
+from valvetrain.parameters.schema_types import Angle, Angles, Length, Lengths, guarded, problem
+
+#: Highest number of a draw.
+MOST_DRAWS = 10_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """The law behind ``lifts`` (m) at ``cam_angles`` (rad), as `valvetrain.measurements.lift_smoothing` finds it.
+
+    ``noise`` (m): standard deviation of a station, 0 to find it. ``band`` (m): how far the law may leave a station, 0 for no bound.
+    ``draw``: 0 for the mean; another number for one of the laws that the stations allow, the same for the same number.
+    """
+
+    cam_angles: tuple[float, ...]
+    lifts: tuple[float, ...]
+    noise: float = 0.0
+    band: float = 0.0
+    draw: int = 0
+
+    def __post_init__(self) -> None:
+        if len(self.cam_angles) != len(self.lifts):
+            raise InputError(f"lifts has {len(self.lifts)} entries but cam_angles {len(self.cam_angles)}; give one lift per angle")
+        if not 0 <= self.draw <= MOST_DRAWS:
+            raise InputError(f"draw is a whole number from 0 (the mean) to {MOST_DRAWS}; it is {self.draw}", "draw")
+
+    @property
+    def continuity(self) -> int:
+        return 2
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        return self._pieces.joints
+
+    @cached_property
+    def smoothed(self) -> SmoothedLift:
+        """The law with its uncertainty."""
+        return smooth_lift(self.cam_angles, self.lifts, self.noise or None, self.band or None)
+
+    @cached_property
+    def _pieces(self) -> PeriodicPieces:
+        from scipy.interpolate import BSpline, PPoly
+
+        lift = self.smoothed
+        coefficients = lift.draws(self.draw)[-1] if self.draw else lift.coefficients
+        whole = PPoly.from_spline(BSpline(lift.knots, coefficients, DEGREE))
+        real = np.diff(whole.x) > 0
+        breaks = np.append(whole.x[:-1][real], whole.x[-1])
+        return with_base_circle(breaks, whole.c[::-1, real].T.copy(), self.continuity)
+
+    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
+        return self._pieces.lift(cam_angle, derivative)
+
+    def polynomial_pieces(self) -> PeriodicPieces:
+        """The exact flat form."""
+        return self._pieces
+
+
+class MeasuredModel(LiftModel):
+    """Measured lifts, from a file of any known form or inline; the law behind their noise."""
+
+    cam_angles: Angles | None = None
+    lifts: Lengths | None = None
+    file: str | None = None
+    lobe: Literal["", "lift", "intake", "exhaust"] = Field(default="", description="which lobe of the file, where it holds two")
+    angle_of: Literal["", "cam", "crank"] = Field(default="", description="whose angles the file holds, where it does not say")
+    angle_unit: Literal["", "deg", "rad"] = Field(default="", description="unit of the angles of the file, where it does not say")
+    lift_unit: str = Field(default="", description="unit of the lifts of the file, where it does not say")
+    zero: Literal["", "file", "nose"] = Field(default="", description="zero of the angle: that of the file, or the nose")
+    direction: Literal["", "forward", "reversed"] = Field(default="", description="whether the table was taken against the rotation")
+    columns: str = Field(default="", description="what each column of the file is, where it does not say")
+    peak_lift: Length | None = Field(default=None, description="largest lift of a file of fractions")
+    duration: Angle | None = Field(default=None, description="length of the event of a file of fractions, in the angle of angle_of")
+    opening: Angle | None = Field(default=None, description="begin of the event of a file of fractions, in the angle of angle_of")
+    noise: Length = Field(default=0.0, description="standard deviation of a station; 0 finds it")
+    band: Length = Field(default=0.0, description="how far the law may leave a station; 0 for no bound")
+    draw: int = Field(default=0, description="0 for the mean, another number for one of the laws that the stations allow")
+
+    def parameters(self, folder: Path) -> LiftLawParameters:
+        if self.file is None:
+            return LiftLawParameters("measured", self._inline(), self.lift_of, self.zero_of_angle)
+        lobe = self._read(folder, self.file)
+        zero = self.zero_of_angle or lobe.zero
+        return LiftLawParameters("measured", self._values(tuple(lobe.cam_angles), tuple(lobe.lifts)), lobe.lift_of, zero)  # type: ignore[arg-type]
+
+    def _inline(self) -> dict[str, Any]:
+        if self.cam_angles is None or self.lifts is None:
+            raise problem("measured lifts are given by file, or by cam_angles and lifts together; add what is missing")
+        return self._values(self.cam_angles, self.lifts)
+
+    def _values(self, cam_angles: tuple[float, ...], lifts: tuple[float, ...]) -> dict[str, Any]:
+        if len(cam_angles) != len(lifts):
+            raise problem(f"lifts has {len(lifts)} entries but cam_angles {len(cam_angles)}; give one lift per angle", ("lifts",))
+        check_angles(cam_angles, ("cam_angles",))
+        values: dict[str, Any] = {
+            "cam_angles": tuple(float(angle) for angle in cam_angles), "lifts": tuple(float(lift) for lift in lifts), "noise": self.noise,
+            "band": self.band, "draw": self.draw,
+        }  # fmt: skip
+        guarded(lambda: Measured(**values).smoothed)
+        return values
+
+    def _read(self, folder: Path, file: str) -> MeasuredLift:
+        if self.cam_angles is not None or self.lifts is not None:
+            raise problem("measured lifts are given by file or by cam_angles and lifts, not by both; leave one out", ("file",))
+        make = partial(
+            LiftAnswers, angle_of=self.angle_of, lift_of=self.lift_of if "lift_of" in self.model_fields_set else "",
+            angle_unit=self.angle_unit, lift_unit=self.lift_unit, zero=self.zero, direction=self.direction,
+            columns=tuple(word.strip() for word in self.columns.split(",") if word.strip()), peak_lift=self.peak_lift,
+            duration=self.duration, opening=self.opening,
+        )  # fmt: skip
+        lobes: tuple[MeasuredLift, ...] = guarded(read_lift, folder / file, guarded(make), path=("file",))
+        known = {lobe.name: lobe for lobe in lobes}
+        if self.lobe and self.lobe not in known:
+            raise problem(f"{file[:80]} holds {' and '.join(known)}, no {self.lobe}; name one of them", ("lobe",))
+        if not self.lobe and len(lobes) > 1:
+            raise problem(f"{file[:80]} holds {' and '.join(known)}; name one of them as lobe", ("lobe",))
+        return known[self.lobe] if self.lobe else lobes[0]
+
+
+SPEC = LiftSpec(Measured, MeasuredModel)

@@ -1,0 +1,143 @@
+"""Columns of numbers in a text of any form: separators, decimal commas, headings, units in headings."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+
+Array = NDArray[np.float64]
+#: A number as tables write it; a comma may stand for the point.
+_NUMBER = r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?"
+_LINE_OF_NUMBERS = re.compile(rf"\|?\s*{_NUMBER}(?:(?:\s*[;\t|]\s*|\s*,\s+|,|\s+){_NUMBER})*\s*[;,|]?\s*")
+#: Marks that begin a line of words.
+COMMENTS = ("#", "%", "!", "//", "*", "'", '"')
+#: Most columns of a table of lifts; more is another kind of file.
+MOST_COLUMNS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class TextTable:
+    """``rows`` (rows, columns) of numbers, the ``headings`` (lines of words before them) and names of columns with their units.
+
+    ``names`` and ``units`` have one entry a column, empty where the headings do not tell. ``first_line``: number of the line the rows
+    begin on, from 1.
+    """
+
+    rows: Array
+    headings: tuple[str, ...]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    first_line: int
+
+
+def read_text_table(text: str, name: str) -> TextTable:
+    """The table of numbers in ``text``; lines of words may stand before it and, marked as comments, in it.
+
+    Semicolons, tabs, bars, commas or blanks part the columns; a decimal comma is read where something else does. ``name`` of the file
+    is for messages. Raises :class:`InputError` naming the line that is not as long as the others or not numbers.
+    """
+    headings: list[str] = []
+    lines: list[tuple[int, str]] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        words = line.strip()
+        if not words:
+            continue
+        if words.startswith(COMMENTS) or not _LINE_OF_NUMBERS.fullmatch(words):
+            if lines and not words.startswith(COMMENTS):
+                raise InputError(f"line {number} of {name} is no row of numbers: '{words[:40]}'; correct it or mark it with #")
+            headings.append(words.lstrip("#%!/*'\" ").rstrip("'\""))
+            continue
+        lines.append((number, words))
+    if not lines:
+        raise InputError(f"{name} holds no row of numbers; export the table as text with one station a line")
+    split = _splitter([words for _, words in lines])
+    rows = [_row(split, words, number, name) for number, words in lines]
+    width = len(rows[0])
+    for (number, _), row in zip(lines, rows, strict=True):
+        if len(row) != width:
+            raise InputError(f"line {number} of {name} has {len(row)} numbers, the first row {width}; make the rows alike")
+    if width > MOST_COLUMNS:
+        raise InputError(f"{name} has {width} columns; a table of lifts has at most {MOST_COLUMNS}")
+    values = np.array(rows, dtype=float)
+    if not np.all(np.isfinite(values)):
+        raise InputError(f"{name} holds a number beyond all bounds in line {lines[int(np.argmin(np.isfinite(values).all(axis=1)))][0]}")
+    names, units = _columns(headings, width)
+    return TextTable(values, tuple(headings), names, units, lines[0][0])
+
+
+def _splitter(lines: list[str]) -> Callable[[str], list[float]]:
+    """How rows are cut: by the strongest mark that stands between numbers; a comma is decimal where another mark separates."""
+    sample = lines[:200]
+    for mark in (";", "\t", "|"):
+        if all(mark in line for line in sample):
+            return partial(_cut, re.escape(mark))
+    if all(re.search(r",\s", line) for line in sample):
+        return partial(_cut, r",\s+")
+    if all(re.search(r"[\d.,]\s+[-+.,\d]", line) for line in sample):
+        return partial(_cut, r"\s+")
+    if any("," in line for line in sample) and not _decimal_commas_alone(sample):
+        return partial(_cut, ",")
+    return partial(_cut, r"[;\t|]")
+
+
+def _row(split: Callable[[str], list[float]], words: str, number: int, name: str) -> list[float]:
+    try:
+        return split(words)
+    except ValueError as error:
+        raise InputError(f"line {number} of {name} is not parted as the others are: '{words[:40]}'; make the rows alike") from error
+
+
+def _cut(mark: str, line: str) -> list[float]:
+    return [float(part.strip().replace(",", ".").replace("D", "e").replace("d", "e")) for part in re.split(mark, line.strip(",;| \t"))]
+
+
+def _decimal_commas_alone(sample: list[str]) -> bool:
+    """One column of numbers with decimal commas: at most one comma a line and no point anywhere."""
+    return all(line.count(",") <= 1 and "." not in line for line in sample) and any("," not in line for line in sample)
+
+
+def _columns(headings: list[str], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names and units of the columns from the last heading that has as many parts; a row of units may follow the names."""
+    for place in range(len(headings) - 1, -1, -1):
+        parts = _parts(headings[place], width)
+        if parts is None:
+            continue
+        names, units = zip(*(_name_and_unit(part) for part in parts), strict=True)
+        above = _parts(headings[place - 1], width) if place else None
+        if above is not None and all(_is_unit(part) for part in parts):
+            return tuple(above), tuple(part.strip("[]() ") for part in parts)
+        return tuple(names), tuple(units)
+    return ("",) * width, ("",) * width
+
+
+def _parts(heading: str, width: int) -> list[str] | None:
+    for pattern in (r"[;\t|]", r",", r"\s{2,}", r"\s+"):
+        parts = [part.strip().strip('"') for part in re.split(pattern, heading.strip())]
+        if len(parts) == width and all(parts):
+            return parts
+    return None
+
+
+def _name_and_unit(part: str) -> tuple[str, str]:
+    found = re.fullmatch(r"(.*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|\bin\s+(\S+)|/\s*(\S+))\s*", part)
+    return (part, "") if found is None else (found[1].strip(), (found[2] or found[3] or found[4] or "").strip())
+
+
+def _is_unit(part: str) -> bool:
+    return part.strip("[]() ").lower() in UNIT_WORDS
+
+
+#: Units as headings write them -> how this package writes them.
+UNIT_WORDS = {
+    "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg", "grad": "deg", "degca": "deg", "deg ca": "deg", "°ca": "deg",
+    "°cam": "deg", "degcam": "deg", "deg cam": "deg", "°crank": "deg", "deg crank": "deg", "°kw": "deg", "°nw": "deg", "rad": "rad",
+    "mm": "mm", "in": "inch", "inch": "inch", "inches": "inch", '"': "inch", "thou": "thou", "mil": "thou", "m": "m", "cm": "cm",
+    "um": "um", "µm": "um", "micron": "um", "mm/deg": "mm/deg", "in/deg": "inch/deg",
+}  # fmt: skip

@@ -1,0 +1,30 @@
+"""Reading a file that somebody named: no more of it than a bound, and nothing but a regular file, for a pipe or a device may never end."""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+
+from valvetrain.errors import InputError
+
+#: Larger files hold neither a case nor a lift table (bytes).
+MOST_BYTES = 5_000_000
+_KINDS = {
+    stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFSOCK: "a socket",
+}  # fmt: skip
+
+
+def bounded_bytes(path: Path, what: str, most: int = MOST_BYTES) -> bytes:
+    """Bytes of the regular file ``path``, at most ``most`` of them; ``what`` it should hold, such as "lift table", stands in messages.
+
+    Raises :class:`InputError` ("is a pipe; ...") for anything else and for a larger file, :class:`OSError` where it cannot be read.
+    """
+    kind = stat.S_IFMT(path.stat().st_mode)
+    if kind != stat.S_IFREG:
+        remedy = "give the file in it" if kind == stat.S_IFDIR else f"save the {what} to a file and give that"
+        raise InputError(f"is {_KINDS.get(kind, 'no file')}; {remedy}")
+    with path.open("rb") as stream:
+        content = stream.read(most + 1)
+    if len(content) > most:
+        raise InputError(f"is larger than {most / 1e6:.3g} MB, so it is no {what}; give another file")
+    return content

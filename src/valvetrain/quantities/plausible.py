@@ -1,0 +1,145 @@
+"""Values beyond which a number is nonsense though every equation was solved: of what is asked for, and of what comes out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from valvetrain.cam.contract import TURN, LiftLaw
+from valvetrain.errors import InputError
+from valvetrain.solution.result import Solution
+
+
+@dataclass(frozen=True, slots=True)
+class PlausibleRange:
+    """``low`` to ``high`` (SI) of a quantity whose name begins and ends with the parts of ``names``; ``unit`` it is shown in, ``scale`` of
+    that unit, and the ``reason`` why nothing real lies beyond."""
+
+    words: str
+    names: tuple[tuple[str, str], ...]
+    low: float
+    high: float
+    unit: str
+    scale: float
+    reason: str
+
+    def holds(self, name: str) -> bool:
+        """Whether the range is that of the quantity or channel ``name``."""
+        return any(name.startswith(head) and name.endswith(tail) for head, tail in self.names)
+
+    def why_not(self, value: float) -> str:
+        """What is wrong with a value, in words without a remedy; empty for a plausible one."""
+        if self.low <= value <= self.high:
+            return ""
+        bound = self.high if not value < self.low else self.low
+        side = "above" if bound == self.high else "below"
+        return f"{self.words} is {value / self.scale:.4g} {self.unit}, {side} {bound / self.scale:g} {self.unit}: {self.reason}"
+
+
+def _range(words: str, names: str, low: float, high: float, unit: str, scale: float, reason: str) -> PlausibleRange:
+    """``names``: separated by blanks, ``*`` for whatever stands between head and tail."""
+    parts = ((head, tail if star else "") for head, star, tail in (name.partition("*") for name in names.split()))
+    exact = tuple((head, tail or head) for head, tail in parts)
+    return PlausibleRange(words, exact, low, high, unit, scale, reason)
+
+
+#: Of the motion that is asked for, by lift law and engine speed.
+LEAST_LIFT = _range(
+    "the least lift", "least_lift", -50e-6, math.inf, "mm", 1e-3, "no cam is ground below its base circle by more than run-out"
+)
+LARGEST_LIFT = _range(
+    "the largest lift", "largest_lift", 0.0, 0.1, "mm", 1e-3, "valves that a cam drives open by less, in ship engines too"
+)
+SPEED = _range("the lift speed", "lift_speed", 0.0, 50.0, "m/s", 1.0, "racing engines at 20 000 rpm reach about 15 m/s")
+ACCELERATION = _range(
+    "the lift acceleration", "lift_acceleration", 0.0, 2e6, "m/s²", 1.0, "racing valves reach about 1e5 m/s², and a blow on a cam tears it"
+)  # fmt: skip
+ASKED = (LEAST_LIFT, LARGEST_LIFT, SPEED, ACCELERATION)
+#: Of parts: a force that holds a part in its guide.
+GUIDE_FRICTION = _range("the friction in a guide", "friction", 0.0, 1e4, "N", 1.0, "guides of valves and tappets take some 10 N")
+PARTS = (GUIDE_FRICTION,)
+#: Of runs: quantities and channels by name.
+FOUND = (
+    _range("a speed of the motion", "retainer_velocity valve_velocity axial_velocity *_axial_velocity", -100.0, 100.0, "m/s", 1.0,
+           "wire struck at v bears a shear stress of v √(2 G ρ), 3.5 GPa at 100 m/s"),
+    _range("a spring force", "peak_spring_force peak_retainer_force", -1e5, 1e5, "N", 1.0, "the largest valve springs bear some 10 kN"),
+    _range("a contact force", "peak_*_contact_force", -1e6, 1e6, "N", 1.0, "no cam, tappet or seat bears that"),
+    _range("the force on a guide", "guide_force", -1e5, 1e5, "N", 1.0, "a spring cannot press on its guide by more than a spring bears"),
+    _range("a shear stress", "peak_shear_stress nominal_peak_shear_stress", -1e10, 1e10, "GPa", 1e9,
+           "the ideal strength of a steel crystal is G / 8"),
+)  # fmt: skip
+TABLES: Mapping[str, tuple[PlausibleRange, ...]] = {"asked for": ASKED, "of parts": PARTS, "of a run": FOUND}
+REMEDY = "check the numbers and their units, or let implausible values pass (--implausible, implausible=True)"
+
+
+def lift_extremes(law: LiftLaw) -> tuple[float, float, float, float]:
+    """Least and largest lift (m), largest first and second derivative by size (m/rad, m/rad2) of a law, between its joints too."""
+    joints = np.unique(np.mod(np.asarray(law.joints, dtype=float), TURN)) if len(law.joints) else np.zeros(0)
+    ends = np.unique(np.concatenate([joints, np.linspace(0.0, TURN, 721)]))
+    inner = np.linspace(0.0, 1.0, 8, endpoint=False)
+    angles = (ends[:-1, None] + np.diff(ends)[:, None] * inner).ravel()
+    lift, rate, bend = (np.asarray(law.lift(angles, derivative), dtype=float) for derivative in (0, 1, 2))
+    return float(np.min(lift)), float(np.max(lift)), float(np.max(np.abs(rate))), float(np.max(np.abs(bend)))
+
+
+def refuse_implausible_motion(law: LiftLaw, cam_speeds: Iterable[float]) -> None:
+    """Raise :class:`InputError` where the lift of ``law`` at the highest of ``cam_speeds`` (rad/s) lies outside :data:`ASKED`."""
+    least, largest, rate, bend = lift_extremes(law)
+    speed = max(cam_speeds, default=0.0)
+    for limit, value in zip(ASKED, (least, largest, rate * speed, bend * speed**2), strict=True):
+        if words := limit.why_not(value):
+            raise InputError(f"{words}; {REMEDY}")
+
+
+def refuse_implausible_parts(values: Mapping[str, float]) -> None:
+    """Raise :class:`InputError` for the first of ``values`` (SI, by the place it stands at) outside its range of :data:`PARTS`."""
+    for place, value in values.items():
+        for limit in PARTS:
+            if limit.holds(place.rpartition(".")[2]) and (words := limit.why_not(value)):
+                raise InputError(f"{words}; {REMEDY}", place)
+
+
+def implausible(solution: Solution) -> str:
+    """What is nonsense in an evaluated run, in words without a remedy; empty where nothing is."""
+    for name, value in _numbers(solution):
+        for limit in FOUND:
+            if limit.holds(name) and (words := limit.why_not(value)):
+                return words
+    return ""
+
+
+def _numbers(solution: Solution) -> Iterator[tuple[str, float]]:
+    yield from solution.quantities.items()
+    for name in ("retainer_velocity", "valve_velocity", "axial_velocity", "outer_axial_velocity", "inner_axial_velocity"):
+        if solution.has(name):
+            values = np.asarray(solution.channel(name), dtype=float)
+            if values.size:
+                yield name, float(values.flat[int(np.argmax(np.abs(values)))])
+
+
+def plausible_page() -> str:
+    """The text of docs/plausible.md: every range with its reason."""
+    lines = [
+        "# Plausible values\n",
+        "Equations have solutions for numbers that no valvetrain has. Beyond these ranges a request is refused before it is run,",
+        "and a run that reaches one ends with the status `diverged`, its numbers kept. `--implausible`, or `implausible=True` in",
+        "Python, lets all of them pass; `scripts/write_plausible.py` writes this page.\n",
+        "| | quantity | least | largest | reason |",
+        "|---|---|---|---|---|",
+    ]
+    for kind, ranges in TABLES.items():
+        for one in ranges:
+            low, high = (("" if math.isinf(value) else f"{value / one.scale:g} {one.unit}") for value in (one.low, one.high))
+            names = ", ".join(f"`{head}`" if head == tail else f"`{head}*{tail}`" for head, tail in one.names)
+            shown = f" ({names})" if kind == "of a run" else ""
+            lines.append(f"| {kind} | {one.words}{shown} | {low} | {high} | {one.reason} |")
+    lines += [
+        "",
+        "Engine speeds lie between 10 and 30 000 rpm, and numbers of a case within the ranges of its tables; those are slips of",
+        "the pen or of units, and nothing lifts them.",
+        "",
+    ]
+    return "\n".join(lines)

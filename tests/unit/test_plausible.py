@@ -1,0 +1,109 @@
+"""Nonsense is refused, or named where it comes out, whatever equation it solves; an option lets it pass."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from unit.cli_parts import call, sentence
+from valvetrain.cam.polydyne import Polydyne
+from valvetrain.cam.spline import Spline
+from valvetrain.cam.stations import Stations
+from valvetrain.cam.zero import Zero
+from valvetrain.errors import InputError
+from valvetrain.quantities.plausible import FOUND, TABLES, implausible, lift_extremes, plausible_page, refuse_implausible_motion
+from valvetrain.system.build import build
+
+#: Laws that answer, and whose lift is below the base circle between what they were given.
+NEGATIVE = {
+    "stations": Stations(cam_angles=(0.0, 1.0, 2.0), lifts=(0.0, 1e-3, 0.0), velocities=(0.0, -0.5, 0.0), accelerations=(0.0, 0.0, 0.0)),
+    "polydyne": Polydyne(maximum_lift=10e-3, opening_start=2.2, closing_end=4.0, dynamic_deflection=0.5),
+    "uneven spline": Spline(
+        cam_angles=(2.2, 2.6, 3.0, 3.05, 3.1, 3.6, 4.0), lifts=(0.0, 1e-4, 2e-4, 9e-3, 2e-4, 1e-4, 0.0), degree=5, smoothing=0.0
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", NEGATIVE)
+def test_a_lift_below_the_base_circle_is_refused(kind):
+    law = NEGATIVE[kind]
+    dense = np.asarray(law.lift(np.linspace(0.0, 2 * math.pi, 100_001)))
+    assert dense.min() < -50e-6
+    assert lift_extremes(law)[0] == pytest.approx(dense.min(), rel=0.02)
+    with pytest.raises(InputError, match=r"the least lift is -.* mm, below -0.05 mm: .*implausible=True"):
+        refuse_implausible_motion(law, (100.0,))
+
+
+def test_extremes_are_those_of_a_closed_form():
+    """L sin(k x)**4 has the rate 4 L k (3 sqrt(3) / 16) and the second derivative 4 L k**2 at most, the one at tan(k x)**2 = 3."""
+    angles = tuple(np.linspace(1.0, 3.0, 401))
+    lifts = tuple(np.sin(np.pi * (np.array(angles) - 1) / 2) ** 4 * 1e-2)
+    law = Spline(cam_angles=angles, lifts=(0.0, *lifts[1:-1], 0.0), degree=5, smoothing=0.0)
+    least, largest, rate, bend = lift_extremes(law)
+    assert least > -1e-6 and largest == pytest.approx(1e-2, rel=1e-4)
+    assert rate == pytest.approx(4e-2 * math.pi / 2 * 3 * math.sqrt(3) / 16, rel=1e-3)
+    assert bend == pytest.approx(4e-2 * (math.pi / 2) ** 2, rel=1e-3)
+
+
+def test_a_law_without_lift_is_plausible():
+    refuse_implausible_motion(Zero(), (1000.0,))
+
+
+@pytest.mark.parametrize("name", [summary.name for summary in vt.list_cases()])
+def test_every_case_of_the_library_is_far_from_every_limit(name):
+    """Half the range is left at three times the speed: a limit that real valvetrains come near to is a wrong one."""
+    problem = build(vt.load_case(name))
+    if problem.moves:
+        refuse_implausible_motion(problem.valve_lift, (1.5 * speed for speed in problem.engine_speeds))
+
+
+NARROW = {"lift_law.opening_start": "179.9 deg", "lift_law.closing_end": "180.1 deg"}
+
+
+def test_a_motion_that_no_cam_gives_is_refused_before_the_work_and_passes_by_an_option():
+    case = vt.load_case("job-t", NARROW)
+    with pytest.raises(InputError, match="the lift speed is 4816 m/s, above 50 m/s"):
+        vt.simulate(case, spring_models=["massless"])
+    (run,) = vt.simulate(case, spring_models=["massless"], implausible=True).solutions
+    assert run.status.completed
+    words = [word for path, value in NARROW.items() for word in ("--set", f"{path}={value}")]
+    assert "--implausible" in sentence(call("run", "job-t", *words))
+
+
+def test_a_run_with_a_wire_faster_than_any_is_named_and_keeps_its_numbers():
+    """A wire struck at v bears v sqrt(2 G rho): beyond 100 m/s no steel holds, and the models do not know it."""
+    case = vt.load_case("job-t", NARROW)
+    (run,) = vt.simulate(case, spring_models=["wave-rod"], implausible=True).solutions
+    fastest = float(np.max(np.abs(run.channel("axial_velocity"))))
+    assert fastest > 1000 and "above" in implausible(run)
+    from valvetrain.studies.ready import plausible
+
+    told = plausible(run)
+    assert told.status.code == "diverged" and "above" in told.status.sentence() and "--implausible" in told.status.remedy
+    assert told.quantities == run.quantities
+
+
+def test_friction_that_holds_a_valve_is_refused():
+    case = vt.load_case("tdi-pushrod", {"train.valve.friction": "1e9 N"})
+    with pytest.raises(InputError, match=r"train.valve.friction: the friction in a guide is 1e\+09 N, above 10000 N"):
+        vt.simulate(case, "3000 rpm", spring_models=["massless"], spring_sets=["stock"])
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("peak_spring_force", 7e8), ("peak_cam_contact_force", 2e6), ("guide_force", 1e9), ("peak_shear_stress", 1e11),
+                        ("inner_axial_velocity", -1155.0)],
+)  # fmt: skip
+def test_each_range_of_results_holds_its_quantities(name, value):
+    limits = [limit for limit in FOUND if limit.holds(name)]
+    assert len(limits) == 1 and limits[0].why_not(value) and not limits[0].why_not(0.01 * limits[0].high)
+    assert limits[0].why_not(math.nan)
+
+
+def test_the_page_shows_every_range_with_its_reason():
+    page = (Path(__file__).resolve().parents[2] / "docs" / "plausible.md").read_text(encoding="utf-8")
+    assert page == plausible_page()
+    assert all(limit.reason in page for limits in TABLES.values() for limit in limits)

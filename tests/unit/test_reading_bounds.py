@@ -1,0 +1,107 @@
+"""Reading a case takes time in proportion to its length, and no more of a file than a case can be."""
+
+from __future__ import annotations
+
+import os
+import socket
+import time
+from pathlib import Path
+
+import pytest
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.lift_table import read_lift_table
+from valvetrain.parameters.loading import load_case, parse_case
+
+CARD = '[spring]\nwire_diameter = "4 mm"\nmean_diameter = "24 mm"\ntotal_coils = 6\nends = "open"\nprecompression = "7 mm"\n'
+
+
+def numbers(count: int) -> str:
+    return ", ".join(f"{0.01 * place:.2f}" for place in range(count))
+
+
+#: What grew with the square of its length -> the text of a case with ``count`` of it.
+LONG = {
+    "one text of many numbers": lambda count: f'[lift_law]\nkind = "spline"\ncam_angles = "{numbers(count)} deg"\nlifts = "1 mm"\n',
+    "a list of many texts": lambda count: '[lift_law]\nkind = "spline"\nlifts = [' + '"1 mm", ' * count + "]\n",
+    "blanks inside a unit": lambda count: CARD.replace('"4 mm"', f'"4 N{" " * 4 * count}m x"'),
+    "digits": lambda count: CARD.replace('"4 mm"', f'"{"4" * 4 * count}x, 4 mm"'),
+    "parts of a key": lambda count: f"{'.'.join('a' * 4 * count)} = 1\n",
+    "parts of a header": lambda count: f"[{'.'.join('a' * 4 * count)}]\nb = 1\nc = 1\n",
+    "keys with parts": lambda count: "[spring]\n" + "".join(f"a.b{place}.c = 1\n" for place in range(count)),
+    "inline tables": lambda count: "[spring]\npitch = [" + "{ a = 1 }, " * count + "]\n",
+    "blanks in a line": lambda count: f"a{' ' * 8 * count}. b{' ' * 8 * count}c = 1\n",
+}
+
+
+def seconds(text: str) -> float:
+    """Time to read, or refuse, a case; the better of two, for the machine may be busy."""
+    spent = []
+    for _ in range(2):
+        start = time.perf_counter()
+        with pytest.raises(InputError):
+            parse_case(text)
+        spent.append(time.perf_counter() - start)
+    return min(spent)
+
+
+@pytest.mark.parametrize("of", LONG)
+def test_four_times_the_text_takes_about_four_times_as_long(of):
+    """Quadratic reading takes 16 times as long, and seconds at these lengths; what takes no time at all is not compared."""
+    load_case("job-t")  # what reading loads once
+    short, long = seconds(LONG[of](750)), seconds(LONG[of](3000))
+    assert long < 9 * short + 0.1
+
+
+def test_a_lift_table_line_full_of_blanks_is_read_in_one_go(tmp_path):
+    (tmp_path / "t.csv").write_text("0 0\n1" + " " * 60_000 + "x\n")
+    start = time.perf_counter()
+    with pytest.raises(InputError, match="is no pair of angle"):
+        read_lift_table(tmp_path / "t.csv", "deg", "cam", "mm")
+    assert time.perf_counter() - start < 2  # it took 25 s
+
+
+@pytest.mark.parametrize("row", ["{} {}", "{}  ;  {}", "{}\t{}", "{} , {}", "{},{},7", "{} \t  {}", "{};{};", "{} {} text"])
+def test_every_way_to_write_a_row_is_read(row, tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_text(
+        "angle; lift\n" + "\n".join(row.format(angle, lift) for angle, lift in [("0", "0"), ("1.5", "0.5"), ("3", "1"), ("4", "0")])
+    )
+    assert read_lift_table(path, "rad", "cam", "m") == ((0.0, 1.5, 3.0, 4.0), (0.0, 0.5, 1.0, 0.0))
+
+
+def test_a_key_may_have_as_many_parts_as_any_case_needs():
+    with pytest.raises(InputError, match=r"line 2: a key has more than 32 parts with dots between"):
+        parse_case("\n" + ".".join("abcdefghijklmnopqrstuvwxyzabcdefghi") + " = 1")
+    with pytest.raises(InputError, match="unknown"):
+        parse_case(".".join("abcdefghijklmnopqrst") + " = 1")
+    with pytest.raises(InputError, match="unknown"):
+        parse_case(f'a = "{"a. " * 31}"\n# {"... " * 100}')
+
+
+def no_files(folder: Path) -> dict[str, tuple[Path, str]]:
+    """Kind -> (path of that kind, what its sentence says)."""
+    os.mkfifo(folder / "pipe.toml")
+    (folder / "folder.toml").mkdir()
+    (folder / "loop.toml").symlink_to("loop.toml")
+    with (folder / "large.toml").open("wb") as stream:
+        stream.truncate(10_000_000_000)  # takes no room on the disk
+    end = socket.socket(socket.AF_UNIX)
+    end.bind(str(folder / "socket.toml"))
+    end.close()
+    return {
+        "pipe": (folder / "pipe.toml", "is a pipe"), "folder": (folder / "folder.toml", "is a folder"),
+        "device": (Path("/dev/zero"), "is a device"), "large": (folder / "large.toml", "is larger than 5 MB"),
+        "socket": (folder / "socket.toml", "is a socket"), "loop": (folder / "loop.toml", "cannot be read"),
+    }  # fmt: skip
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes with a name")
+@pytest.mark.parametrize("kind", ["pipe", "folder", "device", "large", "socket", "loop"])
+def test_what_is_no_file_is_refused_in_one_sentence(kind, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # the name of a socket is short
+    path, words = no_files(Path())[kind]
+    with pytest.raises(InputError, match=words):
+        load_case(path.absolute())
+    with pytest.raises(InputError, match=rf"lift table '{path.name}' .*{words}"):
+        read_lift_table(path, "deg", "cam", "mm")
