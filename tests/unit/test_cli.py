@@ -251,10 +251,10 @@ def test_what_may_not_be_read_or_written_is_refused(small, monkeypatch):
         raise PermissionError(13, "Permission denied")
 
     # Root may read and write everything, so permissions are played.
-    monkeypatch.setattr(os, "access", lambda *_: False)
-    result = call("run", "small.toml", "--output", "out")
-    assert result.exit_code == 2 and "may not be written to; choose another" in sentence(result)
-    monkeypatch.setattr(os, "access", lambda *_: True)
+    with monkeypatch.context() as one:
+        one.setattr("tempfile.mkdtemp", closed)
+        result = call("run", "small.toml", "--output", "out")
+        assert result.exit_code == 2 and "may not be written to (Permission denied); choose another" in sentence(result)
     with monkeypatch.context() as one:
         one.setattr(Path, "mkdir", closed)
         for arguments, words in ((("--output", "out"), "folder 'out' cannot be written"), ((), "cannot be made (Permission denied)")):

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from valvetrain.cli.bounds import read_limits
 
 from unit.cli_parts import SMALL, call, sentence
 from valvetrain.cli.options import read_count, read_workers
 from valvetrain.errors import InputError
+from valvetrain.studies.cost import read_limits
 
 
 @pytest.mark.parametrize(

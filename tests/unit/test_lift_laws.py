@@ -68,6 +68,11 @@ CASES = {
     "three-arc": LOBE | {"opening_start": 2.0},
     "three-arc under a roller": LOBE | {"opening_start": 2.0, "follower_radius": 9e-3},
     "tangent": LOBE | {"follower_radius": 9e-3},
+    "measured": {
+        "cam_angles": tuple(np.radians(np.arange(100.0, 261.0))),
+        "lifts": tuple(0.009 * np.clip(1 - (np.arange(-80.0, 81.0) / 60) ** 2, 0, None) ** 3),
+        "noise": 1e-6,
+    },
     "stations": {
         "cam_angles": (1.5, 2.0, 3.0, 4.4, 4.8),
         "lifts": (0.0, 1e-3, 8e-3, 1e-3, 0.0),

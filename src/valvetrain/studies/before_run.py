@@ -9,7 +9,6 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.springs.contract import LargeSpring
 from valvetrain.studies.ready import make_ready
-from valvetrain.studies.rest import reach_of
 from valvetrain.system.problem import Problem
 
 
@@ -28,6 +27,8 @@ def refusals_before_run(problem: Problem) -> dict[str, str]:
     Springs under prescribed motion are also built as their states at rest need them. Raises :class:`InputError` with what refuses the
     whole run.
     """
+    from valvetrain.studies.rest import reach_of  # brings the finite-element spring, which a sweep of a train never needs
+
     refuse_speeds(problem, problem.engine_speeds)
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
     found = {}
