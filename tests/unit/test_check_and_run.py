@@ -8,6 +8,7 @@ from valvetrain.cli.check import put_together
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import library_names, load_case
 from valvetrain.studies.run import run_study
+from valvetrain.studies.run_up import run_up_study
 
 FINITE = "spring.options.finite-element"
 #: Case, what is changed in it, and a word of the refusal (empty where nothing is wrong).
@@ -111,3 +112,13 @@ def test_a_refusal_is_one_printable_line_whatever_was_written():
     error = InputError("a\nb\x1b[2J" + "x" * 5000, "where\u202e" + "y" * 5000)
     assert str(error).isprintable() and len(str(error)) < 1100
     assert error.reason.startswith("a b?[2Jx")
+
+
+def test_check_and_run_up_refuse_the_nonsense_that_run_refuses(tmp_path):
+    """A follower whose guide rubs with 1e9 N: refused by each of them, and passed where asked."""
+    changes = {"train.valve.friction": "1e9 N"}
+    case = load_case("tdi-pushrod", changes)
+    for ask in (lambda: put_together(case, ()), lambda: run_up_study(case, (200.0, 260.0, 0.2)), lambda: run_study(case, workers=1)):
+        with pytest.raises(InputError, match=r"train\.valve\.friction"):
+            ask()
+    assert put_together(case, (), implausible=True) is not None

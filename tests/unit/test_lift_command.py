@@ -111,7 +111,7 @@ def test_a_case_takes_a_measured_lift_and_keeps_it_whole(table, tmp_path):
     [
         ('lobe = "intake"', "holds lift, no intake"), ('angle_of = "crank"', "the file says cam"),
         ('noise = "5 mm"', "noise is a length above zero"),
-        ('lifts = ["1 mm"]', "not by both"), ("draw = -1", "draw is a whole number"),
+        ('lifts = ["1 mm"]', "not by both"), ("draw = -1", "draw: -1 does not fit"),
         ('lift_of = "tappet"', "the file says valve"),
     ],
 )  # fmt: skip

@@ -96,9 +96,7 @@ class MeasuredModel(LiftModel):
     opening: Angle | None = Field(default=None, description="begin of the event of a file of fractions, in the angle of angle_of")
     noise: Length = Field(default=0.0, description="standard deviation of a station; 0 finds it")
     band: Length = Field(default=0.0, description="how far the law may leave a station; 0 for no bound")
-    draw: int = Field(
-        default=0, ge=0, le=MOST_DRAWS, description="0: the mean; another: one of the laws that the stations allow"
-    )
+    draw: int = Field(default=0, ge=0, le=MOST_DRAWS, description="0: the mean; another: one of the laws that the stations allow")
 
     def parameters(self, folder: Path) -> LiftLawParameters:
         if self.file is None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from valvetrain.cli.options import ElementsOption, JsonOption, QuietOption, SetOption, SpringOption, read_models
+from valvetrain.cli.options import ElementsOption, ImplausibleOption, JsonOption, QuietOption, SetOption, SpringOption, read_models
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,8 +23,8 @@ def register(app: typer.Typer) -> None:
 
 def check(
     case: Annotated[str, typer.Argument(metavar="FILE", help="Case file, or name of a library case.", show_default=False)],
-    spring: SpringOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None, as_json: JsonOption = False,
-    quiet: QuietOption = False,
+    spring: SpringOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
+    implausible: ImplausibleOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """Read a case file and print what it was understood to say, or what is wrong with it, and where."""
     from valvetrain.cli.case_choice import choose_case
@@ -33,7 +33,7 @@ def check(
     from valvetrain.report.json import quantities_object
 
     chosen = choose_case(case, settings, elements_per_coil)
-    problem = put_together(chosen, read_models(spring))
+    problem = put_together(chosen, read_models(spring), implausible)
     quantities = case_quantities(chosen, problem)
     facts = case_facts(chosen)
     data = {
@@ -43,8 +43,11 @@ def check(
     deliver(Outcome(data, lambda console: _show_check(console, chosen, facts, quantities)))
 
 
-def put_together(case: Case, models: tuple[str, ...]) -> Problem | None:
-    """Build everything that ``run`` builds, the springs of every set too: what is wrong may only show there. None for a lift law alone."""
+def put_together(case: Case, models: tuple[str, ...], implausible: bool = False) -> Problem | None:
+    """Build everything that ``run`` builds, the springs of every set too: what is wrong may only show there. None for a lift law alone.
+
+    ``implausible``: values pass that no valvetrain can have.
+    """
     from valvetrain.studies.before_run import refusals_before_run
     from valvetrain.system.build import build
 
@@ -52,7 +55,7 @@ def put_together(case: Case, models: tuple[str, ...]) -> Problem | None:
         return None
     problem = build(case, spring_models=models)
     problem.must_run()
-    refused = refusals_before_run(problem)
+    refused = refusals_before_run(problem, implausible)
     if refused and (models or len(refused) == len(problem.members)):
         raise InputError(next(iter(refused.values())), "--spring" if models else "")
     sets = tuple(case.train.springs) if case.train is not None else ()

@@ -52,7 +52,7 @@ def run_up(
         request,
         lambda report, finished: run_up_study(
             request.case, (begin, end, seconds), spring_models=request.spring_models, spring_sets=request.spring_sets,
-            workers=request.workers, progress=report, created_at=request.created_at.isoformat(),
+            workers=request.workers, progress=report, created_at=request.created_at.isoformat(), implausible=request.implausible,
         ),
         choices={"first_engine_speed": first, "last_engine_speed": last, "duration": duration},
     )  # fmt: skip

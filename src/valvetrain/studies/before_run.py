@@ -7,9 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
 from valvetrain.springs.contract import LargeSpring
 from valvetrain.studies.ready import make_ready
 from valvetrain.system.problem import Problem
+
+#: Parts of a train whose friction is a force.
+RUBBING = ("follower", "valve")
 
 
 def refuse_speeds(problem: Problem, engine_speeds: Sequence[float]) -> None:
@@ -21,15 +25,26 @@ def refuse_speeds(problem: Problem, engine_speeds: Sequence[float]) -> None:
         raise InputError(f"case '{problem.record.name}' holds no lift law, so its spring does not move; {remedy}", "--engine-speed")
 
 
-def refusals_before_run(problem: Problem) -> dict[str, str]:
+def refuse_implausible(problem: Problem, engine_speeds: Sequence[float]) -> None:
+    """Raise :class:`InputError` for a motion or a part that is nonsense, whatever could be computed of it."""
+    gears = {member.label: member.gear.parameters for member in problem.members if member.gear is not None}
+    if engine_speeds and problem.moves:
+        refuse_implausible_motion(problem.valve_lift, (speed / 2 for speed in engine_speeds))
+    for train in gears.values():
+        refuse_implausible_parts({f"train.{part}.friction": getattr(getattr(train, part, None), "friction", 0.0) for part in RUBBING})
+
+
+def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str, str]:
     """Label -> why the member cannot be integrated, of those that cannot; made by the same parts as a run.
 
     Springs under prescribed motion are also built as their states at rest need them. Raises :class:`InputError` with what refuses the
-    whole run.
+    whole run; ``implausible``: nonsense passes.
     """
     from valvetrain.studies.rest import reach_of  # brings the finite-element spring, which a sweep of a train never needs
 
     refuse_speeds(problem, problem.engine_speeds)
+    if not implausible:
+        refuse_implausible(problem, problem.engine_speeds)
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
     found = {}
     for member in problem.members:

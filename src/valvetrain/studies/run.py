@@ -15,7 +15,6 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.steel_contacts import usual_contacts
 from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.quantities.design import closing_quantities
-from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
 from valvetrain.quantities.spectrum import surge_engine_speeds
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.quantities.valve_events import rigid_events
@@ -30,7 +29,7 @@ from valvetrain.solution.study import Study
 from valvetrain.sources.contract import against_source
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.batch import available_cores
-from valvetrain.studies.before_run import refuse_speeds
+from valvetrain.studies.before_run import refuse_implausible, refuse_speeds
 from valvetrain.studies.cost import Limits
 from valvetrain.studies.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.studies.engine import LOST, LOST_REMEDY, Progress, map_points, threads
@@ -48,8 +47,6 @@ CARD_WIRE_NOTE = (
     "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils with "
     "wide gaps are assumed. Its clashes and stresses are not those of the real spring."
 )
-#: Parts of a train with friction in a guide.
-RUBBING = ("follower", "valve")
 ReadyPoint = tuple[int, float]
 #: Told the place among the runs of a study, and the solution, as each is finished.
 Finished = Callable[[int, Solution], None]
@@ -138,15 +135,6 @@ def _notes(problem: Problem) -> tuple[str, ...]:
     notes: tuple[str, ...] = (CARD_WIRE_NOTE,) if made_up else ()
     notes += tuple(dict.fromkeys(said for m in problem.members if m.gear and (said := usual_contacts(m.gear.parameters.contacts))))
     return (*notes, *undamped_notes(problem.members), *buckling_notes(problem))
-
-
-def refuse_implausible(problem: Problem, engine_speeds: Sequence[float]) -> None:
-    """Raise :class:`InputError` for a motion or a part that is nonsense, whatever could be computed of it."""
-    gears = {member.label: member.gear.parameters for member in problem.members if member.gear is not None}
-    if engine_speeds and problem.moves:
-        refuse_implausible_motion(problem.valve_lift, (speed / 2 for speed in engine_speeds))
-    for train in gears.values():
-        refuse_implausible_parts({f"train.{part}.friction": getattr(getattr(train, part, None), "friction", 0.0) for part in RUBBING})
 
 
 def beside_published(study: Study, problem: Problem) -> Study:

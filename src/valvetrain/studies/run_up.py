@@ -22,6 +22,7 @@ from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
+from valvetrain.studies.before_run import refuse_implausible
 from valvetrain.studies.critical_speeds import CriticalOptions
 from valvetrain.studies.engine import Progress, map_points
 from valvetrain.studies.ready import FAILURES, Plan, Ready, make_ready, provenance_of, unfinished
@@ -80,9 +81,9 @@ def run_up(
 
 def run_up_study(
     case: AnyCase, ramp: Ramp, *, spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (), workers: int | None = None,
-    progress: Progress | None = None, created_at: str = "",
+    progress: Progress | None = None, created_at: str = "", implausible: bool = False,
 ) -> Study:  # fmt: skip
-    """See :func:`run_up`; ``ramp``: first and last crank speed (rad/s) and time (s) between them."""
+    """See :func:`run_up`; ``ramp``: first and last crank speed (rad/s) and time (s) between them; ``implausible``: nonsense passes."""
     begun = time.perf_counter()
     first, last, duration = ramp
     if not (min(first, last, duration) > 0 and first != last and np.isfinite(sum(ramp))):
@@ -95,6 +96,8 @@ def run_up_study(
     if problem.kind != TRAIN:
         raise InputError(f"case '{problem.record.name}' holds no train, and a run-up is of a train; sweep a spring instead")
     problem.must_run()
+    if not implausible:
+        refuse_implausible(problem, (max(first, last),))
     ready = tuple(make_ready(problem, member, member_rest(problem, member), problem.record.study) for member in problem.members)
 
     def tell(count: int, total: int) -> None:
