@@ -63,10 +63,13 @@ def command(*words: str) -> tuple[int, str]:
     from valvetrain.cli.guard import TRACEBACK_VARIABLE
     from valvetrain.cli.main import app
 
+    said, before = io.StringIO(), os.environ.get(TRACEBACK_VARIABLE)
     os.environ[TRACEBACK_VARIABLE] = "1"
-    said = io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-        code = app(list(words), standalone_mode=False)
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            code = app(list(words), standalone_mode=False)
+    finally:  # what runs after this in the same process must not inherit it
+        os.environ.pop(TRACEBACK_VARIABLE) if before is None else os.environ.update({TRACEBACK_VARIABLE: before})
     if "\x1b" in said.getvalue():
         raise Finding(f"a control sequence reaches the terminal: {said.getvalue()[:300]!r}")
     return (code if isinstance(code, int) else 0), said.getvalue()
