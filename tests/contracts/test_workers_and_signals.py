@@ -5,14 +5,17 @@ from __future__ import annotations
 import json
 import os
 import signal
+import subprocess
 import sys
 import time
+import uuid
 
 import pytest
 
-from fault_parts import SWEEP, gone, killed_always, killed_once, lives, marked, square, stand_in_solver, started
-from unit.cli_parts import SMALL, process, wait_until
+from fault_parts import MARK, SWEEP, gone, killed_always, killed_once, lives, marked, square, stand_in_solver, started
+from unit.cli_parts import SMALL, process, process_environment, wait_until
 from valvetrain.errors import RunFailedError
+from valvetrain.springs.solid import guardian
 from valvetrain.studies.batch import map_cases
 from valvetrain.studies.engine import map_points, threads
 from valvetrain.studies.stopping import PointsStopped, Stopped, listening
@@ -122,6 +125,18 @@ def test_the_solid_solver_and_its_folder_go_with_their_parent(tmp_path, number):
         wait_until(lambda: not lives(int(note.read_text())) and not marked(mark), "the solver ends")
         wait_until(lambda: not list(work.glob("valvetrain-solid-*")), "its folder goes")
     assert run.returncode == (-9 if number == signal.SIGKILL else 143)
+
+
+def test_a_solver_that_is_killed_alone_leaves_nothing_that_it_started(tmp_path):
+    """The stand-in is a shell that waits for a child; killed by somebody else, its child must go too."""
+    program, note = stand_in_solver(tmp_path)
+    command = [sys.executable, guardian.__file__, str(tmp_path / "work"), str(program)]
+    mark = uuid.uuid4().hex
+    with subprocess.Popen(command, stdin=subprocess.PIPE, env=process_environment(**{MARK: mark})) as guard:
+        wait_until(lambda: note.exists() and bool(note.read_text().strip()) and len(marked(mark)) == 3, "solver and child start")
+        os.kill(int(note.read_text()), signal.SIGKILL)
+        assert guard.wait(60) == 128 + signal.SIGKILL
+        gone(mark)
 
 
 def test_a_request_to_stop_that_the_interpreter_drops_is_still_heard(monkeypatch):

@@ -32,6 +32,8 @@ def main(folder: str, program: list[str]) -> int:
     while True:
         ended, state = os.waitpid(child, os.WNOHANG)
         if ended:
+            with suppress(ProcessLookupError, PermissionError):  # what the program started, where somebody killed the program alone
+                os.killpg(child, signal.SIGKILL)
             return os.waitstatus_to_exitcode(state)
         if 0 in select.select([0, woken], [], [], 1.0)[0]:
             for kill in (os.killpg, os.kill):
