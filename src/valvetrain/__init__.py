@@ -48,6 +48,14 @@ _HOMES = {
     "NestedSprings": "springs.nested",
     "FiniteElementRod": "springs.finite_element",
     "SolidSpring": "springs.solid.jobs",
+    # measured lifts
+    "read_lift": "measurements.lift_reading",
+    "LiftAnswers": "measurements.lift_answers",
+    "MeasuredLift": "measurements.measured_lift",
+    "smooth_lift": "measurements.lift_smoothing",
+    "SmoothedLift": "measurements.lift_smoothing",
+    "lift_figures": "measurements.lift_figures",
+    "lift_band_study": "studies.lift_band",
     # studies
     "build": "system.build",
     "Problem": "system.problem",
@@ -100,6 +108,12 @@ if TYPE_CHECKING:
     from valvetrain.cosserat.batch import simulate_batch as simulate_batch
     from valvetrain.errors import InputError as InputError
     from valvetrain.errors import ValvetrainError as ValvetrainError
+    from valvetrain.measurements.lift_answers import LiftAnswers as LiftAnswers
+    from valvetrain.measurements.lift_figures import lift_figures as lift_figures
+    from valvetrain.measurements.lift_reading import read_lift as read_lift
+    from valvetrain.measurements.lift_smoothing import SmoothedLift as SmoothedLift
+    from valvetrain.measurements.lift_smoothing import smooth_lift as smooth_lift
+    from valvetrain.measurements.measured_lift import MeasuredLift as MeasuredLift
     from valvetrain.parameters.case import Case as Case
     from valvetrain.parameters.constructors import barrel as barrel
     from valvetrain.parameters.constructors import beehive as beehive
@@ -154,6 +168,7 @@ if TYPE_CHECKING:
     from valvetrain.studies.api import static_curve as static_curve
     from valvetrain.studies.api import sweep as sweep
     from valvetrain.studies.batch import map_cases as map_cases
+    from valvetrain.studies.lift_band import lift_band_study as lift_band_study
     from valvetrain.studies.run_up import run_up as run_up
     from valvetrain.studies.train_modes import train_modes as train_modes
     from valvetrain.system.build import build as build

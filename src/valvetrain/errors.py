@@ -7,13 +7,20 @@ LONGEST_SENTENCE, LONGEST_PLACE = 700, 300
 
 
 class ValvetrainError(Exception):
-    """Base of every error this package raises on purpose."""
+    """Base of every error this package raises on purpose.
+
+    >>> issubclass(InputError, ValvetrainError)
+    True
+    """
 
 
 class InputError(ValvetrainError):
     """The input cannot be used; the message says what is wrong, where, and the remedy.
 
     Parameters: ``message`` is the sentence, ``where`` the place in the input (file and key path).
+
+    >>> print(InputError("a wire of 3.8 m is no spring wire; give its unit", "spring.wire_diameter"))
+    spring.wire_diameter: a wire of 3.8 m is no spring wire; give its unit
     """
 
     def __init__(self, message: str, where: str = "") -> None:

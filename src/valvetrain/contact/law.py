@@ -21,6 +21,11 @@ class ContactLaw(Protocol):
     ``code`` and ``parameters()`` (shape (8,), see ``contact.kernels``) let the compiled ``contact_force`` evaluate the law.
     ``states``: how many numbers it remembers from step to step, zero at rest. ``impact_rate`` (m/s) is the approach velocity, wanted by
     the restitution laws and ignored by all others.
+
+    >>> import valvetrain as vt
+    >>> law = vt.build_contact_law("linear", contact_stiffness="60 kN/mm")
+    >>> isinstance(law, ContactLaw), law.states
+    (True, 0)
     """
 
     @property

@@ -29,6 +29,12 @@ class RodBatch:
     """End forces of n variants: ``time`` (ns,), forces (n, ns); the ``dense_*`` records as in ``RodTransient``; SI units.
 
     ``completed`` (n,): whether the variant reached the end; forces after a divergence are NaN.
+
+    >>> import numpy as np
+    >>> none = np.zeros((2, 3))
+    >>> batch = RodBatch(np.zeros(3), np.zeros(3), none, none, np.zeros(3), none, none, np.array([True, False]), 1e-7)
+    >>> batch.completed.tolist()
+    [True, False]
     """
 
     time: Array

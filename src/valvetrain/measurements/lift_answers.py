@@ -39,6 +39,9 @@ class LiftAnswers:
     columns : what each column is, of angle, lift, intake, exhaust, velocity, acceleration and ignore; needed beyond two columns
         that the headings do not name
     peak_lift, duration, opening : of a table of fractions: m; rad of the angle meant by ``angle_of``, length of the event and its begin
+
+    >>> LiftAnswers(angle_of="cam", lift_of="tappet", lift_unit="inch").given("lift_unit")
+    'inch'
     """
 
     angle_of: str = ""

@@ -48,6 +48,14 @@ def lift_figures(smoothed: SmoothedLift, heights: Sequence[float] = (), lash: fl
     Raises
     ------
     InputError : a height at or above the peak lift
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> angles = np.radians(np.arange(90.0, 271.0))
+    >>> lobe = vt.smooth_lift(angles, 9e-3 * np.clip(1 - ((angles - np.pi) / np.radians(60)) ** 2, 0, None) ** 3, noise=1e-7)
+    >>> {one.name: round(one.value * 1e3, 2) for one in lift_figures(lobe)}["peak_lift"]
+    9.0
     """
     grid = np.linspace(*smoothed.event, STATIONS)
     every = np.vstack([smoothed.coefficients, smoothed.draws(DRAWS, seed)])

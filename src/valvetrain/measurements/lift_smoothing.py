@@ -38,6 +38,12 @@ class SmoothedLift:
     ``factor`` (free, free): draws are coefficients plus factor @ standard normal numbers. ``noise`` (m): standard deviation of a
     station; ``base`` (m): level of the base circle that was taken off, ``runout`` (m) the standard deviation of its stations.
     ``cam_angles``, ``residuals`` (rad, m) of the stations of the event. ``widened``: whether the smoothing was weakened to meet a band.
+
+    >>> angles = np.radians(np.arange(90.0, 271.0))
+    >>> stations = 9e-3 * np.clip(1 - ((angles - np.pi) / np.radians(60)) ** 2, 0, None) ** 3
+    >>> lobe = smooth_lift(angles, stations + np.random.default_rng(1).normal(0, 3e-6, len(angles)))
+    >>> abs(float(lobe.lift(np.pi)) - 9e-3) < 4 * float(lobe.spread(np.pi))
+    True
     """
 
     knots: Array

@@ -72,6 +72,12 @@ class Case:
     ``springs``: one or two, outer first, under prescribed motion of their retainer; a ``train`` holds its own. ``study``: word of the
     published study that the case re-runs. ``text``: the case file as resolved, with what was changed from outside; read again it gives
     an equal case. ``changed``: key paths that were set from outside the file. Text and changes take no part in comparisons.
+
+    >>> import valvetrain as vt
+    >>> case = vt.load_case("job-t")
+    >>> shorter = case.replace({"springs.0.precompression": "6 mm"}, name="shorter")
+    >>> sorted(case.diff(shorter))
+    ['name', 'springs.0.precompression']
     """
 
     name: str

@@ -160,7 +160,13 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class FunctionCurve:
-    """Any callable of the coil number; derivative and integral are taken numerically."""
+    """Any callable of the coil number; derivative and integral are taken numerically.
+
+    >>> import numpy as np
+    >>> curve = FunctionCurve(lambda coil: 7e-3 + 1e-4 * np.asarray(coil))
+    >>> round(float(curve.value(2.0)) * 1e3, 4)
+    7.2
+    """
 
     function: Callable[[Array], ArrayLike]
 

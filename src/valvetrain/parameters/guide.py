@@ -21,6 +21,9 @@ class Guide:
 
     ``stiffness`` (N/m per m of wire) of the contact. The wire slides on a wall without friction. One of the two must be given; raises
     :class:`InputError` otherwise.
+
+    >>> Guide(bore=30e-3).stiffness
+    20000000000.0
     """
 
     bore: float | None = None

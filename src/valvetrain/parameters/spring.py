@@ -61,6 +61,12 @@ class SpringDefinition:
     ``wire_diameter`` and ``mean_diameter`` in m, ``pitch`` = rise of the wire axis per turn dz/du in m; a length stands for a constant.
     The pitch must be continuous (its slope may jump). Raises :class:`InputError` with the reason for a
     spring that cannot exist.
+
+    >>> import valvetrain as vt
+    >>> steel = vt.Material("steel", 206e9, 79.5e9, 7850.0)
+    >>> spring = vt.SpringDefinition(4e-3, 22e-3, 7e-3, 7.0, steel, vt.EndCoil("open"), vt.EndCoil("open"))
+    >>> round(spring.free_length * 1e3, 3)  # seven turns of 7 mm, and the wire
+    53.0
     """
 
     wire_diameter: Curve

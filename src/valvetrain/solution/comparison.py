@@ -13,6 +13,10 @@ class Comparison:
     ``tolerance`` in ``unit``; ``computed`` None when no run gave the quantity; ``tolerance`` None when the source or
     the task names none. ``origin`` is the published value's (FE, AN, EX), ``role`` calibration, check or prediction; ``used_for`` says
     what the published value was used for, ``doubt`` why it cannot be right.
+
+    >>> row = Comparison("preload", None, "massless", "FE", "N", 289.0, 288.9, -0.1, "check", 2.0, "agrees")
+    >>> row.verdict
+    'agrees'
     """
 
     quantity: str

@@ -15,6 +15,10 @@ class Event:
     """One event: ``cam_angle`` (rad, unwrapped) and ``time`` (s) of its start, ``duration`` (s), ``size`` in ``unit``.
 
     Kind ``clash``: size = peak contact force (N); details hold ``impulse`` (N s), ``energy`` (J), ``upper_coil``, ``lower_coil``.
+
+    >>> event = Event("clash", cam_angle=4.2, time=0.012, duration=2e-4, size=310.0, unit="N", where="coils 1-2")
+    >>> event.kind, event.size
+    ('clash', 310.0)
     """
 
     kind: str

@@ -26,6 +26,11 @@ class ModalResult:
     ``coil_number`` (wire_point); ``axial_transmission`` (mode): force-transmission residue, how much of an axial push at
     one end each mode carries to the other; ``axial_modes``: indices of the axial modes, ascending in frequency.
     ``attached_mass`` (kg) moves along the axis with the retainer, 0 for a free end; None: both ends are fixed.
+
+    >>> import numpy as np
+    >>> result = ModalResult(8e-3, np.array([430.0, 610.0]), np.zeros((2, 5, 3)), np.linspace(0, 6, 5), np.array([0.9, 0.0]), (0,))
+    >>> result.axial_frequencies.tolist()
+    [430.0]
     """
 
     compression: float

@@ -13,6 +13,9 @@ class Status:
     """The end of a run: ``code``, what happened, the time reached (s), the place and the remedy.
 
     Raises :class:`ValueError` for a code outside :data:`STATUS_CODES`.
+
+    >>> Status("coil-bind", "the spring is solid at 11.2 mm of lift", remedy="take a longer spring").completed
+    False
     """
 
     code: str = "completed"

@@ -25,6 +25,11 @@ class TrainModes:
     springs. ``shape`` (mode, body): displacement (m) or turn (rad) of every body, the largest travel 1 where a turn counts by its radius
     of gyration; zero of a mode that only a spring moves in. ``energy_share`` (mode, part): share of each part in the kinetic energy.
     ``closed``, ``open``: contacts that press there, and those that do not and count for nothing.
+
+    >>> import valvetrain as vt
+    >>> found = vt.train_modes("tdi-pushrod", spring_models=["massless"], spring_sets=["stock"])[0]
+    >>> isinstance(found, TrainModes), bool(found.natural_frequency[-1] > 1000)
+    (True, True)
     """
 
     label: str

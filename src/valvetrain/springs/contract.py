@@ -134,7 +134,12 @@ def contact_watch_of(spring: object) -> ContactWatch | None:
 
 @runtime_checkable
 class SpringModel(Protocol):
-    """One fidelity of a spring. All quantities SI; see the module text for the stepping rules."""
+    """One fidelity of a spring. All quantities SI; see the module text for the stepping rules.
+
+    >>> import valvetrain as vt
+    >>> isinstance(vt.MasslessSpring(30e3, 250.0), SpringModel)
+    True
+    """
 
     @property
     def name(self) -> str: ...

@@ -35,7 +35,12 @@ class Card(Protocol):
 
 @dataclass(frozen=True)
 class EquivalentSpring:
-    """Uniform spring of ``rate`` (N/m), ``preload`` (N), vibrating ``active_mass`` (kg) and ``inactive_mass`` (kg) on the retainer."""
+    """Uniform spring of ``rate`` (N/m), ``preload`` (N), vibrating ``active_mass`` (kg) and ``inactive_mass`` (kg) on the retainer.
+
+    >>> spring = EquivalentSpring(rate=30e3, preload=250.0, active_mass=0.04)
+    >>> round(spring.surge_frequency)  # half the root of rate over mass, in Hz
+    433
+    """
 
     rate: float
     preload: float

@@ -33,6 +33,10 @@ class MasslessSpring:
 
     ``inactive_mass`` (kg): end coils bonded to the retainer. ``pulls``: ends fixed, else the spring is loose where it would pull.
     Raises :class:`InputError` for impossible values.
+
+    >>> spring = MasslessSpring(30e3, 250.0)
+    >>> round(spring.force(spring.initial_state(10e-3), 10e-3, 0.0).retainer)
+    550
     """
 
     rate: float
@@ -103,6 +107,10 @@ class MasslessTable:
 
     Straight lines keep the force continuous and the energy exact; beyond the table the last slopes go on, down to no force unless the
     spring ``pulls``.
+
+    >>> spring = MasslessTable((0.0, 5e-3, 10e-3), (250.0, 400.0, 600.0))
+    >>> round(spring.force(spring.initial_state(10e-3), 10e-3, 0.0).retainer)
+    600
     """
 
     displacements: tuple[float, ...]

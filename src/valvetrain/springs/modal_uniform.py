@@ -37,6 +37,11 @@ class ModalUniform:
     w * s / 2 to it; ``mass_damping`` (1/s) acts on the absolute modal velocity. Where it
     does not pull (``pulls``) its end forces stop at zero; its modes, which are those of fixed ends, go on. Residual inertia and inactive
     coils move with the retainer.
+
+    >>> import valvetrain as vt
+    >>> model = ModalUniform(vt.EquivalentSpring(30e3, 250.0, 0.04), modes=3)
+    >>> [round(float(value) / 6.283185) for value in model.circular_frequencies]
+    [433, 866, 1299]
     """
 
     spring: EquivalentSpring

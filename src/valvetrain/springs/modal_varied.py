@@ -56,6 +56,10 @@ class ModalVaried:
     ``precompression`` (m) is the installed compression x0; ``residual_mass`` (kg) what of the spring's inertia the modes do not carry.
     Where it does not pull (``pulls``) its end forces in time stop at zero; its modes, which are those of fixed ends, go on.
     Raises :class:`InputError` for a curve or frequencies that cannot be.
+
+    >>> model = ModalVaried((433.0, 866.0), 0.02, (0.0, 10e-3, 20e-3), (0.0, 300.0, 640.0), precompression=8e-3)
+    >>> round(model.force(model.initial_state(2e-3), 2e-3, 0.0).retainer)
+    300
     """
 
     natural_frequencies: tuple[float, ...]

@@ -32,6 +32,12 @@ class MultiMassSpring:
     ``mass_damping`` (1/s) acts on the absolute velocity, ``stiffness_damping`` (s) inside the elements, ``contact_damping_time`` (s)
     is damping over stiffness of a coil contact (never adhesive). Where it does not pull (``pulls``), an end element longer than free is
     open: the spring has left its seat or its retainer. Half the last element and the upper inactive coils move with the retainer.
+
+    >>> import valvetrain as vt
+    >>> problem = vt.build("job-t")
+    >>> chain = problem.model_of("multi-mass", problem.springs[0])
+    >>> isinstance(chain, MultiMassSpring)
+    True
     """
 
     layout: ChainLayout

@@ -53,6 +53,11 @@ class NestedSprings:
     """``outer`` and ``inner`` side by side between the same seat and retainer: forces, energies and masses on the retainer add.
 
     ``rubbing`` needs both members to be multi-mass or rod models. Raises :class:`InputError` otherwise.
+
+    >>> import valvetrain as vt
+    >>> pair = NestedSprings(vt.MasslessSpring(30e3, 250.0), vt.MasslessSpring(10e3, 80.0))
+    >>> round(pair.force(pair.initial_state(10e-3), 10e-3, 0.0).retainer)
+    730
     """
 
     outer: SpringModel

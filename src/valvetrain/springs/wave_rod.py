@@ -37,6 +37,11 @@ class WaveRod:
 
     ``friction`` mu (1/s) of the wave equation (20 to 30 without a damper). Where it does not pull (``pulls``), an end cell longer than
     free is open: the rod has left its seat or its retainer. Half a cell and the inactive coils move with the retainer.
+
+    >>> import valvetrain as vt
+    >>> spring = WaveRod(vt.EquivalentSpring(30e3, 250.0, 0.04))
+    >>> round(spring.force(spring.initial_state(10e-3), 10e-3, 0.0).retainer)
+    550
     """
 
     spring: EquivalentSpring

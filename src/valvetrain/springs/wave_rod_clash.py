@@ -31,6 +31,12 @@ class WaveRodWithClash:
 
     A contact may be no stiffer than the explicit step resolves (``CONTACT_SHARE`` of a cell), so a clash is softer than steel.
     ``friction`` mu (1/s). ``pulls``: whether the ends are held. The state counts from a linear free state at ``preload / rate``.
+
+    >>> import valvetrain as vt
+    >>> problem = vt.build("uniform-spring")
+    >>> rod = problem.model_of("wave-rod-clash", problem.springs[0])
+    >>> isinstance(rod, WaveRodWithClash)
+    True
     """
 
     spring: EquivalentSpring

@@ -77,6 +77,18 @@ def lift_band_study(
     Raises
     ------
     InputError : as :func:`valvetrain.simulate`, and for a case whose lift was not measured
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> angles = np.radians(np.arange(90.0, 271.0))
+    >>> stations = 9e-3 * np.clip(1 - ((angles - np.pi) / np.radians(60)) ** 2, 0, None) ** 3
+    >>> values = {"cam_angles": tuple(angles), "lifts": tuple(stations), "noise": 3e-6, "band": 0.0, "draw": 0}
+    >>> case = vt.load_case("job-t")
+    >>> case = case.replace({"lift_law": type(case.lift_law)("measured", values)})
+    >>> found = lift_band_study(case, "2000 rpm", draws=4, spring_models=["massless"], workers=1)
+    >>> found.spread("peak_spring_force").draws
+    4
     """
     known = case_of(case)
     if known.lift_law is None or known.lift_law.kind != "measured":

@@ -80,7 +80,13 @@ class Member:
 class Problem:
     """All parts of a case, built once. ``engine_speeds`` in rad/s of the crank; ``cycles`` cam turns of prescribed motion, the last is
     reported; ``output_step`` (cam rad) between its samples; ``cycles_to_settle`` bounds the search for a train's periodic state;
-    ``moves``: whether there is a lift law; ``built``: the spring models built so far, shared by members and states at rest."""
+    ``moves``: whether there is a lift law; ``built``: the spring models built so far, shared by members and states at rest.
+
+    >>> import valvetrain as vt
+    >>> problem = vt.build("job-t", spring_models=["massless", "multi-mass"])
+    >>> [member.label for member in problem.members]
+    ['massless', 'multi-mass']
+    """
 
     record: CaseRecord
     members: tuple[Member, ...]

@@ -33,6 +33,11 @@ class SolidSpring:
     """Solid finite-element model of ``spring``. ``contact`` None leaves coils free to pass through each other.
 
     ``time_limit`` (s) and ``threads`` bound each run of the solver; ``watch`` is told the solver time that a run has reached.
+
+    >>> import valvetrain as vt
+    >>> solid = SolidSpring(vt.load_case("uniform-spring").springs[0].wire)
+    >>> solid.time_limit
+    300.0
     """
 
     spring: SpringDefinition
