@@ -199,19 +199,22 @@ def main() -> int:
         references["solid"] = Reference({}, 6.0)
         cache, mounts = Path(name) / "kernels", not subprocess.run(["unshare", "-rm", "true"], capture_output=True).returncode
         kinds = [*COMMANDS, "sweep", "run", *(["disk"] if mounts else [])]
-        for count in range(1, asked.trials + 1):
-            kind = chance.choice(kinds) if count % 20 else "cache"
-            if kind == "cache":
-                undisturbed("sweep", folders[kind], NUMBA_CACHE_DIR=str(cache))
-                what, broken = damaged_cache(folders[kind], cache, references["sweep"], chance)
-            else:
-                what, broken = (
-                    full_disk(folders[kind], chance) if kind == "disk" else disturbed(kind, folders[kind], references[kind], chance)
-                )
-            counts[what] += 1
-            failures += bool(broken)
-            for sentence in broken:
-                print(f"trial {count}: {what}: {sentence}", flush=True)
+        try:
+            for count in range(1, asked.trials + 1):
+                kind = chance.choice(kinds) if count % 20 else "cache"
+                if kind == "cache":
+                    undisturbed("sweep", folders[kind], NUMBA_CACHE_DIR=str(cache))
+                    what, broken = damaged_cache(folders[kind], cache, references["sweep"], chance)
+                else:
+                    what, broken = (
+                        full_disk(folders[kind], chance) if kind == "disk" else disturbed(kind, folders[kind], references[kind], chance)
+                    )
+                counts[what] += 1
+                failures += bool(broken)
+                for sentence in broken:
+                    print(f"trial {count}: {what}: {sentence}", flush=True)
+        except KeyboardInterrupt:
+            print(f"stopped after {counts.total()} faults", flush=True)
         for kind in references.keys() - {"solid"}:
             undisturbed(kind, folders[kind])
             left = [str(path) for path in folders[kind].rglob("*") if path.suffix == ".part" or path.name == "unfinished-runs.jsonl"]
@@ -219,7 +222,7 @@ def main() -> int:
                 failures += 1
                 print(f"after the last run of {kind} there is still {left}")
     print("\n".join(f"{number:5d}  {what}" for what, number in sorted(counts.items())))
-    print(f"{asked.trials} faults, {failures} of them with a broken promise (seed {asked.seed})")
+    print(f"{counts.total()} faults, {failures} of them with a broken promise (seed {asked.seed})")
     return 1 if failures else 0
 
 
