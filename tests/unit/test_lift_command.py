@@ -153,3 +153,14 @@ def test_a_lobe_becomes_the_lift_of_a_case(table):
     carried = {one["quantity"]: one for one in json.loads(result.stdout)["carried"]}
     assert carried["peak_spring_force"]["laws"] == 4 and carried["peak_spring_force"]["standard_deviation"] > 0
     shutil.rmtree("runs")
+
+
+def test_a_law_that_does_not_run_makes_the_answer_incomplete():
+    from valvetrain.cli.lift import _data
+    from valvetrain.solution.record import CaseRecord
+    from valvetrain.solution.study import Study
+    from valvetrain.studies.lift_band import LiftBandStudy
+
+    whole = LiftBandStudy(Study(CaseRecord("own")), ())
+    assert _data([], (), None)["completed"] and _data([], (), whole)["completed"]
+    assert not _data([], (), LiftBandStudy(whole.mean, (), ("draw 3: diverged",)))["completed"]
