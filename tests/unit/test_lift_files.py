@@ -162,9 +162,6 @@ TABLE = LiftTable(np.radians(np.arange(360.0)), WHOLE[:, None] * 1e-3, ("lift",)
 
 @pytest.mark.parametrize("form", registry.words("lift_formats"))
 def test_what_is_written_is_read_again(form):
-    if form == "workbook":
-        pytest.importorskip("python_calamine")
-        pytest.importorskip("xlsxwriter")
     found = registry.find("lift_formats", form)
     content = found.write(TABLE)
     more = {"s96": {"lift_of": "valve", "lift_unit": "mm"}, "fractions": {
@@ -199,8 +196,6 @@ BAD = {
 def test_a_faulty_file_gets_one_sentence(fault):
     content, words = BAD[fault]
     answers = dict(ALL) if "workbook" not in fault else {}
-    if fault == "a broken workbook":
-        pytest.importorskip("python_calamine")
     with pytest.raises(InputError) as caught:
         read(content, **answers)
     assert words in str(caught.value) and "\n" not in str(caught.value)
