@@ -57,3 +57,26 @@ def test_an_impossible_start_is_refused() -> None:
     begin = (Unknown("rate", 30e3, 60e3, 59.5e3, 10e3), UNKNOWNS[1])
     with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match="no possible spring"):
         identify(begin, targets(), spring_numbers, pool)
+
+
+def sum_and_difference(vector: np.ndarray) -> dict[str, float]:
+    """A linear model: what it tells of its two numbers has a closed form."""
+    return {"sum": vector[0] + vector[1], "difference": 2 * (vector[0] - vector[1])}
+
+
+def test_standard_errors_and_draws_are_those_of_the_linear_model() -> None:
+    """Posterior covariance inv(J' J / s^2 + 1 / p^2) of a linear model with normal priors."""
+    unknowns = (Unknown("one", -100.0, 100.0, 1.0, 2.0), Unknown("two", -100.0, 100.0, 2.0, 5.0))
+    wanted = (Target("sum", 5.0, 0.5), Target("difference", -3.0, 4.0))
+    with ThreadPoolExecutor(1) as pool:
+        found = identify(unknowns, wanted, sum_and_difference, pool, iterations=30)
+    slope = np.array([[1.0, 1.0], [2.0, -2.0]]) / np.array([[0.5], [4.0]])
+    covariance = np.linalg.inv(slope.T @ slope + np.diag([1 / 4, 1 / 25]))
+    np.testing.assert_allclose(found.covariance, covariance, rtol=1e-6)
+    assert list(found.standard_error) == ["one", "two"]
+    np.testing.assert_allclose(list(found.standard_error.values()), np.sqrt(np.diag(covariance)), rtol=1e-6)
+    draws = np.array(found.sample(unknowns, 4000, seed=3))
+    np.testing.assert_allclose(draws.mean(axis=0), list(found.parameters.values()), atol=0.1)
+    np.testing.assert_allclose(np.cov(draws.T), covariance, rtol=0.15)
+    narrow = (Unknown("one", 0.9, 1.1, 1.0, 2.0), unknowns[1])
+    assert np.all(np.abs(np.array(found.sample(narrow, 50))[:, 0] - 1.0) <= 0.1 + 1e-12)
