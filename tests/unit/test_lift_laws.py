@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -17,7 +18,7 @@ from valvetrain.cam.spline import Spline
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.lift_table import event_of_table
-from valvetrain.parameters.loading import load_case
+from valvetrain.parameters.loading import load_case, parse_case
 
 #: A table is a spline by another word.
 LAWS = [word for word in registry.words("lifts") if word != "table"]
@@ -282,3 +283,21 @@ def test_a_polydyne_event_takes_over_lift_and_velocity_of_its_ramps():
 def test_a_polydyne_law_refuses_half_a_ramp(more):
     with pytest.raises(InputError, match="a ramp needs"):
         Polydyne(maximum_lift=9e-3, opening_start=1.9, closing_end=4.7, **more)
+
+
+@pytest.mark.parametrize("name", ["", "lifts", "velocities", "accelerations"])
+def test_stations_of_a_case_file_are_as_many_as_their_angles(name):
+    """Equal numbers are a law through its stations; one missing anywhere is refused with both counts."""
+    rows = {
+        "cam_angles": ["100 deg", "140 deg", "180 deg", "220 deg", "260 deg"], "lifts": ["0 mm", "4 mm", "9 mm", "4 mm", "0 mm"],
+        "velocities": ["0 mm/deg", "0.2 mm/deg", "0 mm/deg", "-0.2 mm/deg", "0 mm/deg"], "accelerations": ["0 mm/deg^2"] * 5,
+    }  # fmt: skip
+    if name:
+        rows[name] = rows[name][:-1]
+    text = '[lift_law]\nkind = "stations"\n' + "".join(f"{key} = {json.dumps(values)}\n" for key, values in rows.items())
+    if name:
+        with pytest.raises(InputError, match=f"{name} has 4 entries but cam_angles 5"):
+            parse_case(text)
+        return
+    law = build_lift_law(parse_case(text).lift_law)
+    np.testing.assert_allclose(1e3 * law.lift(np.radians([140.0, 180.0, 220.0])), [4.0, 9.0, 4.0], atol=1e-9)

@@ -86,3 +86,15 @@ def test_modal_result_refuses_wrong_shapes_and_indices():
 def test_relative_difference_is_absent_without_a_base():
     row = Comparison("a", None, "m", "FE", "N", 0.0, 1.0, 1.0, "prediction", None, "")
     assert row.relative_difference is None
+
+
+def test_every_channel_has_a_unit_and_words_for_people():
+    """Unit and words stand in their places: a unit is one that the tables show, words are more than a unit."""
+    from valvetrain.solution.channels import FINE, SPRING_CHANNELS
+
+    units = {"m", "m/s", "m/s2", "N", "N m", "J", "s", "1"}
+    for name, (_, unit, words) in {**SPRING_CHANNELS, **FINE}.items():
+        assert unit in units, name
+        assert len(words.split()) >= 2 and words not in units, name
+    assert {unit for name, (_, unit, _) in FINE.items() if name.endswith("_time")} == {"s"}
+    assert {unit for name, (_, unit, _) in FINE.items() if not name.endswith("_time")} == {"N"}
