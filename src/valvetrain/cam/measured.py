@@ -7,12 +7,11 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
 from valvetrain.cam.contract import Array, LiftSpec
-from valvetrain.cam.pieces import PeriodicPieces, with_base_circle
+from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline
 from valvetrain.errors import InputError
 from valvetrain.measurements.lift_answers import LiftAnswers
 from valvetrain.measurements.lift_reading import read_lift
@@ -61,14 +60,11 @@ class Measured:
 
     @cached_property
     def _pieces(self) -> PeriodicPieces:
-        from scipy.interpolate import BSpline, PPoly
+        from scipy.interpolate import BSpline
 
         lift = self.smoothed
         coefficients = lift.draws(self.draw)[-1] if self.draw else lift.coefficients
-        whole = PPoly.from_spline(BSpline(lift.knots, coefficients, DEGREE))
-        real = np.diff(whole.x) > 0
-        breaks = np.append(whole.x[:-1][real], whole.x[-1])
-        return with_base_circle(breaks, whole.c[::-1, real].T.copy(), self.continuity)
+        return pieces_of_spline(BSpline(lift.knots, coefficients, DEGREE), self.continuity)
 
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         return self._pieces.lift(cam_angle, derivative)

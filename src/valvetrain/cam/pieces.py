@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -92,6 +93,16 @@ def tabulate(law: LiftLaw, pieces: int = 720) -> PeriodicPieces:
     first, last = nodes[:-1] + inside * np.diff(nodes), nodes[1:] - inside * np.diff(nodes)
     ends = [np.stack([law.lift(angle, order) for order in range(3)], axis=1) for angle in (first, last)]
     return PeriodicPieces(nodes, quintic_pieces(nodes, ends[0], ends[1]), min(law.continuity, 2))
+
+
+def pieces_of_spline(spline: Any, continuity: int) -> PeriodicPieces:
+    """A spline of scipy over an event as polynomials, completed by the base circle."""
+    from scipy.interpolate import PPoly
+
+    whole = PPoly.from_spline(spline)
+    real = np.diff(whole.x) > 0
+    breaks = np.append(whole.x[:-1][real], whole.x[-1])
+    return with_base_circle(breaks, whole.c[::-1, real].T.copy(), continuity)
 
 
 def with_base_circle(breaks: Array, coefficients: Array, continuity: int) -> PeriodicPieces:

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from valvetrain.cam.contract import TURN, Array, LiftSpec
 from valvetrain.cam.jumps import bounded_pieces, has_jumps
-from valvetrain.cam.pieces import PeriodicPieces, with_base_circle
+from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline, with_base_circle
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_table import event_of_table, read_lift_table
 from valvetrain.parameters.schema_lift import LiftModel, check_angles
@@ -64,7 +64,7 @@ class Spline:
 
     @cached_property
     def _pieces(self) -> PeriodicPieces:
-        from scipy.interpolate import PPoly, make_interp_spline
+        from scipy.interpolate import make_interp_spline
 
         angles, lifts = np.asarray(self.cam_angles, dtype=float), np.asarray(self.lifts, dtype=float)
         if self._jumps:
@@ -76,10 +76,7 @@ class Spline:
         else:
             rest = [(order, 0.0) for order in range(1, self.continuity + 1)]
             spline = make_interp_spline(angles, lifts, k=self.degree, bc_type=(rest, rest))
-        whole = PPoly.from_spline(spline)
-        real = np.diff(whole.x) > 0
-        breaks = np.append(whole.x[:-1][real], whole.x[-1])
-        return with_base_circle(breaks, whole.c[::-1, real].T.copy(), self.continuity)
+        return pieces_of_spline(spline, self.continuity)
 
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         return self._pieces.lift(cam_angle, derivative)
