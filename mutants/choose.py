@@ -137,11 +137,16 @@ def _callers(names: set[str], entered: set[str]) -> set[str]:
 
 
 def tests_for(fault: Fault, trails: dict[str, dict[str, Any]]) -> list[str]:
-    """Tests to ask, the quickest first: those that enter the function, then the others of their files; for a table of a module all."""
+    """Tests to ask, the quickest first: those that enter the function, then the others of their files; for a table of a module all.
+
+    Of a function that trails see, tests that do not enter it can notice nothing, but for what one test leaves ready for the next of its
+    file; of a compiled one and of what stands outside functions those are asked too whose file says its name.
+    """
     known = [(node, one, file) for file, trail in trails.items() for node, one in trail["tests"].items()]
     entered = {place for _, one, _ in known for place in one["places"]} | {place for trail in trails.values() for place in trail["import"]}
     wanted = places(fault, entered)
     inside = definitions()[fault.file].around(fault.line)
+    exact = bool(inside) and wanted == {f"{fault.file}:{inside[0].whole}"}
     names = {one.name for one in inside if one.name} or definitions()[fault.file].names_at(fault.line)
     first = {node for node, one, _ in known if wanted & set(one["places"])}
     near = {file for node, _, file in known if node in first} | {file for file, one in trails.items() if wanted & set(one["import"])}
@@ -149,12 +154,13 @@ def tests_for(fault: Fault, trails: dict[str, dict[str, Any]]) -> list[str]:
     spoken |= set() if inside else {file for file in trails if file.endswith(PAGES)}
     ranks = {node: (0 if node in first else 1 if file in spoken else 2 if file in near else 3) for node, _, file in known}
     seconds = {node: one["seconds"] for node, one, _ in known}
+    asked = (0, 2) if exact else (0, 1, 2) if inside else (0, 1, 2, 3)
     spent, chosen = [0.0] * len(SECONDS), []
     said_here = _words("_".join((Path(fault.file).stem, *names)))
     alike = {node: len(_words(Path(file).stem) & said_here) if ranks[node] < 2 else 0 for node, _, file in known}
     for node in sorted(ranks, key=lambda node: (_late(node), -alike[node], ranks[node], seconds[node], node)):
         purse = len(SECONDS) - 1 if _late(node) else len(SECONDS) - 2 if alike[node] else ranks[node]
-        if (ranks[node] < 3 or not inside) and spent[purse] + seconds[node] <= SECONDS[purse]:
+        if ranks[node] in asked and not (exact and ranks[node] and _late(node)) and spent[purse] + seconds[node] <= SECONDS[purse]:
             spent[purse] += seconds[node]
             chosen.append(node)
     return chosen
