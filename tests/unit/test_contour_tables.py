@@ -66,11 +66,7 @@ def test_a_circle_beside_the_axis_has_its_own_radius_under_every_follower():
     root = np.sqrt(whole**2 - (away * np.sin(ANGLES)) ** 2)
     pitch = away * np.cos(ANGLES) + root
     first = -away * np.sin(ANGLES) - away**2 * np.sin(2 * ANGLES) / (2 * root)
-    second = (
-        -away * np.cos(ANGLES)
-        - away**2 * np.cos(2 * ANGLES) / root
-        - (away**2 * np.sin(2 * ANGLES)) ** 2 / (4 * root**3)
-    )
+    second = -away * np.cos(ANGLES) - away**2 * np.cos(2 * ANGLES) / root - (away**2 * np.sin(2 * ANGLES)) ** 2 / (4 * root**3)
     assert curvature_radius_round(np.column_stack([pitch, first, second]), follower) == pytest.approx(np.full(720, radius), rel=1e-9)
 
 
