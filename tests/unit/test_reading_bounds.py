@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import socket
 import time
+from importlib import resources
 from pathlib import Path
 
 import pytest
@@ -105,3 +106,13 @@ def test_what_is_no_file_is_refused_in_one_sentence(kind, tmp_path, monkeypatch)
         load_case(path.absolute())
     with pytest.raises(InputError, match=rf"lift table '{path.name}' .*{words}"):
         read_lift_table(path, "deg", "cam", "mm")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [('mass = "125 g"', 'mass = "1.25e+14 g"'), ('inertia = "75 kg mm^2"', 'inertia = "1e9 kg m^2"')], ids=("mass", "inertia")
+)
+def test_a_part_too_heavy_for_any_valve_gear_is_refused_before_its_equilibrium_is_sought(old, new):
+    text = resources.files("valvetrain").joinpath("parameters/library/vaz-ohc.toml").read_text("utf-8")
+    assert old in text
+    with pytest.raises(InputError, match="is too large; give a value of at most"):
+        parse_case(text.replace(old, new), "heavy")
