@@ -109,7 +109,9 @@ def test_what_is_no_file_is_refused_in_one_sentence(kind, tmp_path, monkeypatch)
 
 
 @pytest.mark.parametrize(
-    ("old", "new"), [('mass = "125 g"', 'mass = "1.25e+14 g"'), ('inertia = "75 kg mm^2"', 'inertia = "1e9 kg m^2"')], ids=("mass", "inertia")
+    ("old", "new"),
+    [('mass = "125 g"', 'mass = "1.25e+14 g"'), ('inertia = "75 kg mm^2"', 'inertia = "1e9 kg m^2"')],
+    ids=("mass", "inertia"),
 )
 def test_a_part_too_heavy_for_any_valve_gear_is_refused_before_its_equilibrium_is_sought(old, new):
     text = resources.files("valvetrain").joinpath("parameters/library/vaz-ohc.toml").read_text("utf-8")
