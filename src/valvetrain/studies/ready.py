@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions
 from valvetrain.integrate.run import run_to_orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
