@@ -102,7 +102,7 @@ def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Rea
 
 
 def surge_frequency(spring: InstalledSpring, rest: SpringAtRest | None = None) -> float | None:
-    """First surge frequency (Hz), both ends fixed, as installed: at rest, else of the equivalent uniform spring; None where neither tells."""
+    """First surge frequency (Hz), both ends fixed, as installed: at rest, else of the uniform spring; None where neither tells."""
     if rest is not None and rest.modes is not None and len(rest.modes.axial_modes):
         return float(rest.modes.axial_frequencies[0])
     if spring.card is not None and spring.card.mass is None:
