@@ -128,3 +128,10 @@ def test_damping_that_leaves_no_time_step_is_refused(damping):
     spring = build(parse_case(text, "damped")).springs[0]
     with pytest.raises(InputError, match="no time step at which it can be integrated"):
         spring_model("finite-element").build(spring).stable_time_step()
+
+
+def test_a_wire_without_any_stiffness_finds_no_equilibrium_and_says_so():
+    text = CARD.replace('"4 mm"', '"1e-300 mm"') + 'pitch = "8 mm"\nmaterial = "OTEVA 90 SC"\n'
+    spring = build(parse_case(text, "thread")).springs[0]
+    with pytest.raises(InputError, match="finds no equilibrium"):
+        _ = spring_model("finite-element").build(spring).installed
