@@ -161,9 +161,9 @@ def test_modes_tell_the_first_six():
 
 
 def test_modes_of_a_train_tell_what_moves():
-    share = np.array([[0.62, 0.30, 0.08], [0.1, 0.1, 0.1]])
+    share = np.array([[0.62, 0.2, 0.18], [0.1, 0.1, 0.1]])
     modes = TrainModes("stock", "open", 1.5, 9e-3, np.array([500.0, 900.0]), ("valve",), ("valve", "spring", "rod"), np.ones((2, 1)), share)
-    assert modes.moving(0) == "valve 62 %, spring 30 %" and modes.moving(0, 0.05) == "valve 62 %, spring 30 %, rod 8 %"
+    assert modes.moving(0, 0.19) == "valve 62 %, spring 20 %" and modes.moving(0) == "valve 62 %, spring 20 %, rod 18 %"
     assert modes.moving(1) == "valve 10 %"
     assert repr(modes) == "TrainModes of stock, open, 9 mm of lift\n  500, 900 Hz"
     many = replace(modes, natural_frequency=np.arange(1.0, 8), shape=np.ones((7, 1)), energy_share=np.ones((7, 3)) / 3)

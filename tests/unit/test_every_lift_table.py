@@ -7,10 +7,13 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import tomlkit
 
 from valvetrain import registry
+from valvetrain.cam.spline import Spline
+from valvetrain.cam.three_arc import ThreeArc
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.schema_lift import read_lift_model
@@ -148,3 +151,15 @@ def test_a_table_in_a_file_is_that_of_its_units(tmp_path, unit, of, length, fact
     found = read_lift_model(tomllib.loads(text)).values(Path(tmp_path))
     assert found["cam_angles"] == pytest.approx(STATIONS["cam_angles"]) and found["lifts"] == pytest.approx(STATIONS["lifts"])
     assert tomlkit.loads(text)["file"] == "lift.csv"
+
+
+def test_a_table_without_room_for_its_jumps_is_a_smooth_spline():
+    """Arcs jump in acceleration; straight acceleration between stations needs one more of them on either side of the event."""
+    lobe = ThreeArc(**ARCS_SI, opening_start=45 * DEG)
+    lifts = lobe.lift(np.linspace(45 * DEG, 175 * DEG, 66))
+    lifts[[0, -1]] = 0.0
+    narrow, whole = (Spline(cam_angles=tuple(np.linspace(0.0, span, 66)), lifts=tuple(lifts)) for span in (4.0, 2 * math.pi))
+    assert len(narrow.joints) > 66 and narrow.joints[0] < 0 < narrow.joints[-1]
+    assert whole.joints == whole.cam_angles
+    for made, within in ((narrow, 2e-5), (whole, 1e-12)):
+        assert made.lift(np.array(made.cam_angles)) == pytest.approx(lifts, abs=within)
