@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
@@ -15,8 +16,10 @@ from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Cycle, reported_cycle
 from valvetrain.report.quick import plot_study
+from valvetrain.report.unfinished import UnfinishedRun
 from valvetrain.solution.arrays import Variable
 from valvetrain.solution.channels import spring_channels
+from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition
 from valvetrain.springs.masses import check_masses
 from valvetrain.springs.solid.calculix import run_deck
@@ -42,6 +45,16 @@ def channels(**change: Variable | None):
     coords = {name: item for name, item in (dict(RUN.arrays.coords) | change).items() if item is not None and name in RUN.arrays.coords}
     added = {name: item for name, item in change.items() if item is not None and name not in RUN.arrays.coords}
     return replace(RUN, channels=replace(RUN.arrays, coords=coords, variables=dict(RUN.arrays.variables) | added))
+
+
+def cut(run: vt.Solution, count: int):
+    """The first samples of a run."""
+    kept = {
+        kind: {name: Variable(one.dims, one.values[:count] if one.dims[:1] == ("sample",) else one.values, one.attrs)
+               for name, one in getattr(run.arrays, kind).items()}
+        for kind in ("coords", "variables")
+    }  # fmt: skip
+    return replace(run.arrays, **kept)
 
 
 CALLS = {
@@ -80,6 +93,7 @@ CALLS = {
     "stretch too long": (lambda: check_motion(LAW, motion(last_cam_angle=0.51 + 2 * math.pi)), "one turn at most"),
     "stretch begins open": (lambda: check_motion(LAW, motion(first_cam_angle=1.6)), "starts at rest.*start at 6[0-9] deg"),
     "one sample": (lambda: reported_cycle(RUN.reduced()), "fewer than two samples"),
+    "one sample alone": (lambda: reported_cycle(replace(RUN, channels=cut(RUN, 1))), "fewer than two samples"),
     "no quantities": (lambda: plot_study(replace(made.sweep_study(3), solutions=tuple(replace(run, quantities={})
                       for run in made.sweep_study(3).solutions))), "hold no quantities to draw"),
     "unknown channel": (lambda: spring_channels(RUN.time, RUN.cam_angle, {"seat_forse": RUN.time}), "'seat_forse' is not declared"),
@@ -109,3 +123,22 @@ def test_what_is_within_is_taken():
     check_masses("one", 1.0, 0.1, 1.0, 0.1)
     assert VARIED.secant_stiffness(0.02) == pytest.approx(40e3) and channels().has("seat_force")
     assert isinstance(reported_cycle(RUN), Cycle)
+
+
+def test_runs_that_are_kept_as_they_come_are_found_and_go_with_the_rest(tmp_path):
+    kept, run, other = UnfinishedRun(lambda: tmp_path), made.modal_run(), made.rod_run()
+    assert kept.file_of(run) is None and kept.folder is None
+    kept.close()
+    kept.add(3, run)
+    kept.add(7, run.reduced())
+    place = kept.file_of(run)
+    assert place == tmp_path / "run-0004.nc" and place.is_file() and kept.file_of(other) is None and not kept.gaps.sentences
+    rows = [json.loads(line) for line in (tmp_path / "unfinished-runs.jsonl").read_text(encoding="utf-8").splitlines()]
+    assert [row.get("file") for row in rows] == ["run-0004.nc", None] and rows[0]["label"] == run.label
+    assert load_netcdf(place).channel("seat_force") == pytest.approx(run.channel("seat_force"))
+    kept.moved_to(tmp_path / "elsewhere")
+    assert kept.file_of(run) is None
+    kept.moved_to(tmp_path)
+    kept.close()
+    assert not list(tmp_path.glob("*.nc")) and not (tmp_path / "unfinished-runs.jsonl").exists() and kept.file_of(run) is None
+    kept.close()

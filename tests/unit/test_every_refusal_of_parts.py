@@ -272,3 +272,36 @@ def test_one_change_is_refused_with_a_sentence(name, change, words):
     with pytest.raises(vt.InputError, match=words) as refusal:
         make(**values | change)
     assert len(str(refusal.value)) > 20
+
+
+#: Just within a bound: part and change that is taken.
+TAKEN: list[tuple[str, dict[str, Any]]] = [
+    ("three-arc", {"nose": 2.0, "opening_start": 0.9}), ("tangent", {"nose_radius": 0.0149}), ("cam card", {"ramp_blend": 1.0}),
+    ("cam card", {"ramp_lift": 1e-5, "duration_lift": 1e-4, "duration": 2.4}), ("measured", {"draw": 10_000}), ("measured", {"draw": 1}),
+    ("polydyne", {"ramp_blend": 1.0}), ("polydyne", {"ramp_lift": 0.0, "ramp_length": 0.0}), ("polydyne", {"exponents": (2, 4)}),
+    ("ramped", {"ramp_blend": 1.0}), ("ramped", {"ramp_lift": 1e-6}), ("shaped", {"flank_shape": (0.0, 1.0, -1.0, 0.0)}),
+    ("sine power", {"power": 2}), ("sine power", {"opening_start": 0.0, "closing_end": 2 * math.pi}),
+    ("spline", {"cam_angles": (0.5, 1.0, 2.0, 2.5), "lifts": (0.0, 2e-3, 2e-3, 0.0)}),
+    ("stations", {"cam_angles": (0.0, 1.0, 2.0, 3.0, 2 * math.pi)}), ("rebound", {"damping_number": 0.0}),
+    ("damping number", {"restitution": 1.0}),
+    ("run-up", {"last_cam_speed": 0.5, "cam_acceleration": -50.0}), ("coordinate", {"mass": 0.5}),
+    ("coordinate", {"friction_velocity": 0.5}),
+    ("link", {"stiffness": 0.5}), ("Maxwell link", {"branch_stiffness": 0.5, "branch_damping": 0.5}), ("damping", {"ratio": 0.999}),
+    ("damping", {"ratio_frequency": 0.5}), ("damping", {"stiffness_share": 0.0}), ("damping", {"stiffness_share": 1.0}),
+    ("coil contact", {"stiffness": 0.0, "damping_time": 0.0}), ("end", {"inactive_coils": 0.0, "ground_coils": 0.0}),
+    ("end", {"inactive_coils": 3.0, "ground_coils": 3.0}), ("gas", {"cam_angles": (0.0, 1.0, 2.0), "forces": (0.0, -1.0, 0.0)}),
+    ("gas", {"cam_angles": (0.0, 1.0, 2.0, 6.28)}), ("follower", {"tilt": 0.52}), ("follower", {"tilt": -0.52}),
+    ("follower", {"mass": 0.0, "damping": 0.0, "friction": 0.0}), ("low pass", {"cutoff_frequency": 4999.0}), ("chain", {"elements": 2}),
+    ("chain", {"rate": 0.5, "mass": 0.5}), ("massless", {"rate": 101.0, "preload": 0.0}), ("table of a wire", {"points": 3}),
+    ("modal-varied", {"natural_frequencies": (0.5, 900.0)}), ("modal-uniform", {"natural_frequencies": (0.5, 900.0)}),
+    ("modal-uniform", {"mass_damping": 0.0, "stiffness_damping": 0.0}), ("wave rod", {"friction": 0.0}), ("rod", {"precompression": 0.0}),
+    ("multi-mass", {"masses_per_coil": 1}), ("card of masses", {"preload": 0.0}), ("rubbing", {"coefficient": 0.0, "normal_force": 0.0}),
+    ("transient", {"engine_speed": 0.5, "last_angle": 0.5}), ("unknown", {"start": 1.0}), ("unknown", {"start": 3.0}),
+    ("material", {"shear_modulus": 69e9}), ("cylindrical", {"closed_coils": 0.0}), ("mechanism", {"interactions": ()}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "change"), TAKEN, ids=[f"{part} {change}"[:60] for part, change in TAKEN])
+def test_what_lies_within_a_bound_is_taken(name, change):
+    make, values = GIVEN[name]
+    make(**values | change)
