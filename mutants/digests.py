@@ -26,7 +26,7 @@ def digest(parts: Iterable[bytes]) -> str:
 
 @cache
 def of_tree() -> str:
-    """Of every file that a sample and its verdicts hang on: sources, tests, examples and this tool, but for its list of judged faults."""
+    """Of every file that a sample and its verdicts depend on: sources, tests, examples and this tool, but for its list of judged faults."""
     wanted = [name for name in sorted(files()) if name.startswith(("src/", "tests/", "examples/", "mutants/")) and "judged" not in name]
     return digest(part for name in wanted for part in (name.encode(), (ROOT / name).read_bytes()))
 
@@ -88,5 +88,5 @@ def _collect(node: ast.AST, prefix: str, found: dict[str, list[bytes]]) -> None:
 
 
 def of_trail(name: str, trail: Mapping[str, Any]) -> list[str]:
-    """What a trail of a test file hangs on, as it is now: the test with its helpers, and every function that it entered."""
+    """What a trail of a test file depends on, as it is now: the test with its helpers, and every function that it entered."""
     return [of_test(name), of_places([*trail["import"], *(place for one in trail["tests"].values() for place in one["places"])])]
