@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ from valvetrain.cosserat.static import compress
 from valvetrain.errors import InputError
 from valvetrain.integrate.pair import joined
 from valvetrain.parameters.constructors import cylindrical
+from valvetrain.report.json import study_json
+from valvetrain.report.lift_page import lift_notes
 from valvetrain.report.write import write_study
 from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
 from valvetrain.solution.display import frame, span, table, words
@@ -253,3 +256,25 @@ def test_section_loads_are_of_the_free_wire_and_nothing_beyond():
     assert np.max(np.abs(normal[middle])) < 0.2 * force < np.min(shear[middle])
     for end, inner in ((mesh.first, mesh.first + 1), (mesh.last, mesh.last - 1)):
         assert 0.3 * force < whole[end] < 1.7 * force and abs(whole[end] - whole[inner]) < 0.25 * force
+
+
+def test_notes_of_a_measured_lift_speak_where_there_is_something_to_say():
+    def notes(**change: object) -> tuple[str, ...]:
+        quiet = {"noise": 2e-6, "base": 0.0, "runout": 0.0, "residuals": np.zeros(5), "cam_angles": np.radians(np.arange(5.0)), "widened": False}
+        return lift_notes(SimpleNamespace(smoothed=SimpleNamespace(**quiet | change)))
+
+    said = "the noise of a station is 2 µm (standard deviation)"
+    assert notes() == (said,) == notes(residuals=np.array([0.0, 7.9e-6, -7.9e-6, 0.0, 0.0]))
+    assert notes(residuals=np.array([0.0, 9e-6, -11e-6, 0.0, 0.0]))[1:] == (
+        "2 stations lie more than four standard deviations off the law, the worst at 2 cam deg by -11 µm; look at them",
+    )
+    assert notes(runout=1e-6)[1:] == ("the base circle stood at 0 µm, scattering by 1 µm, and was set to zero",)
+    assert notes(base=3e-6)[1:] == ("the base circle stood at 3 µm, scattering by 0 µm, and was set to zero",)
+    assert "tighter than the noise" in notes(widened=True)[1] and len(notes(widened=True)) == 2
+
+
+def test_the_count_of_clashes_is_that_of_the_numbers_or_of_the_events():
+    run = replace(made.rod_run(), events=(made.clash(1), made.clash(2), replace(made.clash(3), kind="rest")))
+    for quantities, count in (({}, 2), ({"modes_count": 3.0}, 2), ({"clash_count": 9.0, "modes_count": 3.0}, 9)):
+        found = study_json(made.own_study((replace(run, quantities=quantities),)))["runs"][0]["clash_count"]
+        assert found == {"value": count, "unit": "1"}, quantities
