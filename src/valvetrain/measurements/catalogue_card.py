@@ -25,10 +25,10 @@ POSSIBLE_INACTIVE, POSSIBLE_GROUND = (RAMP / 2, 3.0), (0.2, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Load:
+class SpringLoad:
     """``force`` (N) of a spring at a ``height`` (m) between its seats; SI, text with a unit or pint quantities.
 
-    >>> Load("1.25 in", "350 lbf").height
+    >>> SpringLoad("1.25 in", "350 lbf").height
     0.03175
     """
 
@@ -52,7 +52,7 @@ class CatalogueCard:
     Parameters
     ----------
     wire_diameter, outer_diameter : of the round wire and of the coils, lengths
-    installed_load, open_load : :class:`Load` at two heights, the higher one first
+    installed_load, open_load : :class:`SpringLoad` at two heights, the higher one first
     top_outer_diameter : of a beehive, its narrow end, a length; the coils taper from ``taper_from_coil`` on, half of them where not told
     solid_height, mass, free_length, total_coils : where the card tells them
     material : of the wire; EN 10270-2 VDSiCr where the card names none
@@ -64,15 +64,15 @@ class CatalogueCard:
 
     Examples
     --------
-    >>> low, high = Load("46 mm", "350 N"), Load("34 mm", "830 N")
+    >>> low, high = SpringLoad("46 mm", "350 N"), SpringLoad("34 mm", "830 N")
     >>> round(CatalogueCard(wire_diameter="4.2 mm", outer_diameter="32 mm", installed_load=low, open_load=high).rate)
     40000
     """
 
     wire_diameter: float
     outer_diameter: float
-    installed_load: Load
-    open_load: Load
+    installed_load: SpringLoad
+    open_load: SpringLoad
     top_outer_diameter: float | None = None
     taper_from_coil: float | None = None
     solid_height: float | None = None
@@ -85,7 +85,7 @@ class CatalogueCard:
     if TYPE_CHECKING:  # what may be given is wider than what is kept
 
         def __init__(
-            self, *, wire_diameter: Given, outer_diameter: Given, installed_load: Load, open_load: Load,
+            self, *, wire_diameter: Given, outer_diameter: Given, installed_load: SpringLoad, open_load: SpringLoad,
             top_outer_diameter: Given | None = None, taper_from_coil: float | None = None, solid_height: Given | None = None,
             mass: Given | None = None, free_length: Given | None = None, total_coils: float | None = None,
             material: Material | None = None, name: str = "spring",
@@ -157,7 +157,7 @@ class Winding:
         pitch = wire + (self.free_length - solid) / slope
         if pitch <= wire:
             raise InputError(
-                f"{self.total_coils:.3g} turns of {wire * 1e3:.4g} mm wire are solid at {solid * 1e3:.4g} mm, but the loads of the card make a "
+                f"{self.total_coils:.3g} turns of {wire * 1e3:.4g} mm wire are solid at {solid * 1e3:.4g} mm, but the loads make a "
                 f"free length of {self.free_length * 1e3:.4g} mm; check heights, loads and wire"
             )
         diameter = card.mean_diameter(self.total_coils)
@@ -165,7 +165,7 @@ class Winding:
 
 
 def first_winding(card: CatalogueCard) -> Winding:
-    """Turns and free length by the formulas of the trade: the rate by the torsion of the wire (EN 13906-1), the turns by what the card tells.
+    """Turns and free length by the formulas of the trade: the rate by torsion of the wire (EN 13906-1), the turns by what is told.
 
     All turns are those told, else those of the mass, else of the solid height, else the active ones and one inactive turn at either end.
     Raises :class:`InputError` where they leave no closed ends to the active ones.
@@ -201,8 +201,8 @@ def check_inactive(card: CatalogueCard, total: float, inactive: float) -> float:
         return inactive
     told = _told(card)
     raise InputError(
-        f"{told} makes {total:.3g} turns and the loads {total - 2 * inactive:.3g} active ones, which leaves {inactive:.2g} inactive turns at "
-        f"either end; a closed end has {POSSIBLE_INACTIVE[0]:g} to {POSSIBLE_INACTIVE[1]:g}: check wire, diameter, loads and {told}", told,
+        f"{told} makes {total:.3g} turns and the loads {total - 2 * inactive:.3g} active ones, which leaves {inactive:.2g} inactive turns "
+        f"at either end; a closed end has {POSSIBLE_INACTIVE[0]:g} to {POSSIBLE_INACTIVE[1]:g}: check wire, diameter, loads and {told}", told,
     )  # fmt: skip
 
 

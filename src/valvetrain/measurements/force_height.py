@@ -100,7 +100,8 @@ def force_height_in(
             raise InputError(f"{name} holds compressions, so the free length is needed; give it", "free_length")
         heights = free_length - heights
     if np.mean(forces) < 0:
-        forces, _ = -forces, notes.append("the forces of the table are negative where the spring presses; their sign was turned")
+        forces = -forces
+        notes.append("the forces of the table are negative where the spring presses; their sign was turned")
     if "ignore" in known:
         notes.append(f"left out as asked: column {', '.join(str(k + 1) for k, word in enumerate(known) if word == 'ignore')}")
     return _branches(heights, forces, name, notes)

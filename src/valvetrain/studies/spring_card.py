@@ -35,7 +35,7 @@ class Held:
 
 @dataclass(frozen=True)
 class SpringFit:
-    """A spring that meets its card: the ``spring`` as installed, its numbers beside the card's, sentences on what the card left ``free``."""
+    """A spring that meets its card: the ``spring`` as installed, its numbers beside the card's, and what the card left ``free``."""
 
     card: CatalogueCard
     spring: InstalledSpring
@@ -75,7 +75,7 @@ def spring_from_card(card: CatalogueCard) -> SpringFit:
     Examples
     --------
     >>> import valvetrain as vt
-    >>> low, high = vt.Load("46 mm", "350 N"), vt.Load("34 mm", "830 N")
+    >>> low, high = vt.SpringLoad("46 mm", "350 N"), vt.SpringLoad("34 mm", "830 N")
     >>> card = vt.CatalogueCard(wire_diameter="4.4 mm", outer_diameter="32 mm", installed_load=low, open_load=high)
     >>> vt.spring_from_card(card)
     SpringFit 'spring': 6.638 turns, free length 54.83 mm; left free: 5
@@ -101,8 +101,8 @@ def forces_at(definition: SpringDefinition, heights: Sequence[float]) -> tuple[f
 def _compression(definition: SpringDefinition, height: float) -> float:
     if height <= definition.solid_height:
         raise InputError(
-            f"the spring would be solid at {definition.solid_height * 1e3:.4g} mm, above the load told at {height * 1e3:.4g} mm; check wire, "
-            "diameters, loads and turns"
+            f"the spring would be solid at {definition.solid_height * 1e3:.4g} mm, above the load told at {height * 1e3:.4g} mm; check "
+            "wire, diameters, loads and turns"
         )
     return max(definition.free_length - height, 0.0)
 
@@ -111,7 +111,8 @@ def _fit(card: CatalogueCard, winding: Winding, definition: SpringDefinition, lo
     height = card.installed_load.height
     rate = (high - low) / (height - card.open_load.height)
     held = (
-        Held("installed_load", card.installed_load.force, low), Held("open_load", card.open_load.force, high), Held("rate", card.rate, rate),
+        Held("installed_load", card.installed_load.force, low), Held("open_load", card.open_load.force, high),
+        Held("rate", card.rate, rate),
         Held("solid_height", card.solid_height, definition.solid_height), Held("mass", card.mass, weight(definition)),
         Held("free_length", card.free_length, definition.free_length), Held("total_coils", card.total_coils, definition.total_coils),
     )  # fmt: skip
@@ -124,17 +125,21 @@ def _left_free(card: CatalogueCard, winding: Winding) -> tuple[str, ...]:
     free = []
     if card.material is None:
         free.append(
-            f"no material is told: moduli and density are those of {card.wire.name} (G = {card.wire.shear_modulus / 1e9:g} GPa); 1 % of G is "
-            "1 % of the active turns"
+            f"no material is told: moduli and density are those of {card.wire.name} (G = {card.wire.shear_modulus / 1e9:g} GPa); 1 % of G "
+            "is 1 % of the active turns"
         )
     if card.total_coils is None and card.mass is None and card.solid_height is None:
-        free.append(f"no turns, mass or solid height are told: {INACTIVE:g} inactive turn at either end is assumed, so mass and bind are open")
+        free.append(
+            f"no turns, mass or solid height are told: {INACTIVE:g} inactive turn at either end is assumed, so mass and bind are open"
+        )
     elif card.total_coils is None and card.mass is None:
         free.append(f"the turns are those of the solid height with {GROUND:g} ground turns at either end; a mass would check them")
     elif card.solid_height is None:
         free.append(f"no solid height is told: {GROUND:g} turns are ground at either end as in textbooks")
     elif winding.ground == GROUND:
-        free.append("turns and solid height do not fit together with ends ground over 0.2 to 1 turn, so the solid height is missed as shown")
+        free.append(
+            "turns and solid height do not fit together with ends ground over 0.2 to 1 turn, so the solid height is missed as shown"
+        )
     if card.top_outer_diameter is not None and card.taper_from_coil is None:
         free.append("no begin of the taper is told: half of the turns are taken")
     free.append("the pitch is taken constant between the closed ends: two loads do not tell a progressive pitch, a table of forces does")

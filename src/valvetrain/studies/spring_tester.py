@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from valvetrain.errors import InputError
-from valvetrain.measurements.catalogue_card import POSSIBLE_INACTIVE, CatalogueCard, Load, Winding, first_winding
+from valvetrain.measurements.catalogue_card import POSSIBLE_INACTIVE, CatalogueCard, SpringLoad, Winding, first_winding
 from valvetrain.measurements.force_height import FEWEST, ForceHeight
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -23,6 +23,7 @@ from valvetrain.studies.spring_card import forces_at
 
 Array = NDArray[np.float64]
 Closes = Literal["lower", "upper", "both"]
+ENDS: tuple[Closes, ...] = ("lower", "upper", "both")
 #: Heights that a fit looks at, elements per turn of its chain, most stations of the pitch law and turns to one of them.
 HEIGHTS, MESH, STATIONS, TURNS_A_STATION = 36, 12, 7, 0.8
 #: Scatter of a station before it is known, and the least that is believed, as shares of the largest force.
@@ -37,7 +38,7 @@ BOUND = 5.0
 
 @dataclass(frozen=True, eq=False)
 class PitchStations:
-    """The pitch law as it was found: ``coil`` (k,) turns from the lower tip, ``pitch`` (k,) and its standard deviation ``spread`` (k,), m."""
+    """The pitch law as it was found: ``coil`` turns from the lower tip, ``pitch`` and its standard deviation ``spread`` (m), each (k,)."""
 
     coil: Array
     pitch: Array
@@ -48,8 +49,8 @@ class PitchStations:
 class TesterFit:
     """A spring that meets a table of forces; SI.
 
-    ``rate`` (N/m) and ``preload`` (N) at the installed height with their standard deviations; ``coil_bind`` height (m), None where the table
-    does not reach it. ``by_rod``: (n, 3) heights, forces of the table and of the finite-element rod. ``scatter`` (N): standard deviation of
+    ``rate`` (N/m) and ``preload`` (N) at the installed height with standard deviations; ``coil_bind``: height (m), None where the table does
+    not reach it. ``by_rod``: (n, 3) heights, forces of the table and of the finite-element rod. ``scatter`` (N): standard deviation of
     the table about the chain. ``curve``: (m, 3) height, force and rate of the spring by the chain. ``free``: what the table left open.
     """
 
@@ -133,7 +134,9 @@ class _Law:
         )  # fmt: skip
 
 
-def spring_from_tester(table: ForceHeight, card: CatalogueCard, closes: Closes = "lower", installed_height: float | None = None) -> TesterFit:
+def spring_from_tester(
+    table: ForceHeight, card: CatalogueCard, closes: Closes = "lower", installed_height: float | None = None
+) -> TesterFit:
     """The spring behind a table of a spring tester: active turns and a pitch law, fitted by the chain and checked by the rod.
 
     Parameters
@@ -159,8 +162,7 @@ def spring_from_tester(table: ForceHeight, card: CatalogueCard, closes: Closes =
     >>> spring_from_tester(table, card_of_table(table, wire_diameter=4.2e-3, outer_diameter=30.2e-3))
     TesterFit
     """
-    if closes not in ("lower", "upper", "both"):
-        raise InputError(f"closes is lower, upper or both, not '{str(closes)[:40]}'; say which end of the spring closes first", "closes")
+    read_end(closes)
     height = float(table.heights[0]) if installed_height is None else installed_height
     if not table.heights[-1] < height <= table.heights[0] * (1 + 1e-9):
         raise InputError(
@@ -178,6 +180,14 @@ def spring_from_tester(table: ForceHeight, card: CatalogueCard, closes: Closes =
     return _result(table, law, numbers, covariance, scatter, height)
 
 
+def read_end(word: str) -> Closes:
+    """The end named by ``word``. Raises :class:`InputError` for another word."""
+    for known in ENDS:
+        if word == known:
+            return known
+    raise InputError(f"closes is lower, upper or both, not '{str(word)[:40]}'; say which end of the spring closes first", "closes")
+
+
 def card_of_table(table: ForceHeight, **known: object) -> CatalogueCard:
     """A card with what is ``known`` of the spring (fields of :class:`CatalogueCard`) and two loads of the low part of the table."""
     forces = table.forces[0] + np.array([0.05, 0.35]) * (table.forces[-1] - table.forces[0])
@@ -187,7 +197,7 @@ def card_of_table(table: ForceHeight, **known: object) -> CatalogueCard:
     slope, offset = np.polyfit(table.heights[low], table.forces[low], 1)
     if not slope < 0:
         raise InputError("the force does not rise as the height falls at the beginning of the table; check it")
-    loads = [Load(float(height), float(slope * height + offset)) for height in table.heights[low][[0, -1]]]
+    loads = [SpringLoad(float(height), float(slope * height + offset)) for height in table.heights[low][[0, -1]]]
     return CatalogueCard(installed_load=loads[0], open_load=loads[1], **known)  # type: ignore[arg-type]
 
 
@@ -240,7 +250,9 @@ def _fit(law: _Law, start: Winding, active: float, heights: Array, forces: Array
         return np.concatenate([(found - forces) / np.hypot(scatter, steep), values[2:] / (BEND * wire)])
 
     for _ in range(2):
-        found = least_squares(misses, numbers, bounds=(low, high), x_scale=np.append(1.0, np.full(law.steps, 0.2 * wire)), diff_step=1e-4, max_nfev=25)
+        found = least_squares(
+            misses, numbers, bounds=(low, high), x_scale=np.append(1.0, np.full(law.steps, 0.2 * wire)), diff_step=1e-4, max_nfev=25
+        )
         numbers = found.x
         spare = max(len(heights) - len(numbers), 1)
         left = found.fun[: len(heights)] * np.hypot(scatter, steep)
@@ -319,7 +331,9 @@ def _left_free(law: _Law, bind: float | None) -> tuple[str, ...]:
         f"{'both ends' if law.closes == 'both' else 'the ' + law.closes + ' end'}"
     ]
     if law.card.material is None:
-        free.append(f"no material is told: G = {law.card.wire.shear_modulus / 1e9:g} GPa of {law.card.wire.name}; 1 % of G is 1 % of the active turns")
+        free.append(
+            f"no material is told: G = {law.card.wire.shear_modulus / 1e9:g} GPa of {law.card.wire.name}; 1 % of it is 1 % of the active turns"
+        )
     if law.total is None:
         free.append("no turns, mass or solid height are told: one inactive turn at either end is assumed, so mass and bind are open")
     if bind is None:
