@@ -117,6 +117,11 @@ class CatalogueCard:
         return (self.open_load.force - self.installed_load.force) / (self.installed_load.height - self.open_load.height)
 
     @property
+    def length(self) -> float:
+        """Free length (m) that both loads make with a straight curve."""
+        return self.installed_load.height + self.installed_load.force / self.rate
+
+    @property
     def wire(self) -> Material:
         """Material of the wire, the usual one where the card names none."""
         return self.material or USUAL_WIRE
@@ -170,7 +175,7 @@ def first_winding(card: CatalogueCard) -> Winding:
     All turns are those told, else those of the mass, else of the solid height, else the active ones and one inactive turn at either end.
     Raises :class:`InputError` where they leave no closed ends to the active ones.
     """
-    length = card.installed_load.height + card.installed_load.force / card.rate
+    length = card.length
     total = _turns_told(card)
     if total is None:
         active = _active_turns(card, None)
@@ -202,7 +207,7 @@ def check_inactive(card: CatalogueCard, total: float, inactive: float) -> float:
     told = _told(card)
     raise InputError(
         f"{told} makes {total:.3g} turns and the loads {total - 2 * inactive:.3g} active ones, which leaves {inactive:.2g} inactive turns "
-        f"at either end; a closed end has {POSSIBLE_INACTIVE[0]:g} to {POSSIBLE_INACTIVE[1]:g}: check wire, diameter, loads and {told}", told,
+        f"at either end; a closed end has {POSSIBLE_INACTIVE[0]:g} to {POSSIBLE_INACTIVE[1]:g}: check wire, loads and {told}", told,
     )  # fmt: skip
 
 
@@ -244,7 +249,7 @@ def turns_of_mass(card: CatalogueCard, mass: float) -> float:
     total = 8.0
     for _ in range(30):
         coil = np.linspace(0.0, total, 401)
-        turn = np.pi * float(np.mean(card.mean_diameter(max(total, 1e-3)).value(coil)))
+        turn = float(np.hypot(np.pi * np.mean(card.mean_diameter(total).value(coil)), card.length / total))
         total = float(np.clip(mass / (per_length * turn) + 2 * ground_off(GROUND), 1.0, 100.0))
     return total
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from valvetrain.measurements.catalogue_card import weight
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -17,6 +18,7 @@ from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.studies.spring_card import Held, SpringFit, forces_at
 from valvetrain.studies.spring_tester import TesterFit
 
+Array = NDArray[np.float64]
 #: Quantity of a card -> its words, unit and factor from SI.
 WORDS = {
     "installed_load": ("force at the first height", "N", 1.0), "open_load": ("force at the second height", "N", 1.0),
@@ -167,24 +169,28 @@ def _pitch_chart(spring: InstalledSpring, fit: TesterFit | None = None) -> Chart
 
 
 def _tester_chart(fit: TesterFit) -> Chart:
-    heights, force, rate = (1e3 * fit.curve[:, 0], fit.curve[:, 1], 1e-3 * fit.curve[:, 2])
-    table, rod = fit.table, fit.by_rod
+    table, heights, forces = fit.table, fit.by_rod[:, 0], fit.by_rod[:, 2]
     measured = Marks(1e3 * table.heights, table.forces, "station of the table", theme.INK, size=3.5, filled=True)
-    by_rod = Marks(1e3 * rod[:, 0], rod[:, 2], "finite-element rod", theme.SERIES[1], "diamond", size=8.0)
-    top = 1.1 * float(np.max(table.forces))
-    slopes = -1e-3 * np.diff(table.forces) / np.diff(table.heights)
-    middle = 5e2 * (table.heights[1:] + table.heights[:-1])
-    most = 6 * float(np.median(slopes))
+    rod = Line(1e3 * heights, forces, "finite-element rod", theme.SERIES[0])
+    rates = [(_middle(high), _slope(high, force)) for high, force in ((heights, forces), (table.heights, table.forces))]
+    between = Marks(*rates[1], "between stations of the table", theme.INK, size=3.0, filled=True)
+    top, most = 1.1 * float(np.max(table.forces)), 6 * float(np.median(rates[1][1]))
     panels = (
-        Panel("height between the seats (mm)", "force (N)", (Line(heights, force, "chain", theme.SERIES[0]), measured, by_rod),
-              y_range=(0.0, top)),
+        Panel("height between the seats (mm)", "force (N)", (rod, measured), y_range=(0.0, top)),
         Panel(
             "height between the seats (mm)", "rate (N/mm)",
-            (
-                Line(heights, rate, "chain", theme.SERIES[0], in_legend=False),
-                Marks(middle, slopes, "between stations of the table", theme.INK, size=3.0, filled=True),
-            ), y_range=(0.0, most),
+            (Line(*rates[0], "finite-element rod", theme.SERIES[0], in_legend=False), between), y_range=(0.0, most),
         ),
     )  # fmt: skip
     caption = "Rate between neighbouring stations carries the scatter of both."
     return Chart("tester-force", "Force and rate over height", caption, panels, 1, 620)
+
+
+def _middle(heights: Array) -> Array:
+    middle: Array = 5e2 * (heights[1:] + heights[:-1])
+    return middle
+
+
+def _slope(heights: Array, forces: Array) -> Array:
+    slope: Array = -1e-3 * np.diff(forces) / np.diff(heights)
+    return slope

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from valvetrain.errors import InputError
 from valvetrain.measurements.catalogue_card import (
     GROUND,
@@ -17,8 +19,8 @@ from valvetrain.measurements.catalogue_card import (
 )
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.rest_points import force_of
 
 #: Share of its value to which each load of the card is met, and trials until then.
 MET, TRIALS = 2e-4, 12
@@ -95,7 +97,9 @@ def forces_at(definition: SpringDefinition, heights: Sequence[float]) -> tuple[f
     """Forces (N) of the finite-element rod at falling heights (m). Raises :class:`InputError` for a height at which it is solid."""
     spring = InstalledSpring(wire=definition, precompression=_compression(definition, heights[0]))
     model = spring_model("finite-element").build(spring)
-    return tuple(force_of(spring, model, _compression(definition, height)) for height in heights)
+    away = np.array([_compression(definition, height) for height in heights]) - spring.precompression
+    assert isinstance(model, FiniteElementRod)
+    return tuple(map(float, model.static_forces(away)))
 
 
 def _compression(definition: SpringDefinition, height: float) -> float:
