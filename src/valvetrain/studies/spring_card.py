@@ -80,7 +80,7 @@ def spring_from_card(card: CatalogueCard) -> SpringFit:
     >>> low, high = vt.SpringLoad("46 mm", "350 N"), vt.SpringLoad("34 mm", "830 N")
     >>> card = vt.CatalogueCard(wire_diameter="4.4 mm", outer_diameter="32 mm", installed_load=low, open_load=high)
     >>> vt.spring_from_card(card)
-    SpringFit 'spring': 6.638 turns, free length 54.83 mm; left free: 5
+    SpringFit 'spring': 6.383 turns, free length 54.65 mm; left free: 5
     """
     winding = first_winding(card)
     for _ in range(TRIALS):

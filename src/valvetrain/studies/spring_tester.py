@@ -103,8 +103,9 @@ def spring_from_tester(
     >>> import numpy as np
     >>> heights = np.linspace(50e-3, 38e-3, 13)
     >>> table = ForceHeight(heights, 40e3 * (55e-3 - heights))
-    >>> spring_from_tester(table, card_of_table(table, wire_diameter=4.2e-3, outer_diameter=30.2e-3))
-    TesterFit
+    >>> fit = spring_from_tester(table, card_of_table(table, wire_diameter=4.2e-3, outer_diameter=30.2e-3))
+    >>> round(fit.active_coils[0], 1), round(fit.rate[0] / 1e3)
+    (4.4, 40)
     """
     read_end(closes)
     height = float(table.heights[0]) if installed_height is None else installed_height
