@@ -37,7 +37,13 @@ class Held:
 
 @dataclass(frozen=True)
 class SpringFit:
-    """A spring that meets its card: the ``spring`` as installed, its numbers beside the card's, and what the card left ``free``."""
+    """A spring that meets its card: the ``spring`` as installed, its numbers beside the card's, and what the card left ``free``.
+
+    Made by :func:`spring_from_card`.
+
+    >>> Held("rate", 40e3, 40.1e3).found
+    40100.0
+    """
 
     card: CatalogueCard
     spring: InstalledSpring

@@ -47,7 +47,10 @@ class TesterFit:
 
     ``rate`` (N/m) and ``preload`` (N) at the installed height, with standard deviations; ``coil_bind``: height (m), None where the table
     ends above it. ``by_rod``: (m, 3) heights, forces of the table and of the finite-element rod. ``scatter`` (N): standard deviation of
-    the table about the rod. ``free``: what the table left open.
+    the table about the rod. ``free``: what the table left open. Made by :func:`spring_from_tester`.
+
+    >>> [name for name in TesterFit.__dataclass_fields__ if name in ("rate", "preload", "stations")]
+    ['rate', 'preload', 'stations']
     """
 
     table: ForceHeight
@@ -133,7 +136,29 @@ def read_end(word: str) -> Closes:
 
 
 def card_of_table(table: ForceHeight, **known: object) -> CatalogueCard:
-    """A card with what is ``known`` of the spring (fields of :class:`CatalogueCard`) and two loads of the low part of the table."""
+    """A card of the sizes that are known, with two loads from the low part of a table.
+
+    Parameters
+    ----------
+    table : of :func:`read_force_height`
+    known : what else :class:`CatalogueCard` takes, such as ``wire_diameter="4.2 mm", outer_diameter="30.2 mm"``
+
+    Returns
+    -------
+    CatalogueCard
+
+    Raises
+    ------
+    InputError : a table whose force does not rise, sizes that contradict each other
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> heights = np.linspace(50e-3, 38e-3, 13)
+    >>> table = ForceHeight(heights, 40e3 * (55e-3 - heights))
+    >>> round(card_of_table(table, wire_diameter="4.2 mm", outer_diameter="30.2 mm").rate)
+    40000
+    """
     forces = table.forces[0] + np.array([0.05, 0.35]) * (table.forces[-1] - table.forces[0])
     low = (table.forces >= forces[0]) & (table.forces <= forces[1])
     if np.count_nonzero(low) < 3:
