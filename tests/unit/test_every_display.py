@@ -260,7 +260,8 @@ def test_section_loads_are_of_the_free_wire_and_nothing_beyond():
 
 def test_notes_of_a_measured_lift_speak_where_there_is_something_to_say():
     def notes(**change: object) -> tuple[str, ...]:
-        quiet = {"noise": 2e-6, "base": 0.0, "runout": 0.0, "residuals": np.zeros(5), "cam_angles": np.radians(np.arange(5.0)), "widened": False}
+        quiet = {"noise": 2e-6, "base": 0.0, "runout": 0.0, "residuals": np.zeros(5), "cam_angles": np.radians(np.arange(5.0)),
+                 "widened": False}  # fmt: skip
         return lift_notes(SimpleNamespace(smoothed=SimpleNamespace(**quiet | change)))
 
     said = "the noise of a station is 2 µm (standard deviation)"

@@ -142,3 +142,10 @@ def test_runs_that_are_kept_as_they_come_are_found_and_go_with_the_rest(tmp_path
     kept.close()
     assert not list(tmp_path.glob("*.nc")) and not (tmp_path / "unfinished-runs.jsonl").exists() and kept.file_of(run) is None
     kept.close()
+
+
+@pytest.mark.parametrize("word", ["massless", "multi-mass"])
+def test_the_path_behind_a_curve_reaches_as_far_as_the_curve(word):
+    curve = vt.static_curve(SPRING, spring_model=word, largest_compression=8e-3, steps=4)
+    assert curve.path is not None and curve.path.compression[-1] == pytest.approx(8e-3) == curve.compression[-1]
+    assert len(curve.compression) == 5 < len(curve.path.compression)
