@@ -14,6 +14,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.cosserat.batch import simulate_batch
+from valvetrain.measurements.catalogue_card import CatalogueCard, SpringLoad
 from valvetrain.parameters.case import Operation
 from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
 from valvetrain.quantities.buckling import buckling_compression
@@ -28,6 +29,9 @@ UNIFORM = vt.EquivalentSpring(40e3, 300.0, 0.05)
 RATE, MASS, FORCE, LENGTH, SECOND, PER_SECOND = "40 N/mm", "50 g", "300 N", "5 mm", "2 us", "25 1/s"
 IN_SI = {RATE: 40e3, MASS: 0.05, FORCE: 300.0, LENGTH: 0.005, SECOND: 2e-6, PER_SECOND: 25.0, "30 N/mm^2": 30e6, "2 deg": np.pi / 90,
          "2000 rpm": 2000 * np.pi / 30, "8 mm": 0.008, "12 mm": 0.012}  # fmt: skip
+LOADS = SpringLoad("46 mm", "350 N"), SpringLoad("34 mm", "830 N")
+CATALOGUE = CatalogueCard(wire_diameter=4.2e-3, outer_diameter=0.032, installed_load=LOADS[0], open_load=LOADS[1])
+IN_SI |= {"4.2 mm": 4.2e-3, "32 mm": 0.032, "30 mm": 0.030, "29 mm": 0.029, "54.75 mm": 0.05475, "46 mm": 0.046}
 #: Class -> one of it, and the fields that are given in text.
 PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
     "CoilContact": (CoilContact, {"stiffness": "30 N/mm^2", "damping_time": SECOND}),
@@ -47,6 +51,9 @@ PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
                          "contact_damping_time": SECOND}),
     "WaveRod": (lambda: vt.WaveRod(UNIFORM), {"friction": PER_SECOND}),
     "WaveRodWithClash": (lambda: vt.WaveRodWithClash.from_definition(SPRING, 5e-3), {"friction": PER_SECOND}),
+    "SpringLoad": (lambda: LOADS[0], {"height": "46 mm", "force": FORCE}),
+    "CatalogueCard": (lambda: CATALOGUE, {"wire_diameter": "4.2 mm", "outer_diameter": "32 mm", "top_outer_diameter": "30 mm",
+                                          "solid_height": "29 mm", "mass": MASS, "free_length": "54.75 mm"}),
     "RodModel": (lambda: vt.FiniteElementRod(SPRING, 6e-3, 6), {"precompression": LENGTH, "time_step": SECOND}),
 }  # fmt: skip
 

@@ -38,6 +38,7 @@ from valvetrain.quantities.filters import low_pass
 from valvetrain.springs.chain_layout import uniform_chain
 from valvetrain.springs.massless import massless_table
 from valvetrain.springs.nested import RadialRubbing
+from valvetrain.springs.solid.layout import MeshOptions
 from valvetrain.springs.solid.transient import TransientJob
 from valvetrain.studies.grid_convergence import observed_order
 from valvetrain.studies.identification import Unknown
@@ -95,6 +96,7 @@ GIVEN: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "card of masses": (vt.MultiMassSpring.from_card, {"rate": 4e4, "preload": 300.0, "mass": 0.05}),
     "rubbing": (RadialRubbing, {"coefficient": 0.1, "normal_force": 5.0}),
     "transient": (TransientJob, {"lift_law": None, "engine_speed": 100.0, "precompression": 5e-3, "first_angle": 0.0, "last_angle": 1.0}),
+    "mesh": (MeshOptions, {}),
     "order": (observed_order, {"values": (1.0, 1.5, 1.6), "sizes": (4.0, 2.0, 1.0)}),
     "unknown": (Unknown, {"name": "rate", "low": 1.0, "high": 3.0, "start": 2.0, "spread": 0.5}),
     "material": (vt.Material, {"name": "steel", "youngs_modulus": 206e9, "shear_modulus": 79e9, "density": 7850.0}),
@@ -242,6 +244,9 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     *(("rubbing", {name: value}, "zero or a positive") for name in ("coefficient", "normal_force") for value in (-1.0, math.inf)),
     ("transient", {"engine_speed": 0.0}, "positive engine speed"), ("transient", {"last_angle": 0.0}, "last cam angle beyond"),
     ("transient", {"time_step": 0.0}, "time step"),
+    ("mesh", {"elements_per_coil": 3}, "cannot follow a helix"),
+    ("mesh", {"end_refinement": 0.99}, "would coarsen"),
+    ("mesh", {"ends": "glued"}, "use sections, bonded or ground"), ("mesh", {"element_type": "C3D4"}, "is not supported"),
     ("order", {"sizes": (4.0, 1.0, 1.0)}, "coarse to fine"), ("order", {"sizes": (2.0, 2.0, 1.0)}, "coarse to fine"),
     ("unknown", {"start": 0.9}, "within its bounds"),
     ("unknown", {"start": 3.1}, "within its bounds"),
@@ -297,7 +302,7 @@ TAKEN: list[tuple[str, dict[str, Any]]] = [
     ("modal-uniform", {"mass_damping": 0.0, "stiffness_damping": 0.0}), ("wave rod", {"friction": 0.0}), ("rod", {"precompression": 0.0}),
     ("multi-mass", {"masses_per_coil": 1}), ("card of masses", {"preload": 0.0}), ("rubbing", {"coefficient": 0.0, "normal_force": 0.0}),
     ("transient", {"engine_speed": 0.5, "last_angle": 0.5}), ("unknown", {"start": 1.0}), ("unknown", {"start": 3.0}),
-    ("material", {"shear_modulus": 69e9}), ("cylindrical", {"closed_coils": 0.0}), ("mechanism", {"interactions": ()}),
+    ("mesh", {"elements_per_coil": 4, "end_refinement": 1.0}), ("material", {"shear_modulus": 69e9}), ("cylindrical", {"closed_coils": 0.0}), ("mechanism", {"interactions": ()}),
 ]  # fmt: skip
 
 
