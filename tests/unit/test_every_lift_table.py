@@ -163,3 +163,11 @@ def test_a_table_without_room_for_its_jumps_is_a_smooth_spline():
     assert whole.joints == whole.cam_angles
     for made, within in ((narrow, 2e-5), (whole, 1e-12)):
         assert made.lift(np.array(made.cam_angles)) == pytest.approx(lifts, abs=within)
+
+
+@pytest.mark.parametrize("row", ["110, nan", "inf, 8", "110", "110, eight", "; 8"])
+def test_a_row_of_a_file_that_is_no_pair_of_numbers_is_refused_by_its_number(tmp_path, row):
+    (tmp_path / "lift.csv").write_text(f"angle, lift\n50, 0\n80, 3\n{row}\n140, 3\n170, 0\n")
+    text = 'kind = "table"\nfile = "lift.csv"\nangle_unit = "deg"\nangle_of = "cam"\nlift_unit = "mm"\n'
+    with pytest.raises(Exception, match=r"line 4 of lift\.csv is no pair of angle and lift"):
+        read_lift_model(tomllib.loads(text)).values(Path(tmp_path))

@@ -302,7 +302,10 @@ TAKEN: list[tuple[str, dict[str, Any]]] = [
     ("modal-uniform", {"mass_damping": 0.0, "stiffness_damping": 0.0}), ("wave rod", {"friction": 0.0}), ("rod", {"precompression": 0.0}),
     ("multi-mass", {"masses_per_coil": 1}), ("card of masses", {"preload": 0.0}), ("rubbing", {"coefficient": 0.0, "normal_force": 0.0}),
     ("transient", {"engine_speed": 0.5, "last_angle": 0.5}), ("unknown", {"start": 1.0}), ("unknown", {"start": 3.0}),
-    ("mesh", {"elements_per_coil": 4, "end_refinement": 1.0}), ("material", {"shear_modulus": 69e9}), ("cylindrical", {"closed_coils": 0.0}), ("mechanism", {"interactions": ()}),
+    ("mesh", {"elements_per_coil": 4, "end_refinement": 1.0}),
+    ("material", {"shear_modulus": 69e9}),
+    ("cylindrical", {"closed_coils": 0.0}),
+    ("mechanism", {"interactions": ()}),
 ]  # fmt: skip
 
 
