@@ -64,6 +64,7 @@ _HOMES = {
     "sweep": "studies.api",
     "critical_speeds": "studies.api",
     "static_curve": "studies.api",
+    "refine": "studies.refined",
     "buckling_compression": "quantities.buckling",
     "Study": "solution.study",
     "simulate_batch": "cosserat.batch",
@@ -169,6 +170,7 @@ if TYPE_CHECKING:
     from valvetrain.studies.api import sweep as sweep
     from valvetrain.studies.batch import map_cases as map_cases
     from valvetrain.studies.lift_band import lift_band_study as lift_band_study
+    from valvetrain.studies.refined import refine as refine
     from valvetrain.studies.run_up import run_up as run_up
     from valvetrain.studies.train_modes import train_modes as train_modes
     from valvetrain.system.build import build as build

@@ -18,7 +18,8 @@ from valvetrain.studies.cost import Limits, read_limits, refuse_cost
 from valvetrain.studies.critical_speeds import read_options
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.largest_lift import largest_lift
-from valvetrain.studies.request_cost import Asked, request_cost
+from valvetrain.studies.planned import Asked
+from valvetrain.studies.request_cost import request_cost
 from valvetrain.studies.rest import STEPS
 from valvetrain.studies.rest_study import curve_by_model
 from valvetrain.studies.run import run_study

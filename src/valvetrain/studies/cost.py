@@ -15,6 +15,8 @@ BYTES = {"MB": 1e6, "GB": 1e9, "TB": 1e12}
 RUN, REDUCED = 0.03, 40_000.0
 #: Copies of a channel that stand side by side while a run is recorded, evaluated and written.
 COPIES = 2.0
+#: What makes a run, curves and modes, or a refinement large.
+FEWER, FEWER_AT_REST, FEWER_REFINED = "speeds, cycles or unknowns", "steps, modes or unknowns", "speeds, variants or unknowns"
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +70,9 @@ def read_limits(texts: Sequence[str] | None, where: str = "--limit") -> Limits:
     return limits
 
 
-def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ") -> str:
-    """The cost in words. Raises :class:`InputError` with the numbers, and the ``option`` that raises the bound, where it is too large."""
+def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str = FEWER) -> str:
+    """The cost in words. Raises :class:`InputError` with the numbers, what to ask for ``fewer`` of, and the ``option`` that raises the
+    bound, where it is too large."""
     told = f"about {time_words(cost.seconds)} and {memory_words(cost.bytes)}"
     over = []
     if cost.seconds > limits.seconds:
@@ -79,7 +82,7 @@ def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ") -> str:
     if over:
         bounds = " and ".join(bound for _, bound in over)
         raised = ", ".join(value for value, _ in over)
-        remedy = f"ask for fewer speeds, cycles or unknowns, or raise the bound with {option}'{raised}'"
+        remedy = f"ask for fewer {fewer}, or raise the bound with {option}'{raised}'"
         raise InputError(f"this request will take {told}, beyond the bound of {bounds}; {remedy}")
     return told
 

@@ -28,11 +28,13 @@ from valvetrain.system.build import build
 
 #: What computes a spring at rest where nothing else is asked for: of a wire, of a card with and without a mass.
 WIRE, CARD, BARE = "finite-element", "modal-uniform", "massless"
+#: Steps of the curve beside modes.
+CURVE_OF_MODES = 24
 
 
 def rest_study(
     case: Case, spring_models: Sequence[str] = (), *, spring_sets: Sequence[str] = (), command: str = "static",
-    largest_compression: float | None = None, compression: float | None = None, steps: int = 24, modes: int = 0,
+    largest_compression: float | None = None, compression: float | None = None, steps: int = CURVE_OF_MODES, modes: int = 0,
     heights: Sequence[float] = (), loads: Sequence[float] = (), attached_mass: float | None = None, progress: Progress | None = None,
 ) -> Study:  # fmt: skip
     """Static curve and natural frequencies of every spring of a case by each of ``spring_models`` (empty: the one that knows it best).
@@ -50,12 +52,15 @@ def rest_study(
     for installed in problem.springs:
         spring = installed if compression is None else _compressed(installed, compression)
         reach = _reach(spring, lift, largest_compression)
-        words = tuple(spring_models) or (WIRE if spring.wire else CARD if spring.card and spring.card.mass else BARE,)
+        words = tuple(spring_models) or (usual_word(spring),)
         rest = None
         for word in words:
             spec = spring_model(word, "--spring")
             if reason := spec.why_not(spring):
                 raise InputError(reason, "--spring")
+            if spec.no_motion:
+                remedy = f"its curve and modes stand beside the rod's in 'valvetrain compare CASE --spring {WIRE},{word}'"
+                raise InputError(f"{word} finite elements are asked for by compare: {remedy}", "--spring")
             if spec.needs_rest and rest is None:
                 rest = _by_rod(problem.model_of(WIRE, spring), reach, None, max(modes, 8))
             if attached_mass is not None and word != WIRE:
@@ -76,6 +81,11 @@ def rest_study(
     record = problem.record
     origin = collect_provenance(record.name, ", ".join(dict.fromkeys(one.model for one in found)), citations=record.citations)
     return Study(record, command, (), tuple(found), still, provenance=origin, wall_time=time.perf_counter() - begun)
+
+
+def usual_word(spring: InstalledSpring) -> str:
+    """The model that knows a spring at rest best, of what is told of it."""
+    return WIRE if spring.wire else CARD if spring.card and spring.card.mass else BARE
 
 
 def curve_by_model(spring: InstalledSpring, word: str, valve_lift: float, wanted: float | None, steps: int) -> StaticCurve:
