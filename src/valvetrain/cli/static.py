@@ -13,6 +13,7 @@ from valvetrain.cli.options import (
     MOST_COUNTED,
     CaseArgument,
     ElementsOption,
+    ImplausibleOption,
     JsonOption,
     LimitOption,
     QuietOption,
@@ -64,7 +65,7 @@ def static(
     ] = None,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the curve to a CSV file.", show_default=False)] = None,
     spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
-    limit: LimitOption = None, as_json: JsonOption = False, quiet: QuietOption = False,
+    limit: LimitOption = None, implausible: ImplausibleOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """Force, stiffness and stress over compression, coils closing, of every spring of a case, and at heights and loads asked for."""
     from valvetrain.cli.case_choice import choose_case
@@ -82,15 +83,15 @@ def static(
     models, sets = read_models(spring), read_words(spring_set)
     cost = rest_cost(chosen, models, spring_sets=sets, steps=steps, heights=len(heights), loads=len(loads))
     say_cost(cost, read_limits(limit), FEWER_AT_REST)
-    deliver(compute_static(chosen, models, sets, largest, steps, csv, heights, loads))
+    deliver(compute_static(chosen, models, sets, largest, steps, csv, heights, loads, implausible))
 
 
 def compute_static(
     case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], largest: float | None, steps: int, csv: Path | None = None,
-    heights: tuple[float, ...] = (), loads: tuple[float, ...] = (),
+    heights: tuple[float, ...] = (), loads: tuple[float, ...] = (), implausible: bool = False,
 ) -> Outcome:  # fmt: skip
     """Solve the static curves up to ``largest`` (m; None: a little beyond full lift), and at ``heights`` (m) and ``loads`` (N); write
-    ``csv`` where asked."""
+    ``csv`` where asked. ``implausible``: let values pass that no spring can have."""
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.report.json import study_json
@@ -101,7 +102,7 @@ def compute_static(
     with progress_bar("static curve") as report:
         study = rest_study(
             case, spring_models, spring_sets=spring_sets, command="static", largest_compression=largest, steps=steps, heights=heights,
-            loads=loads, progress=report,
+            loads=loads, progress=report, implausible=implausible,
         )  # fmt: skip
     data = study_json(study)
     if csv is not None:

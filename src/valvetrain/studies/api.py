@@ -14,13 +14,14 @@ from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
 from valvetrain.studies.batch import available_cores
 from valvetrain.studies.compare import compare_study
-from valvetrain.studies.cost import Limits, read_limits, refuse_cost
+from valvetrain.studies.cost import FEWER_AT_REST, Limits, read_limits, refuse_cost
 from valvetrain.studies.critical_speeds import read_options
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.largest_lift import largest_lift
 from valvetrain.studies.planned import Asked
 from valvetrain.studies.request_cost import request_cost
 from valvetrain.studies.rest import STEPS
+from valvetrain.studies.rest_cost import spring_cost
 from valvetrain.studies.rest_study import curve_by_model
 from valvetrain.studies.run import run_study
 from valvetrain.studies.sweep import sweep_study
@@ -187,7 +188,7 @@ def critical_speeds(
 
 def static_curve(
     spring: SpringDefinition | InstalledSpring | AnyCase, largest_compression: Given | None = None, *, spring_model: str = "finite-element",
-    steps: int = STEPS,
+    steps: int = STEPS, limit: str = "", implausible: bool = False,
 ) -> StaticCurve:  # fmt: skip
     """Force and stiffness over compression of one spring from its free state, coils closing.
 
@@ -198,14 +199,16 @@ def static_curve(
         of the way to coil bind where there is no lift
     spring_model : word of the spring model; one that knows the installed state only (a card) holds from there on
     steps : even steps of the curve
+    limit, implausible : as for :func:`simulate`
 
     Returns
     -------
-    StaticCurve of arrays (steps + 1,): compression m, force N, stiffness N/m; shorter, with a status, where no equilibrium is found
+    StaticCurve of arrays (steps + 1,): compression m, force N, stiffness N/m; shorter, with a status, where no equilibrium is found, and
+    with the status "diverged" where its force is none that a spring can have
 
     Raises
     ------
-    InputError : a compression beyond coil bind, several springs in the case, a model that cannot stand for the spring
+    InputError : a compression beyond coil bind, several springs in the case, a model that cannot stand for the spring, too many steps
 
     Examples
     --------
@@ -226,7 +229,9 @@ def static_curve(
     if steps < 1:
         raise InputError(f"a static curve needs one step or more; it has {steps}")
     wanted = None if largest_compression is None else si(largest_compression, "compression", "largest_compression")
-    return curve_by_model(installed, spring_model, lift, wanted, steps)
+    limits = read_limits((limit,) if limit else (), "limit")
+    refuse_cost(spring_cost(installed, spring_model, steps), limits, "limit=", FEWER_AT_REST)
+    return curve_by_model(installed, spring_model, lift, wanted, steps, implausible)
 
 
 def _checked(

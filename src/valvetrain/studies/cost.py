@@ -97,7 +97,8 @@ def time_words(seconds: float) -> str:
 
 def memory_words(size: float) -> str:
     """A memory as people say it."""
-    return f"{size / 1e9:.3g} GB" if size >= 1e9 else f"{max(1.0, size / 1e6):.0f} MB"
+    unit, scale = next((one for one in (("TB", 1e12), ("GB", 1e9)) if size >= one[1]), ("MB", 1e6))
+    return f"{size / scale:.3g} {unit}" if unit != "MB" else f"{max(1.0, size / scale):.0f} MB"
 
 
 def _rounded_up(value: float, units: Mapping[str, float]) -> str:

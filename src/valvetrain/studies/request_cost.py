@@ -21,6 +21,8 @@ REST, STEP, STEP_BYTES, KEPT_BYTES = 0.3, 2e-6, 128.0, 16.0
 SPRING_VARIANTS, TRAIN_VARIANTS, FINER_BYTES = 8.0, 13.0, 4.0
 #: Solid finite elements: their word, unknowns per element, bytes per unknown, and solver runs of a spring at rest (its error bar is one).
 SOLID, SOLID_UNKNOWNS, SOLID_BYTES, SOLID_RUNS = "solid", 15.0, 1e4, 2
+#: Runs to which a run-up is counted; so many lie beyond every bound.
+MOST_RUNS = 1_000_000
 #: Cam turns until a train repeats itself, where fewer are not asked for; coils and samples where a case does not tell.
 USUAL_CYCLES, USUAL_STEP = 20, math.radians(0.5)
 
@@ -84,6 +86,17 @@ def _cycles(case: Case) -> int:
         return case.operation.cycles
     asked = case.train.cycles
     return USUAL_CYCLES if asked is None else asked if asked > 60 else min(asked, USUAL_CYCLES)
+
+
+def run_up_cost(request: Request, ramp: tuple[float, float, float]) -> Cost:
+    """Estimated cost of a run-up between two crank speeds (rad/s) in a time (s): of as many steady runs as take the same simulated time."""
+    first, last, duration = ramp
+    mean = (first + last) / 2
+    if not (mean > 0 and duration > 0):
+        return Cost()  # refused, with its reason, where it begins
+    runs = max(1, math.ceil(min(duration * mean / (4 * math.pi) / USUAL_CYCLES, MOST_RUNS)))
+    asked = Asked("run-up", request.case, (mean,) * runs, request.spring_models, request.spring_sets, request.workers)
+    return request_cost(asked, whole=False)
 
 
 def refine_cost(case: Case, engine_speeds: Sequence[float] | None, workers: int = 1) -> Cost:

@@ -13,6 +13,8 @@ from valvetrain.studies.planned import CARD_CHAIN, Asked, planned, unknowns_of
 from valvetrain.studies.rest import APPROACH, BEYOND
 from valvetrain.studies.rest_study import WIRE, usual_word
 
+#: Steps to which a request is counted; so many lie beyond every bound.
+MOST_COUNTED = 10**12
 #: Points of the path behind every curve, and solutions that the search for a load takes.
 PATH, SEARCH = APPROACH + BEYOND + 1, 12
 #: Seconds per point and finite element where coils lie apart, and where they close one by one; bytes kept of both.
@@ -43,6 +45,7 @@ def rest_cost(
 def spring_cost(spring: InstalledSpring, word: str, steps: int, modes: int = 0, points: int = 0) -> Cost:
     """Estimated cost of one spring by one model: a curve of ``steps``, ``modes`` and as many other ``points``."""
     spec = spring_model(word, "--spring")
+    steps = min(steps, MOST_COUNTED)
     told = Cost(AROUND + TOLD * steps, TOLD_BYTES * steps)
     if spec.no_motion or spec.why_not(spring):
         return told
