@@ -122,7 +122,8 @@ def _kept(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Out
         study = replace(study, failures=(*study.failures, rest))
     data = {
         "command": "refine", "case": case.name, "title": case.title, "elements_per_coil": list(study.elements_per_coil),
-        "uncertainties": [uncertainty_object(row) for row in study.rows], "completed": not study.failures, "page": "report.html",
+        "uncertainties": [uncertainty_object(row) for row in study.rows], "completed": not study.failures,
+        "failures": list(study.failures), "page": "report.html",
     }  # fmt: skip
 
     def write(folder: Path) -> list[Path]:

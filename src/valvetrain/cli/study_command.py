@@ -159,7 +159,8 @@ def answer_study(
     from valvetrain.studies.run_store import unfinished_folder
     from valvetrain.studies.stopping import StudyStopped
 
-    kept = UnfinishedRun(lambda: request.output or unfinished_folder(request.case.name, request.created_at))
+    begun = ("valvetrain", *sys.argv[1:])
+    kept = UnfinishedRun(lambda: request.output or unfinished_folder(request.case.name, request.created_at), begun)
     stopped = False
     try:
         with progress_bar(request.case.name) as report:

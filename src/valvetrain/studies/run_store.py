@@ -242,11 +242,15 @@ def link_latest(folder: Path) -> None:
     write_text(link, folder.name + "\n")
 
 
+def homes(case: str = "", root: Path = ROOT) -> list[Path]:
+    """Folders that hold the runs of a case each: of ``case``, or of all."""
+    return [root / safe_name(case)] if case else sorted(path for path in root.glob("*") if path.is_dir() and not path.is_symlink())
+
+
 def kept_runs(case: str = "", root: Path = ROOT) -> tuple[KeptRun, ...]:
     """Every run under ``root``, newest first, of one ``case`` where given. Folders without a readable ``run.json`` are left out."""
     found = []
-    homes = [root / safe_name(case)] if case else sorted(path for path in root.glob("*") if path.is_dir() and not path.is_symlink())
-    for home in homes:
+    for home in homes(case, root):
         for folder in home.glob("*"):
             if not folder.is_symlink() and (answer := _read_answer(folder)):
                 found.append(KeptRun(folder, answer))
