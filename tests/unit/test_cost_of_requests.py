@@ -21,8 +21,9 @@ ELEMENTS, MASSES = "spring.options.finite-element.elements_per_coil", "spring.op
 MEASURED = [
     ("job-t", {}, (), 2000, 0, 4.9, 30), ("job-t", {ELEMENTS: 240}, (), 24, 0, 1.8, 26), ("gu2021-beehive", {}, (), 500, 0, 5.1, 15),
     ("gu2021-beehive", {ELEMENTS: 150}, (), 100, 0, 8.7, 28), ("vaz-ohc", {}, (), 1000, 0, 8.6, 15),
-    ("job-t", {MASSES: 600}, ("multi-mass",), 24, 20, 12, 208), ("job-t", {}, (), 24, 400, 1.5, 18), ("job-t", {}, (), 24, 3000, 1.8, 27),
-    ("job-t", {ELEMENTS: 120}, (), 24, 300, 3.2, 59), ("vaz-ohc", {}, (), 24, 24, 21, 90),
+    ("job-t", {MASSES: 600}, ("multi-mass",), 24, 20, 12, 208), ("job-c", {}, (), 300, 0, 3.5, 7),
+    ("job-t", {}, (), 24, 400, 1.5, 18), ("job-t", {}, (), 24, 3000, 1.8, 27),
+    ("job-t", {ELEMENTS: 120}, (), 24, 300, 3.2, 59), ("vaz-ohc", {}, (), 24, 24, 5.5, 18),
 ]  # fmt: skip
 
 

@@ -16,10 +16,11 @@ from valvetrain.report.json import study_json
 from valvetrain.solution.definition import is_defined
 from valvetrain.studies import stages, uncertainty_file
 from valvetrain.studies import train_uncertainty as train_uncertainty_module
+from valvetrain.studies.error_bars import CONTACT_FACTORS
 from valvetrain.studies.refined import refined
 from valvetrain.studies.run import run_study
 from valvetrain.studies.train_uncertainty import train_uncertainty
-from valvetrain.studies.uncertainty import CONTACT_FACTORS, OWN
+from valvetrain.studies.uncertainty import OWN
 
 RPM = 2 * np.pi / 60
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from valvetrain.cli.outcome import Outcome
     from valvetrain.parameters.case import Case
     from valvetrain.studies.cost import Limits
-    from valvetrain.studies.uncertainty import UncertaintyStudy
+    from valvetrain.studies.error_bars import UncertaintyStudy
 
 
 def register(app: typer.Typer) -> None:

@@ -10,7 +10,7 @@ from valvetrain.report.words import number, rpm, speed_words
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.quantity import Quantity
-from valvetrain.studies.uncertainty import CONTACT_FACTORS, DAMPING_FACTORS, STIFFNESS_FACTORS, Range, Uncertainty, UncertaintyStudy
+from valvetrain.studies.error_bars import CONTACT_FACTORS, DAMPING_FACTORS, STIFFNESS_FACTORS, Range, Uncertainty, UncertaintyStudy
 
 _HEADERS = ("quantity", "value", "± numerical", "", "unit", "order", "extrapolated")
 

@@ -9,9 +9,10 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.studies.batch import available_cores
 from valvetrain.studies.cost import FEWER_REFINED, Limits, read_limits, refuse_cost
 from valvetrain.studies.engine import Progress
+from valvetrain.studies.error_bars import UncertaintyStudy
 from valvetrain.studies.request_cost import refine_cost
 from valvetrain.studies.train_uncertainty import train_uncertainty
-from valvetrain.studies.uncertainty import UncertaintyStudy, uncertainty_study
+from valvetrain.studies.uncertainty import uncertainty_study
 from valvetrain.units import Given, si_speeds
 
 

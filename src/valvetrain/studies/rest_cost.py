@@ -22,7 +22,7 @@ APART, CLOSING, POINT_BYTES = 22e-6, 65e-6, 130.0
 #: Modes of a rod: seconds per unknown and square of the vectors of the search, of which there are two per mode.
 MODE, VECTORS = 2.5e-9, 2.0
 #: Seconds per finite element that the modes of a train take to find its two states at rest.
-TRAIN_ROD = 0.15
+TRAIN_ROD = 0.03
 #: Chain of masses: seconds per point and mass, seconds per cube and bytes per square of the masses for all its frequencies.
 CHAIN_POINT, CHAIN_CUBE, CHAIN_BYTES = 3e-6, 2.5e-10, 16.0
 #: Seconds around a spring by one model; seconds and bytes of a point of any curve, as it is kept and told.

@@ -8,7 +8,7 @@ from valvetrain.studies.engine import map_points
 from valvetrain.studies.stopping import PointsStopped, RefinementStopped
 
 if TYPE_CHECKING:
-    from valvetrain.studies.uncertainty import UncertaintyStudy
+    from valvetrain.studies.error_bars import UncertaintyStudy
 
 
 class Stages:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from valvetrain.solution.study import Study
-    from valvetrain.studies.uncertainty import UncertaintyStudy
+    from valvetrain.studies.error_bars import UncertaintyStudy
 
 #: Time (s) between two looks at the note while something is waited for.
 LOOK = 0.1

@@ -17,11 +17,12 @@ from valvetrain.solution.result import Solution
 from valvetrain.springs.contract import LargeSpring
 from valvetrain.studies.before_run import refuse_implausible, refuse_speeds
 from valvetrain.studies.engine import LOST, LOST_REMEDY, Progress
+from valvetrain.studies.error_bars import CONTACT_FACTORS, Numbers, Range, Uncertainty, UncertaintyStudy
 from valvetrain.studies.grid_convergence import grid_convergence, two_grids
 from valvetrain.studies.ready import FAILURES, Plan, Ready, judge, make_ready, provenance_of
 from valvetrain.studies.run import member_rest
 from valvetrain.studies.stages import Stages
-from valvetrain.studies.uncertainty import CONTACT_FACTORS, OWN, Numbers, Range, Uncertainty, UncertaintyStudy
+from valvetrain.studies.uncertainty import OWN
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,13 +15,13 @@ from valvetrain.quantities.main_clash import ClashWindow, find_clash_window, mai
 from valvetrain.quantities.statics import modal_quantities
 from valvetrain.solution.definition import pattern_of, tables
 from valvetrain.solution.gaps import reason
-from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_rest import modal_result
 from valvetrain.studies.before_run import refuse_implausible, refuse_speeds
 from valvetrain.studies.cost import Limits
 from valvetrain.studies.engine import Progress
+from valvetrain.studies.error_bars import DAMPING_FACTORS, STIFFNESS_FACTORS, Numbers, Uncertainty, UncertaintyStudy
 from valvetrain.studies.grid_convergence import TRUSTED, GridConvergence, grid_convergence, two_grids
 from valvetrain.studies.ready import FAILURES, Plan, Ready, integrate_point, judge, make_ready, provenance_of
 from valvetrain.studies.rest import MODES
@@ -32,11 +32,6 @@ from valvetrain.system.problem import Problem
 
 #: Elements per coil over those of the case.
 REFINEMENTS = (1.0, 1.5, 2.25)
-#: Contact stiffness over the case's (7e9 to 5e10 Pa for 2e10) and contact damping time over the case's (0 to 2 us for 1 us).
-STIFFNESS_FACTORS, DAMPING_FACTORS = (0.35, 2.5), (0.0, 2.0)
-#: Contact stiffness and damping of a train over the case's: contacts between parts of an engine are known to a factor of two.
-CONTACT_FACTORS = (0.5, 2.0)
-
 #: Headline numbers of a run; those that a case does not have are left out. The forces of a source study's own table follow them.
 HEADLINES = (
     "peak_spring_force", "minimum_spring_force", "below_20_khz_peak_spring_force", "below_10_khz_peak_spring_force",
@@ -46,46 +41,6 @@ HEADLINES = (
 
 #: The case's own mesh.
 OWN = "mesh 1"
-Range = tuple[float, float]
-Numbers = Mapping[str, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Uncertainty:
-    """One headline number (SI) of the case's own mesh, at ``engine_speed`` (rad/s of the crank; None for statics and modes).
-
-    ``numerical``: uncertainty from meshes and step. ``observed_order``: None where the series is not monotonic. ``extrapolated``:
-    Richardson value, or the finest one. ``step_part``: what the step alone contributes. ``contact_stiffness`` and ``contact_damping``:
-    least and largest value over the range of each constant, the case's own included. ``label``: variant of a train.
-    """
-
-    quantity: str
-    engine_speed: float | None
-    value: float
-    numerical: float
-    observed_order: float | None
-    extrapolated: float
-    step_part: float
-    contact_stiffness: Range
-    contact_damping: Range
-    label: str = ""
-
-
-@dataclass(frozen=True)
-class UncertaintyStudy:
-    """All rows of one case with the meshes behind them (none: a train); ``values`` holds every number by (variant, speed, quantity),
-    the factors what the contact constants of the case were multiplied by; ``runs`` were asked for, of which ``finished`` came to an
-    end, and ``failures`` tells of each that failed."""
-
-    record: CaseRecord
-    elements_per_coil: tuple[int, ...]
-    rows: tuple[Uncertainty, ...]
-    values: Mapping[str, Mapping[float | None, Numbers]]
-    failures: tuple[str, ...] = ()
-    stiffness_factors: Range = STIFFNESS_FACTORS
-    damping_factors: Range = DAMPING_FACTORS
-    runs: int = 0
-    finished: int = 0
 
 
 def uncertainty_study(

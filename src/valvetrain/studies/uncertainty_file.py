@@ -15,7 +15,7 @@ from valvetrain.solution.record import CaseRecord
 
 if TYPE_CHECKING:
     from valvetrain.solution.study import Study
-    from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
+    from valvetrain.studies.error_bars import Uncertainty, UncertaintyStudy
 
 _STILL = "statics"
 #: Between engine speed and variant in the heading of a train's rows.
