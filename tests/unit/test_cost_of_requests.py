@@ -136,9 +136,29 @@ def test_every_public_function_with_a_bound_is_tried_here():
 
 
 def test_static_curves_of_no_step_and_of_countless_steps_are_refused():
-    for steps, words in ((0, "one step or more"), (10**400, "this request will take about"), (10**8, "TB")):
+    for steps, words in ((0, "one or more"), (10**400, "this request will take about"), (10**8, "TB")):
         with pytest.raises(InputError, match=words):
             vt.static_curve("job-t", steps=steps)
+
+
+@pytest.mark.parametrize(
+    ("request_of", "words"),
+    [
+        (lambda: vt.refine("tdi-pushrod", "2000 rpm", limit=5), "'5' is no bound"),
+        (lambda: vt.simulate("job-t", limit=["1 h"]), "is no bound"),
+        (lambda: vt.simulate("job-t", workers=1.5), "a whole number; it is 1.5"),
+        (lambda: vt.sweep("job-t", workers="2"), "a whole number; it is 2"), (lambda: vt.refine("job-t", workers=0), "workers must be 1"),
+        (lambda: vt.map_cases(vt.load_case, ["job-t"], workers=2.0), "a whole number"),
+        (lambda: vt.static_curve(None), "'None' is no case"),
+        (lambda: vt.simulate(7), "'7' is no case"), (lambda: vt.static_curve("job-t", steps=2.5), "a whole number of steps"),
+        (lambda: vt.static_curve("job-t", steps="5"), "a whole number of steps"),
+        (lambda: vt.static_curve("job-t", spring_model=["massless"]), "spring model .* is no word"),
+        (lambda: vt.static_curve("job-t", steps=float("nan")), "a whole number of steps"),
+    ],
+)  # fmt: skip
+def test_arguments_of_another_kind_are_refused_in_a_sentence(request_of, words):
+    with pytest.raises(InputError, match=words):
+        request_of()
 
 
 def test_memory_is_told_as_people_say_it():

@@ -10,8 +10,9 @@ import sys
 import pytest
 
 from fault_parts import gone, started
-from unit.cli_parts import call, wait_until
+from unit.cli_parts import SMALL, call, sentence, wait_until
 from valvetrain.cli.runs import state
+from valvetrain.errors import InputError
 from valvetrain.studies.run_store import LIST, KeptRun, kept_runs, mark_unfinished
 from valvetrain.studies.unfinished_runs import unfinished_runs
 
@@ -51,6 +52,31 @@ def test_folders_of_killed_and_of_living_runs_are_told_apart(tmp_path):
     assert found[0].command_line == found[4].command_line == () and {one.case for one in found} == {"job"}
     assert unfinished_runs("job", tmp_path)[0].folder == odd and unfinished_runs("other", tmp_path) == ()
     assert [run.folder for run in kept_runs(root=tmp_path)] == [whole]
+
+
+@pytest.mark.parametrize("command", ["run", "refine"])
+def test_a_folder_that_another_run_writes_into_is_refused_and_loses_nothing(command, tmp_path):
+    """The second of two runs in one folder emptied the list of the first and took away what it had kept."""
+    (tmp_path / "small.toml").write_text(SMALL)
+    handle = mark_unfinished(tmp_path / "out")
+    os.write(handle, json.dumps({"file": "run-0001.nc"}).encode() + b"\n")
+    (tmp_path / "out" / "run-0001.nc").write_text("kept")
+    said = sentence(call(command, str(tmp_path / "small.toml"), "--output", str(tmp_path / "out")))
+    assert "another run writes into folder" in said and "choose another" in said
+    with pytest.raises(InputError, match="another run writes"):
+        mark_unfinished(tmp_path / "out")
+    assert (tmp_path / "out" / "run-0001.nc").read_text() == "kept" and (tmp_path / "out" / LIST).stat().st_size > 0
+    os.close(handle)
+    os.close(mark_unfinished(tmp_path / "out"))  # the first is gone now
+    assert not (tmp_path / "out" / "run-0001.nc").exists() and (tmp_path / "out" / LIST).read_text() == ""
+
+
+def test_a_refinement_clears_what_a_killed_run_left_in_its_folder(tmp_path):
+    (tmp_path / "small.toml").write_text(SMALL.replace("elements_per_coil = 6", "elements_per_coil = 8"))
+    folder = begun(tmp_path, "out", [{"file": "run-0001.nc"}], ("run-0001.nc",))
+    result = call("refine", str(tmp_path / "small.toml"), "--output", str(folder), "--workers", "1", "--quiet")
+    assert result.exit_code == 0, result.stderr
+    assert sorted(path.name for path in folder.iterdir()) == ["inputs", "levels.csv", "report.html", "run.json", "uncertainty.csv"]
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="finds processes by their environment in /proc")

@@ -58,8 +58,8 @@ class UnfinishedRun:
     def _add(self, place: int, solution: Solution) -> None:
         begins = self.folder is None
         if self.folder is None:
-            self.folder = self._make_folder()
-            self._handle = mark_unfinished(self.folder)
+            folder = self._make_folder()
+            self._handle, self.folder = mark_unfinished(folder), folder
         assert self._handle is not None
         row: dict[str, Any] = {
             "label": solution.label, "model": solution.model, "engine_speed": engine_speed_object(solution.engine_speed),

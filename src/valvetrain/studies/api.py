@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -12,9 +14,9 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
-from valvetrain.studies.batch import available_cores
+from valvetrain.studies.batch import worker_count
 from valvetrain.studies.compare import compare_study
-from valvetrain.studies.cost import FEWER_AT_REST, Limits, read_limits, refuse_cost
+from valvetrain.studies.cost import FEWER_AT_REST, Limits, limits_of, refuse_cost
 from valvetrain.studies.critical_speeds import read_options
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.largest_lift import largest_lift
@@ -226,10 +228,10 @@ def static_curve(
                 f"case '{problem.record.name}' holds {len(problem.springs)} springs ({names}); give one, such as case.springs[0]"
             )
         installed, lift = problem.springs[0], largest_lift(problem)
-    if steps < 1:
-        raise InputError(f"a static curve needs one step or more; it has {steps}")
+    if not (isinstance(steps, (int, np.integer)) and steps >= 1):
+        raise InputError(f"a static curve needs a whole number of steps, one or more; '{str(steps)[:40]}' is none", "steps")
     wanted = None if largest_compression is None else si(largest_compression, "compression", "largest_compression")
-    limits = read_limits((limit,) if limit else (), "limit")
+    limits = limits_of(limit)
     refuse_cost(spring_cost(installed, spring_model, steps), limits, "limit=", FEWER_AT_REST)
     return curve_by_model(installed, spring_model, lift, wanted, steps, implausible)
 
@@ -239,8 +241,8 @@ def _checked(
     whole: bool = True, searches: bool = False,
 ) -> Limits:  # fmt: skip
     """The bounds of ``limit``. Raises :class:`InputError` for a request whose estimated cost is beyond them."""
-    limits = read_limits((limit,) if limit else (), "limit")
-    asked = Asked(command, case, speeds, tuple(models), tuple(sets), available_cores() if workers is None else workers)
+    limits = limits_of(limit)
+    asked = Asked(command, case, speeds, tuple(models), tuple(sets), worker_count(workers))
     refuse_cost(request_cost(asked, whole, searches), limits, "limit=")
     return limits
 

@@ -70,6 +70,13 @@ def read_limits(texts: Sequence[str] | None, where: str = "--limit") -> Limits:
     return limits
 
 
+def limits_of(limit: str) -> Limits:
+    """Bounds as a program gives them: ``"2 h, 8 GB"``, empty for the usual ones. Raises :class:`InputError` for anything else."""
+    if not isinstance(limit, str):
+        raise InputError(f"'{str(limit)[:40]}' is no bound; write a time and a memory such as '2 h, 8 GB'", "limit")
+    return read_limits((limit,) if limit else (), "limit")
+
+
 def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str = FEWER) -> str:
     """The cost in words. Raises :class:`InputError` with the numbers, what to ask for ``fewer`` of, and the ``option`` that raises the
     bound, where it is too large."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
-from valvetrain.studies.batch import available_cores
-from valvetrain.studies.cost import FEWER_REFINED, Limits, read_limits, refuse_cost
+from valvetrain.studies.batch import worker_count
+from valvetrain.studies.cost import FEWER_REFINED, Limits, limits_of, refuse_cost
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.error_bars import UncertaintyStudy
 from valvetrain.studies.request_cost import refine_cost
@@ -52,9 +52,9 @@ def refine(
     >>> row.numerical < 0.01 * row.value
     True
     """
-    limits, asked = read_limits((limit,) if limit else (), "limit"), case_of(case)
+    limits, asked = limits_of(limit), case_of(case)
     speeds = None if engine_speeds is None else si_speeds(engine_speeds)
-    count = available_cores() if workers is None else workers
+    count = worker_count(workers)
     refuse_cost(refine_cost(asked, speeds, count), limits, "limit=", FEWER_REFINED)
     return refined(asked, speeds, workers=count, progress=progress, limits=limits, implausible=implausible)
 

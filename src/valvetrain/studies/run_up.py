@@ -22,9 +22,9 @@ from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
-from valvetrain.studies.batch import available_cores
+from valvetrain.studies.batch import worker_count
 from valvetrain.studies.before_run import refuse_implausible
-from valvetrain.studies.cost import read_limits, refuse_cost
+from valvetrain.studies.cost import limits_of, refuse_cost
 from valvetrain.studies.critical_speeds import CriticalOptions
 from valvetrain.studies.engine import Progress, map_points
 from valvetrain.studies.planned import Asked
@@ -83,10 +83,8 @@ def run_up(
         si(first_engine_speed, "engine_speed", "first_engine_speed"), si(last_engine_speed, "engine_speed", "last_engine_speed"),
         si(duration, "time", "duration"),
     )  # fmt: skip
-    asked = Asked(
-        "run-up", case_of(case), None, tuple(spring_models), tuple(spring_sets), available_cores() if workers is None else workers
-    )
-    refuse_cost(run_up_cost(asked, ramp), read_limits((limit,) if limit else (), "limit"), "limit=")
+    asked = Asked("run-up", case_of(case), None, tuple(spring_models), tuple(spring_sets), worker_count(workers))
+    refuse_cost(run_up_cost(asked, ramp), limits_of(limit), "limit=")
     return run_up_study(
         asked.case, ramp, spring_models=spring_models, spring_sets=spring_sets, workers=workers, progress=progress, implausible=implausible
     )

@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from valvetrain.solution.atomic import is_abandoned
+from valvetrain.solution.atomic import is_living
 from valvetrain.studies.run_answer import ANSWER, MOST_BYTES
 from valvetrain.studies.run_store import LIST, ROOT, UNFINISHED, homes
 
@@ -65,7 +65,7 @@ def _unfinished(folder: Path) -> UnfinishedFolder | None:
     words = first.get("command_line", ())
     told = tuple(map(str, words)) if isinstance(words, list) else ()
     files = sum(path.is_file() and path.name != LIST for path in folder.iterdir())
-    goes_on = rows.is_file() and not is_abandoned(rows)
+    goes_on = rows.is_file() and is_living(rows)
     return UnfinishedFolder(folder, folder.parent.name, created_at, goes_on, len(lines), files, told)
 
 
