@@ -82,7 +82,7 @@ def test_a_case_changed_in_a_program_is_varied_by_the_paths_of_its_parts():
     )
     assert longer.springs[0].precompression == pytest.approx(6.6e-3, rel=1e-12)
     assert float(longer.spring.pitch.value(4.0)) == pytest.approx(1.01 * float(case.spring.pitch.value(4.0)), rel=1e-12)
-    with pytest.raises(InputError, match="Case.replace"):
+    with pytest.raises(InputError, match=r"Case\.replace"):
         vary(case, {Varied("spring.precompression", "mm", "offset"): 1e-4})
 
 
