@@ -79,19 +79,29 @@ def blow_impulse(time: Array, force: Array) -> float:
     pad, count = int(np.ceil(reach)) + 1, len(force)
     area = np.concatenate(([0.0], np.cumsum(0.5 * (force[1:] + force[:-1])))) * step
     area = np.concatenate((np.zeros(pad), area, np.full(2 * pad, area[-1])))
+    begun, before, ended, held, part = np.empty((5, count))
 
-    def at(shift: float) -> Array:
-        """Area up to ``shift`` steps after every begin."""
+    def fill(out: Array, shift: float) -> None:
+        """Area up to ``shift`` steps after every begin; in place, for a resting contact is thousands of samples long."""
         whole = int(np.floor(shift))
         first, share = pad + whole, shift - whole
-        return np.asarray((1 - share) * area[first : first + count] + share * area[first + 1 : first + 1 + count])
+        np.multiply(area[first : first + count], 1 - share, out=out)
+        np.multiply(area[first + 1 : first + 1 + count], share, out=part)
+        np.add(out, part, out=out)
 
-    begun, largest = at(0.0), 0.0
-    before = begun - at(-reach)
+    fill(begun, 0.0)
+    fill(before, -reach)
+    np.subtract(begun, before, out=before)
+    largest = 0.0
     for share in BLOW_LENGTHS:
-        ended = at(share * reach)
-        held = np.maximum(before, at((1 + share) * reach) - ended)
-        largest = max(largest, float(np.max(ended - begun - share * held)))
+        fill(ended, share * reach)
+        fill(held, (1 + share) * reach)
+        np.subtract(held, ended, out=held)
+        np.maximum(before, held, out=held)
+        np.multiply(held, share, out=held)
+        np.subtract(ended, begun, out=ended)
+        np.subtract(ended, held, out=ended)
+        largest = max(largest, float(ended.max()))
     return largest
 
 
