@@ -49,6 +49,7 @@ APART = {
     ("contact/lankarani_nikravesh.py", "states"): 2, ("mechanism/parts.py", "states"): {0, 1}, ("report/chart.py", "width"): 1.7,
     ("report/svg_chart.py", "weight"): 400, ("cosserat/static.py", "tolerance"): 1e-5, ("cosserat/static.py", "turns"): False,
     ("studies/points/samplers/contract.py", "seed"): 1, ("studies/points/sensitivity.py", "seed"): 1,
+    ("studies/points/surrogate.py", "seed"): 1,
 }  # fmt: skip
 
 

@@ -82,7 +82,7 @@ CALLS = {
     "beyond the curve": (lambda: VARIED.secant_stiffness(0.021), "curve"),
     "before the curve": (lambda: VARIED.secant_stiffness(0.5e-3), "curve"),
     "no rest": (lambda: spring_model("modal-varied").build(InstalledSpring(wire=SPRING, precompression=5e-3)), "static curve and modes"),
-    "no steps": (lambda: vt.static_curve(SPRING, spring_model="massless", largest_compression=5e-3, steps=0), "a whole number of steps, one or more"),
+    "no steps": (lambda: vt.static_curve(SPRING, spring_model="massless", largest_compression=5e-3, steps=0), "whole number of steps"),
     "two springs": (lambda: vt.static_curve("vaz-ohc", spring_model="massless", largest_compression=5e-3), "holds 4 springs .*outer"),
     "rod, no steps": (lambda: vt.FiniteElementRod(SPRING, 5e-3, 6).static_curve(5e-3, 0), "one step or more"),
     "rod, no way": (lambda: vt.FiniteElementRod(SPRING, 5e-3, 6).static_curve(0.0), "positive compression"),
