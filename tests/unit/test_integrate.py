@@ -58,12 +58,12 @@ def test_an_exact_model_runs_by_the_contract_too_and_gives_the_same():
     """The harmonic solution knows no transient; the leapfrog of the same model comes to it."""
     case = load_case("job-t")
     from valvetrain.studies.ready import make_ready
-    from valvetrain.studies.run import _rest
+    from valvetrain.studies.run import rest_of_spring
     from valvetrain.system.build import build
 
     problem = build(case, spring_models=["modal-varied"])
     (spring,) = problem.springs
-    rest = {spring: _rest(problem, spring, 10e-3)}
+    rest = {spring: rest_of_spring(problem, spring, 10e-3)}
     made = make_ready(problem, problem.members[0], rest, "").system
     exact = run(made, CAM_SPEED, Cycles(), RunOptions(samples=720))
     stepped = run(made, CAM_SPEED, Periodic(60, tolerance=1e-7), RunOptions(samples=720, integrator="leapfrog"))

@@ -105,7 +105,7 @@ def run_problem(
         ready, rest = ready_trains(problem, speeds, gaps)
         part = (lambda done, text: progress(GRID_SHARE * done, text)) if progress is not None and critical is not None else progress
         solutions, stopped = _run_trains(problem, ready, speeds, plan, count, part, finished)
-        still = gaps.part("numbers of rigid theory", {}, _rigid, problem, ready, speeds)
+        still = gaps.part("numbers of rigid theory", {}, rigid_numbers, problem, ready, speeds)
         if critical is not None and not stopped:
             try:
                 found = find_critical_speeds(problem, ready, plan, solutions, critical, count, _search_progress(progress))
@@ -179,7 +179,7 @@ def _run_springs(
     try:
         with threads(workers) as pool:
             raw = {pool.submit(one, ready[point[0]], point[1]): place for place, point in enumerate(points) if point[0] in ready}
-            for spring, job in {spring: pool.submit(_rest, problem, spring, lift) for spring in problem.springs}.items():
+            for spring, job in {spring: pool.submit(rest_of_spring, problem, spring, lift) for spring in problem.springs}.items():
                 try:
                     rest[spring] = result_of(job)
                 except FAILURES as error:
@@ -219,7 +219,7 @@ def _still(problem: Problem, spring: InstalledSpring, rest: SpringAtRest, lift: 
     return closing_quantities(spring) | rest_quantities(rest, wanted) | buckling_quantities(spring, rest, lift)
 
 
-def _rest(problem: Problem, spring: InstalledSpring, maximum_lift: float) -> SpringAtRest:
+def rest_of_spring(problem: Problem, spring: InstalledSpring, maximum_lift: float) -> SpringAtRest:
     """A spring at rest by the finite-element rod (the one that runs, where one does), or from its card."""
     from valvetrain.springs.finite_element import FiniteElementRod
     from valvetrain.studies.rest import at_rest, reach_of, rest_by_model
@@ -245,7 +245,7 @@ def ready_trains(problem: Problem, engine_speeds: Sequence[float], gaps: Gaps) -
     needed = [spring for member in problem.members if member.model.needs_rest for spring in member.springs if spring.wire is not None]
     rest: dict[InstalledSpring, SpringAtRest] = {}
     for spring in dict.fromkeys(needed):
-        found = gaps.part(f"spring '{spring.name}' at rest", None, _rest, problem, spring, 1.05 * _largest_lift(problem, lift))
+        found = gaps.part(f"spring '{spring.name}' at rest", None, rest_of_spring, problem, spring, 1.05 * _largest_lift(problem, lift))
         rest |= {spring: found} if found is not None else {}
     made: dict[Hashable, Ready] = {}
     return tuple(_prepared(problem, member, rest, made) for member in problem.members), tuple(rest.values())
@@ -292,7 +292,7 @@ def _surge_speeds(frequency: float | None, speeds: tuple[float, ...]) -> dict[st
     return surge_engine_speeds(frequency, 0.8 * min(speeds), 1.25 * max(speeds)) if frequency is not None and speeds else {}
 
 
-def _rigid(problem: Problem, ready: tuple[Ready, ...], speeds: tuple[float, ...]) -> dict[str, dict[str, float]]:
+def rigid_numbers(problem: Problem, ready: tuple[Ready, ...], speeds: tuple[float, ...]) -> dict[str, dict[str, float]]:
     """What rigid theory says of each spring set, its valve events, and where its surge meets the lift around the ``speeds`` run."""
     still: dict[str, dict[str, float]] = {}
     made: dict[Hashable, Ready] = {(m.gear, m.model.word, m.springs, m.rubbing): one for one in ready for m in (one.member,)}
@@ -318,7 +318,7 @@ def _search_progress(progress: Progress | None) -> Callable[[int, int], None] | 
 def member_rest(problem: Problem, member: Member) -> Rest:
     """Springs at rest where the model of a member of a train needs them."""
     lift = 1.05 * _largest_lift(problem, 0.0)
-    return {spring: _rest(problem, spring, lift) for spring in member.springs if member.model.needs_rest and spring.wire is not None}
+    return {spring: rest_of_spring(problem, spring, lift) for spring in member.springs if member.model.needs_rest and spring.wire is not None}
 
 
 def _largest_lift(problem: Problem, cam_lift: float) -> float:

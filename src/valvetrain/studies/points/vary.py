@@ -1,0 +1,134 @@
+"""A case with varied quantities changed: pure, and checked as the case file with those values would be."""
+
+from __future__ import annotations
+
+import copy
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import PydanticCustomError
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.annotations import split_notes
+from valvetrain.parameters.case import Case, Note
+from valvetrain.parameters.curve_forms import WeightedSum, add_curves
+from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear, Table
+from valvetrain.parameters.schema_case import CaseModel
+from valvetrain.parameters.schema_types import first_problem
+from valvetrain.studies.points.tree import set_in_tree
+from valvetrain.studies.points.varied import ENGINE_SPEED, Varied
+
+_CURVES = (Constant, PiecewiseLinear, Table, FunctionCurve, WeightedSum)
+
+
+@dataclass(frozen=True, eq=False)
+class _Template:
+    """A case file read, without its published values: ``bare`` tree and notes."""
+
+    bare: dict[str, Any]
+    notes: dict[str, Note]
+
+
+def vary(case: Case, values: Mapping[Varied, float]) -> Case:
+    """The case with the varied quantities at ``values`` (SI), as its file with those values would give it.
+
+    A case that was made or changed in a program, so that its text no longer tells it, takes the key paths of :meth:`Case.replace`
+    (``springs.0.precompression``). Raises :class:`InputError`, one sentence, for a key that is not there and for a case that cannot exist.
+
+    >>> import valvetrain as vt
+    >>> thinner = vary(vt.load_case("gu2021-beehive"), {Varied("spring.wire_diameter", "mm"): 3.7e-3})
+    >>> thinner == vt.load_case("gu2021-beehive", {"spring.wire_diameter": "0.0037 m"})
+    False
+    >>> thinner.springs == vt.load_case("gu2021-beehive", {"spring.wire_diameter": "0.0037 m"}).springs
+    True
+    """
+    own = {varied: float(value) for varied, value in values.items() if varied.key != ENGINE_SPEED}
+    if not own:
+        return case
+    told = "".join(f"# changed: {varied.name} = {value!r} {varied.si_unit}".rstrip() + "\n" for varied, value in own.items())
+    names = tuple(dict.fromkeys((*case.changed, *(varied.name for varied in own))))
+    template = _template(case)
+    made = _changed_case(case, own) if template is None else _from_tree(case, template, own)
+    return replace(made, published=case.published, notes=case.notes, text=case.text + told, changed=names)
+
+
+def _from_tree(case: Case, template: _Template, values: Mapping[Varied, float]) -> Case:
+    tree = copy.deepcopy(template.bare)
+    for varied, value in values.items():
+        if varied.key.partition(".")[0] not in ("spring", "lift_law", "operation", "train", "rubbing"):
+            raise InputError("is no quantity that moves anything; vary one of spring, lift_law, operation, train or rubbing", varied.key)
+        set_in_tree(tree, varied, value)
+    return _read(case, tree, template.notes)
+
+
+def _read(case: Case, tree: dict[str, Any], notes: dict[str, Note]) -> Case:
+    try:
+        return CaseModel.model_validate(tree).build(case.name, Path(), notes, case.text, case.changed)
+    except ValidationError as error:
+        path, reason = first_problem(error)
+        raise InputError(reason, ".".join(map(str, path))) from None
+    except PydanticCustomError as error:
+        context = error.context or {}
+        raise InputError(str(context.get("reason", error)), ".".join(map(str, context.get("path", ())))) from None
+    except ArithmeticError as error:
+        raise InputError(f"the numbers of the case are too large or too small to compute with ({error}); check them") from error
+
+
+@lru_cache(maxsize=16)
+def _template(case: Case) -> _Template | None:
+    """The case's text read once; None where the text does not tell the case."""
+    try:
+        bare, notes, bad = split_notes(tomllib.loads(case.text))
+        bare.pop("published", None)
+        again = None if bad else _read(case, bare, notes)
+    except (ValueError, InputError):
+        return None
+    if again is None or replace(again, published=case.published, name=case.name) != case:
+        return None
+    return _Template(bare, notes)
+
+
+def _changed_case(case: Case, values: Mapping[Varied, float]) -> Case:
+    """A case changed by key paths of its parts."""
+    changes: dict[str, Any] = {}
+    for varied, value in values.items():
+        if varied.operation == "value":
+            changes[varied.key] = value
+            continue
+        before = case.replace(changes) if changes else case
+        changes[varied.key] = _moved(_part(before, varied.key), varied, value)
+    return case.replace(changes)
+
+
+def _part(item: Any, path: str) -> Any:
+    for key in path.split("."):
+        found = item.get(key) if isinstance(item, Mapping) else None
+        if isinstance(item, tuple) and key.isdecimal() and int(key) < len(item):
+            found = item[int(key)]
+        elif found is None:
+            values = getattr(item, "values", None)
+            found = getattr(item, key, values.get(key) if isinstance(values, Mapping) else None)
+        if found is None:
+            raise InputError(f"case has no '{key[:60]}' there; its text does not tell it, so keys are those of Case.replace", path)
+        item = found
+    return item
+
+
+def _moved(before: Any, varied: Varied, value: float) -> Any:
+    """A number, a row of numbers or a curve multiplied by or shifted by ``value``."""
+    if isinstance(before, bool):
+        raise InputError(f"is no number, so it has no {varied.operation}; vary its value", varied.key)
+    if isinstance(before, (int, float)):
+        return before * value if varied.operation == "factor" else before + value
+    if isinstance(before, tuple):
+        return tuple(_moved(one, varied, value) for one in before)
+    if isinstance(before, _CURVES):
+        if varied.operation == "factor":
+            return add_curves(Constant(0.0), before, value)
+        return add_curves(before, Constant(value))
+    raise InputError(f"is no number and no curve, so it has no {varied.operation}; vary its value", varied.key)
