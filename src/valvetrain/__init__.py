@@ -56,6 +56,12 @@ _HOMES = {
     "SmoothedLift": "measurements.lift_smoothing",
     "lift_figures": "measurements.lift_figures",
     "lift_band_study": "studies.lift_band",
+    # identification
+    "identify": "identification.api",
+    "Identified": "identification.result",
+    "Prior": "identification.prior",
+    "Datum": "identification.datum",
+    "Search": "identification.search",
     # studies
     "build": "system.build",
     "Problem": "system.problem",
@@ -108,6 +114,11 @@ if TYPE_CHECKING:
     from valvetrain.cosserat.batch import simulate_batch as simulate_batch
     from valvetrain.errors import InputError as InputError
     from valvetrain.errors import ValvetrainError as ValvetrainError
+    from valvetrain.identification.api import identify as identify
+    from valvetrain.identification.datum import Datum as Datum
+    from valvetrain.identification.prior import Prior as Prior
+    from valvetrain.identification.result import Identified as Identified
+    from valvetrain.identification.search import Search as Search
     from valvetrain.measurements.lift_answers import LiftAnswers as LiftAnswers
     from valvetrain.measurements.lift_figures import lift_figures as lift_figures
     from valvetrain.measurements.lift_reading import read_lift as read_lift

@@ -40,6 +40,7 @@ BUILT_IN["commands"] = {
     "runs": "valvetrain.cli.runs:register",
     "compare-runs": "valvetrain.cli.compare_runs:register",
     "lift": "valvetrain.cli.lift:register",
+    "identify": "valvetrain.cli.identify:register",
     "new": "valvetrain.cli.new:register",
     "cases": "valvetrain.cli.cases:register",
     "check": "valvetrain.cli.check:register",

@@ -30,10 +30,9 @@ class Ends:
     log_evidence: float
 
 
-def starts(posterior: Posterior, count: int, seed: int, given: Array | None = None) -> Array:
-    """``count`` starts (working coordinates): those ``given`` or the middle of the priors, then a Latin hypercube over the priors."""
-    first = posterior.centre[None, :] if given is None else given
-    more = max(count - len(first), 0)
+def starts(posterior: Posterior, count: int, seed: int) -> Array:
+    """``count`` starts (working coordinates): the middle of the priors, then a Latin hypercube over them."""
+    first, more = posterior.centre[None, :], count - 1
     random = np.random.default_rng(seed)
     strata = np.argsort(random.random((len(posterior.unknowns), max(more, 1))), axis=1).T[:more]
     shares = (strata + random.random((more, len(posterior.unknowns)))) / max(more, 1)

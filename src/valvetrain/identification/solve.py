@@ -70,7 +70,9 @@ def solve(
 
 def _ends(posterior: Posterior, search: Search, given: Array | None, report: Report) -> tuple[Ends, bool]:
     """Peaks of a search from several starts, and whether none was cut short."""
-    begins = best_starts(posterior, starts(posterior, search.starts, search.seed, given), max(search.keep, 1 if given is None else len(given)))
+    begins = best_starts(posterior, starts(posterior, search.starts, search.seed), search.keep)
+    if given is not None:
+        begins = np.vstack([given, begins])
     peaks: list[Peak] = []
     for number, begin in enumerate(begins):
         def told(text: str, number: int = number) -> None:

@@ -1,0 +1,141 @@
+"""What a case tells at the places where something was measured: quantities, forces over compression, events, channels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError, RunFailedError
+from valvetrain.identification.posterior import Outcome
+from valvetrain.identification.sought import Sought, Station
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.solution.result import Solution
+from valvetrain.studies.engine import LOST, LOST_REMEDY
+from valvetrain.studies.points.evaluate import evaluate_case
+from valvetrain.studies.points.point import Point, Wanted
+from valvetrain.studies.points.varied import Varied
+from valvetrain.studies.points.vary import vary
+from valvetrain.studies.ready import FAILURES
+from valvetrain.studies.rest_points import force_of
+from valvetrain.studies.run import run_study
+from valvetrain.studies.workers import Lost, StandingPool
+from valvetrain.system.build import build
+from valvetrain.system.problem import Problem
+
+Array = NDArray[np.float64]
+#: What computes a spring at rest where no model is named: of a wire, of a card.
+WIRE, CARD = "finite-element", "massless"
+
+
+@dataclass(frozen=True)
+class Observed:
+    """A ``case``, what of it is ``varied`` (one row of keys per quantity, moved alike) and what is ``sought`` of it."""
+
+    case: Case
+    varied: tuple[tuple[Varied, ...], ...]
+    sought: tuple[Sought, ...]
+
+    @property
+    def stations(self) -> tuple[Station, ...]:
+        """Conditions under which something is sought, each once."""
+        return tuple(dict.fromkeys(one.station for one in self.sought))
+
+    def case_at(self, values: Sequence[float]) -> Case:
+        """The case with the quantities at ``values`` (SI). Raises :class:`InputError` for a key that is not there, or an impossible case."""
+        return vary(self.case, {one: value for row, value in zip(self.varied, values, strict=True) for one in row})
+
+
+def observe(observed: Observed, job: tuple[tuple[float, ...], int]) -> Outcome:
+    """What is sought under one condition, by key; None where the case is impossible or does not run."""
+    values, place = job
+    with suppress(*FAILURES):
+        return numbers_at(observed.case_at(values), observed.stations[place], observed.sought)
+    return None
+
+
+def numbers_at(case: Case, station: Station, sought: Sequence[Sought]) -> Outcome:
+    """What is ``sought`` of a case under one condition, by key; None where it does not run. Raises what building and running raises."""
+    here = [one for one in sought if one.station == station]
+    quantities = [one for one in here if one.kind == "quantity"]
+    moving = [one for one in here if one.kind in ("event", "channel")]
+    found: dict[str, float] = {}
+    if moving:
+        run, named = _run(case, station)
+        if run is None:
+            return None
+        found |= {one.key: _in_run(run, one) for one in moving} | {one.key: named.get(one.name, np.nan) for one in quantities}
+    elif quantities:
+        rest = station.spring_model if station.engine_speed is None else ""
+        wanted = Wanted(tuple(dict.fromkeys(one.name for one in quantities)), rest)
+        point = Point(case, (), station.engine_speed, station.spring_model, station.spring_set, wanted)
+        outcome = evaluate_case(case, point)
+        if not outcome.status.completed:
+            return None
+        found |= {one.key: outcome.values.get(one.name, np.nan) for one in quantities}
+    forces = [one for one in here if one.kind == "force"]
+    if forces:
+        problem = build(case, spring_sets=tuple(filter(None, (station.spring_set,))))
+        found |= {one.key: _force(problem, station, one) for one in forces}
+    return found
+
+
+def _run(case: Case, station: Station) -> tuple[Solution | None, dict[str, float]]:
+    assert station.engine_speed is not None
+    models, sets = (tuple(filter(None, (word,))) for word in (station.spring_model, station.spring_set))
+    study = run_study(case, engine_speeds=(station.engine_speed,), spring_models=models, spring_sets=sets, workers=1)
+    run = study.solutions[0]
+    if not run.status.completed:
+        return None, {}
+    still = {name: value for values in study.still.values() for name, value in values.items()}
+    return run, {**still, **run.quantities}
+
+
+def _in_run(run: Solution, one: Sought) -> float:
+    if one.kind == "event":
+        angles = sorted(event.cam_angle % (2 * np.pi) for event in run.events if event.kind == one.name)
+        return angles[round(one.at) - 1] if len(angles) >= one.at else np.nan
+    angle = np.asarray(run.channels["cam_angle"].values, dtype=float)
+    last = angle >= angle[-1] - 2 * np.pi
+    turned, values = angle[last] % (2 * np.pi), np.asarray(run.channel(one.name), dtype=float)[last]
+    if values.ndim != 1:
+        return np.nan
+    order = np.argsort(turned, kind="stable")
+    return float(np.interp(one.at % (2 * np.pi), turned[order], values[order], period=2 * np.pi))
+
+
+def _force(problem: Problem, station: Station, one: Sought) -> float:
+    spring = _spring(problem, one.name)
+    model = problem.model_of(station.spring_model or (WIRE if spring.wire is not None else CARD), spring)
+    return float(force_of(spring, model, one.at))
+
+
+def _spring(problem: Problem, name: str) -> InstalledSpring:
+    fits = [spring for spring in problem.springs if name in ("", spring.name)]
+    if len(fits) != 1:
+        names = ", ".join(f"'{spring.name}'" for spring in problem.springs)
+        raise InputError(f"{len(fits) or 'no'} springs of the case are called '{name[:40]}'; name one of {names}", "spring")
+    return fits[0]
+
+
+class CaseEvaluator:
+    """Points of a case, computed side by side over ``workers`` processes; a batch is every point under every condition."""
+
+    def __init__(self, observed: Observed, pool: StandingPool) -> None:
+        self.observed, self.pool = observed, pool
+
+    def __call__(self, points: Array) -> list[Outcome]:
+        stations = len(self.observed.stations)
+        jobs = [(tuple(float(value) for value in point), place) for point in points for place in range(stations)]
+        found = self.pool.map(jobs)
+        if any(isinstance(one, Lost) for one in found):
+            raise RunFailedError(f"a point is lost: {LOST}; {LOST_REMEDY}")
+        outcomes: list[Outcome] = []
+        for first in range(0, len(found), stations):
+            parts = found[first : first + stations]
+            outcomes.append(None if any(part is None for part in parts) else {key: value for part in parts for key, value in part.items()})
+        return outcomes
