@@ -53,7 +53,7 @@ def measured_words(one: Predicted) -> tuple[str, ...]:
 def datum_words(datum: Datum) -> str:
     """A measurement as a line begins with it; its key where the name does not tell which of several values it is."""
     words = _words(datum.measurement or datum.key)
-    return words if datum.measurement in ("", datum.key) else f"{words}: {_words(datum.key)}"
+    return words if datum.measurement in ("", datum.key) else f"{words}: {datum.key.replace("_", " ")}"
 
 
 def told_rows(found: Identified, branch: Branch) -> list[tuple[str, ...]]:
