@@ -75,6 +75,8 @@ _HOMES = {
     "simulate_batch": "cosserat.batch",
     "RodBatch": "cosserat.batch",
     "map_cases": "studies.batch",
+    "study": "studies.points.study",
+    "StudyTable": "studies.points.table",
     "run_up": "studies.run_up",
     "train_modes": "studies.train_modes",
     # results
@@ -180,6 +182,8 @@ if TYPE_CHECKING:
     from valvetrain.studies.api import sweep as sweep
     from valvetrain.studies.batch import map_cases as map_cases
     from valvetrain.studies.lift_band import lift_band_study as lift_band_study
+    from valvetrain.studies.points.study import study as study
+    from valvetrain.studies.points.table import StudyTable as StudyTable
     from valvetrain.studies.run_up import run_up as run_up
     from valvetrain.studies.train_modes import train_modes as train_modes
     from valvetrain.system.build import build as build

@@ -25,6 +25,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "sections": ("valvetrain.sections", "section of the report"),
     "commands": ("valvetrain.commands", "command"),
     "lift_formats": ("valvetrain.lift_formats", "form of lift files"),
+    "samplers": ("valvetrain.samplers", "sampler"),
 }  # fmt: skip
 
 #: Kind -> word -> place. The order is the order of tables and menus.
@@ -33,6 +34,7 @@ BUILT_IN["commands"] = {
     "run": "valvetrain.cli.run:register",
     "compare": "valvetrain.cli.compare:register",
     "sweep": "valvetrain.cli.sweep:register",
+    "study": "valvetrain.cli.study:register",
     "run-up": "valvetrain.cli.run_up:register",
     "static": "valvetrain.cli.static:register",
     "modes": "valvetrain.cli.modes:register",
@@ -108,6 +110,15 @@ BUILT_IN["mechanisms"] = {
     "finger": "valvetrain.mechanism.lever:FINGER",
     "rocker": "valvetrain.mechanism.lever:ROCKER",
     "pushrod": "valvetrain.mechanism.pushrod:SPEC",
+}
+BUILT_IN["samplers"] = {
+    "grid": "valvetrain.studies.points.samplers.grid:SPEC",
+    "list": "valvetrain.studies.points.samplers.listed:SPEC",
+    "latin-hypercube": "valvetrain.studies.points.samplers.latin_hypercube:SPEC",
+    "sobol": "valvetrain.studies.points.samplers.sobol:SPEC",
+    "monte-carlo": "valvetrain.studies.points.samplers.monte_carlo:SPEC",
+    "saltelli": "valvetrain.studies.points.samplers.saltelli:SPEC",
+    "adaptive": "valvetrain.studies.points.samplers.adaptive:SPEC",
 }
 BUILT_IN["sources"] = {key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021", "vasilyev2016", "multibody4b17")}
 #: In the order of the page: what answers first, what a paper says only after it.

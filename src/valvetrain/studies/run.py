@@ -318,7 +318,8 @@ def _search_progress(progress: Progress | None) -> Callable[[int, int], None] | 
 def member_rest(problem: Problem, member: Member) -> Rest:
     """Springs at rest where the model of a member of a train needs them."""
     lift = 1.05 * _largest_lift(problem, 0.0)
-    return {spring: rest_of_spring(problem, spring, lift) for spring in member.springs if member.model.needs_rest and spring.wire is not None}
+    needed = [spring for spring in member.springs if member.model.needs_rest and spring.wire is not None]
+    return {spring: rest_of_spring(problem, spring, lift) for spring in needed}
 
 
 def _largest_lift(problem: Problem, cam_lift: float) -> float:

@@ -1,4 +1,4 @@
-"""How a quantity of a case scatters or is stepped through: each gives the value at a share of its probability, so that every sampler fits all."""
+"""How a quantity of a case scatters or is stepped through, as the value at a share of its probability."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
 def _spring(problem: Problem, member: Member, engine_speed: float | None, wanted: Wanted) -> tuple[Status, dict[str, float]]:
     """Prescribed motion, as :func:`valvetrain.studies.run.run_study` runs it."""
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
-    by_rod = engine_speed is not None and (member.model.needs_rest or not wanted.light) or (wanted.rest and not wanted.rest_model)
+    by_rod = (engine_speed is not None and (member.model.needs_rest or not wanted.light)) or (wanted.rest and not wanted.rest_model)
     rest: Rest = {spring: rest_of_spring(problem, spring, lift) for spring in member.springs} if by_rod else {}
     status, values = COMPLETED, dict[str, float]()
     if engine_speed is not None:

@@ -48,7 +48,7 @@ def _unpacked(holder: Any, key: str, varied: Varied) -> Any:
             raise InputError(f"the case has no '{key[:60]}' there; {nearest(key, tuple(holder))}", varied.key)
         found = holder[key]
         if isinstance(found, str) and "," in found and varied.key.split(".")[-1].isdecimal() and key == varied.key.split(".")[-2]:
-            values, unit = _numbers(found, varied)
+            values, unit = numbers_of(found, varied)
             holder[key] = found = [in_words(one, unit) for one in values]
         return found
     if isinstance(holder, list):
@@ -75,7 +75,7 @@ def _changed(before: Any, varied: Varied, value: float) -> Any:
         return {**before, key: _changed(before[key], varied, value)}
     if not isinstance(before, str):
         raise InputError(f"is no number in the case, so it has no {varied.operation}; vary its value", varied.key)
-    values, unit = _numbers(before, varied)
+    values, unit = numbers_of(before, varied)
     if varied.operation == "offset" and varied.si_unit != unit:
         raise InputError(f"stands in the case as '{before[:40]}', and an offset of it has a unit of the same kind; give one", varied.key)
     moved = [in_words(_moved(one, varied, value), unit) for one in values]
@@ -86,7 +86,7 @@ def _moved(number: float, varied: Varied, value: float) -> float:
     return number * value if varied.operation == "factor" else number + value
 
 
-def _numbers(text: str, varied: Varied) -> tuple[tuple[float, ...], str]:
+def numbers_of(text: str, varied: Varied) -> tuple[tuple[float, ...], str]:
     """Numbers (SI) of a text such as ``"0, 1.5 mm"`` and their SI unit."""
     unit = _UNIT.search(text.strip())
     dimension = dimension_of(unit[0].strip()) if unit else "ratio"

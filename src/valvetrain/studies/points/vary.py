@@ -101,11 +101,11 @@ def _changed_case(case: Case, values: Mapping[Varied, float]) -> Case:
             changes[varied.key] = value
             continue
         before = case.replace(changes) if changes else case
-        changes[varied.key] = _moved(_part(before, varied.key), varied, value)
+        changes[varied.key] = _moved(part_of(before, varied.key), varied, value)
     return case.replace(changes)
 
 
-def _part(item: Any, path: str) -> Any:
+def part_of(item: Any, path: str) -> Any:
     for key in path.split("."):
         found = item.get(key) if isinstance(item, Mapping) else None
         if isinstance(item, tuple) and key.isdecimal() and int(key) < len(item):
@@ -132,3 +132,9 @@ def _moved(before: Any, varied: Varied, value: float) -> Any:
             return add_curves(Constant(0.0), before, value)
         return add_curves(before, Constant(value))
     raise InputError(f"is no number and no curve, so it has no {varied.operation}; vary its value", varied.key)
+
+
+def tree_of(case: Case) -> dict[str, Any] | None:
+    """The bare tree of the case's text, not to be changed; None where the text does not tell the case."""
+    template = _template(case)
+    return None if template is None else template.bare
