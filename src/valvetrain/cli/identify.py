@@ -39,15 +39,15 @@ class _Kept:
     command: str = "identify"
 
 
+def _option(flag: str, metavar: str, words: str) -> Any:
+    return typer.Option(flag, metavar=metavar, help=words, show_default=False)
+
+
 def identify(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Identification file: case, quantities with priors, measurements.")],
-    method: Annotated[
-        str, typer.Option("--method", metavar="METHOD", help="least-squares, cma-es, nested or ensemble instead of the file's.", show_default=False)
-    ] = "",
-    seed: Annotated[int | None, typer.Option("--seed", metavar="N", help="Seed of all random numbers.", show_default=False)] = None,
-    profile: Annotated[
-        list[str] | None, typer.Option("--profile", metavar="QUANTITIES", help="Quantities whose profile is computed; repeatable.", show_default=False)
-    ] = None,
+    method: Annotated[str, _option("--method", "METHOD", "least-squares, cma-es, nested or ensemble instead of the file's.")] = "",
+    seed: Annotated[int | None, _option("--seed", "N", "Seed of all random numbers.")] = None,
+    profile: Annotated[list[str] | None, _option("--profile", "QUANTITIES", "Quantities whose profile is computed; repeatable.")] = None,
     output: OutputOption = None, workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False,
     as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
@@ -122,7 +122,12 @@ def _keep(request: Request, kept: _Kept, points: Path, found: Identified, data: 
             shutil.rmtree(points, ignore_errors=True)
         return [*written, folder / NAME, *write_identification(found, folder, request.title)]
 
-    choices = {"identification": request.text, "method": request.search.method, "seed": request.search.seed, "profiles": list(request.profiles)}
+    choices = {
+        "identification": request.text,
+        "method": request.search.method,
+        "seed": request.search.seed,
+        "profiles": list(request.profiles),
+    }
     with busy("writing files"):
         return keep_run(kept, request.case.record().text, choices, data, fill)
 

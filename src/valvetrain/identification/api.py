@@ -25,9 +25,10 @@ from valvetrain.identification.search import Search
 from valvetrain.identification.solve import solve
 from valvetrain.parameters.changes import nearest
 from valvetrain.registry import find
-from valvetrain.solution.provenance import collect_provenance
 from valvetrain.studies.batch import available_cores
 from valvetrain.studies.cost import Cost, Limits, read_limits, refuse_cost
+from valvetrain.studies.points.nominal import nominal
+from valvetrain.studies.points.versions import versions_digest
 from valvetrain.studies.workers import StandingPool
 
 Array = NDArray[np.float64]
@@ -103,8 +104,7 @@ def identify_request(
     count = available_cores() if workers is None else workers
     if count < 1:
         raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
-    version = collect_provenance(request.name, "").package_version
-    with Journal(folder, f"{request.identity} {version}") as journal, evaluator_of(request, count) as evaluate:
+    with Journal(folder, f"{request.identity} {versions_digest()}") as journal, evaluator_of(request, count) as evaluate:
         posterior = Posterior(request.unknowns, request.data, journal.through(evaluate))
         begin = np.array([values_of_case(request)]) if request.from_case else None
         seconds = _try(request, posterior, evaluate)
@@ -139,7 +139,10 @@ def values_of_case(request: Request) -> tuple[float, ...]:
     if request.evaluator:
         source = find("sources", request.evaluator, "evaluator").points_of_identification()
         return tuple(source.values(tuple(one.name for one in request.unknowns)))
-    raise InputError("starts are the middles of the priors; only an evaluator of a published study knows its case's own", "search.from_case")
+    try:
+        return tuple(nominal(request.case, row[0]) for row in request.varied)
+    except InputError as error:
+        raise InputError(f"{error.where} {error.reason}", "search.from_case") from None
 
 
 def _try(request: Request, posterior: Posterior, evaluate: Evaluate) -> float:

@@ -1,7 +1,7 @@
 """Which draws or peaks belong together: separate branches of a posterior, between which its density falls.
 
-Draws are parted by density (HDBSCAN: R. Campello, D. Moulavi and J. Sander, Lecture Notes in Computer Science 7819 (2013) 160); two parts are
-two branches only where the posterior itself, computed on the line between their likeliest points, dips.
+Draws are parted by density (HDBSCAN: R. Campello, D. Moulavi and J. Sander, Lecture Notes in Computer Science 7819 (2013) 160); two parts
+are two branches only where the posterior itself, computed on the line between their likeliest points, dips.
 """
 
 from __future__ import annotations
@@ -35,7 +35,9 @@ def branches_of_draws(posterior: Posterior, draws: Draws, seed: int = 1) -> Labe
     chosen = _even(draws.weights, min(PARTED, len(draws.work)), seed)
     if len(chosen) < 4 / LEAST_SHARE:
         return np.zeros(len(draws.work), dtype=np.int64)
-    found = HDBSCAN(min_cluster_size=max(10, int(LEAST_SHARE * len(chosen))), allow_single_cluster=True, copy=True).fit_predict(scaled[chosen])
+    found = HDBSCAN(min_cluster_size=max(10, int(LEAST_SHARE * len(chosen))), allow_single_cluster=True, copy=True).fit_predict(
+        scaled[chosen]
+    )
     words = sorted(set(found.tolist()) - {-1})
     if len(words) < 2:
         return np.zeros(len(draws.work), dtype=np.int64)

@@ -21,7 +21,7 @@ class Datum:
     """A measured ``value`` (SI) of what the computation calls ``key``, with the standard deviation ``scatter`` (SI) of its errors.
 
     ``measurement``: the entry of the file that it belongs to, such as a curve of many data. ``law`` of the errors: ``normal``, or
-    ``student`` with ``freedom`` degrees, of which outliers are part. ``used``: whether it is fitted; a datum that is not is compared only. ``unit`` it is
+    ``student`` with ``freedom`` degrees, of which outliers are part. ``used``: whether it is fitted, else it is compared only. ``unit`` it is
     shown in. Raises :class:`InputError` for a scatter that is not positive.
     """
 
@@ -39,7 +39,9 @@ class Datum:
         if not (math.isfinite(self.value) and math.isfinite(self.scatter) and self.scatter > 0):
             raise InputError(f"measurement '{self.name[:60]}' needs a finite value and a positive scatter")
         if self.law not in ("normal", "student") or not self.freedom > 0:
-            raise InputError(f"the errors of '{self.name[:60]}' are normal, or student with positive freedom; it says '{str(self.law)[:40]}'")
+            raise InputError(
+                f"the errors of '{self.name[:60]}' are normal, or student with positive freedom; it says '{str(self.law)[:40]}'"
+            )
 
     @property
     def name(self) -> str:

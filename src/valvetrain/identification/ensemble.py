@@ -1,8 +1,8 @@
 """Ensemble sampling: walkers that move along the differences of the others.
 
 Sources: J. Goodman and J. Weare, Communications in Applied Mathematics and Computational Science 5 (2010) 65; C. ter Braak, Statistics and
-Computing 16 (2006) 239 for the differential moves; the library emcee (D. Foreman-Mackey and others, Publications of the Astronomical Society
-of the Pacific 125 (2013) 306).
+Computing 16 (2006) 239 for the differential moves; the library emcee (D. Foreman-Mackey and others, Publications of the Astronomical
+Society of the Pacific 125 (2013) 306).
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def ensemble(
 
     moves = [(emcee.moves.DEMove(), 0.6), (emcee.moves.DESnookerMove(), 0.1), (emcee.moves.StretchMove(), 0.3)]
     sampler = emcee.EnsembleSampler(number, count, log_posteriors, moves=moves, vectorize=True)
-    sampler.random_state = np.random.RandomState(seed).get_state()  # noqa: NPY002  # the library knows the old kind of generator only
+    sampler.random_state = np.random.RandomState(seed).get_state()  # the library knows the old kind of generator only
     done, whole = 0, True
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

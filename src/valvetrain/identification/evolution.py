@@ -22,7 +22,7 @@ EVALUATIONS, FIRST_SPREAD = 2000, 0.5
 def evolution(
     posterior: Posterior, begin: Array, *, seed: int = 1, evaluations: int = EVALUATIONS, population: int = 0, report: Report = silent
 ) -> tuple[Array, bool]:
-    """The best point found from ``begin`` (working coordinates) and whether the search ended by itself or at ``evaluations``, not by a stop.
+    """The best point found from ``begin`` (working coordinates) and whether it ended by itself or at ``evaluations``, not by a stop.
 
     ``population``: points of a generation, all computed at once. Raises :class:`MissingExtraError` without the library.
     """
@@ -47,7 +47,9 @@ def evolution(
             used += size
             possible = np.isfinite(scores)
             worst = float(scores[possible].max()) if possible.any() else 0.0
-            strategy.tell([(one, float(score) if good else worst + WORSE) for one, score, good in zip(asked, scores, possible, strict=True)])
+            strategy.tell(
+                [(one, float(score) if good else worst + WORSE) for one, score, good in zip(asked, scores, possible, strict=True)]
+            )
             place = int(np.argmin(np.where(possible, scores, np.inf)))
             if possible[place] and scores[place] < least:
                 best, least = work[place], float(scores[place])

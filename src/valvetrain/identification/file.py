@@ -52,7 +52,14 @@ class Request:
     @property
     def identity(self) -> str:
         """What the outcome of a point depends on, in 32 digits."""
-        asked = (self.case.record().digest, self.varied, tuple(one.name for one in self.unknowns), self.sought, self.evaluator, self.options)
+        asked = (
+            self.case.record().digest,
+            self.varied,
+            tuple(one.name for one in self.unknowns),
+            self.sought,
+            self.evaluator,
+            self.options,
+        )
         return digest(repr(asked).encode())
 
     @property
@@ -124,7 +131,7 @@ def _unknown(name: str, part: Part, bare: bool) -> tuple[Unknown, tuple[Varied, 
     """A quantity with its prior; ``bare``: an evaluator knows it by name, so it has no key of the case."""
     keys = () if bare else part.texts("key")
     if not bare and not keys:
-        raise InputError("is missing; say which value of the case it is, such as key = \"spring.wire_diameter\"", part.place("key"))
+        raise InputError('is missing; say which value of the case it is, such as key = "spring.wire_diameter"', part.place("key"))
     operation = part.text("as", "value", _OPERATIONS)
     prior, unit = _prior(part)
     part.finish()
@@ -151,9 +158,9 @@ def _prior(part: Part) -> tuple[Prior, str]:
     if word == "truncated-normal" and not (part.has("low") or part.has("high")):
         raise InputError("is truncated nowhere; give low or high", part.where)
     if kind == "normal":
-        spread, own = part.amount("deviation")
+        spread, own = part.amount("standard_deviation")
         if not same_dimension(own, unit):
-            raise InputError(f"is in '{own}', the mean in '{unit}'; give both in one unit", part.place("deviation"))
+            raise InputError(f"is in '{own}', the mean in '{unit}'; give both in one unit", part.place("standard_deviation"))
     elif kind == "lognormal":
         factor = part.plain("factor")
         if not 1 < factor < 1e6:
@@ -179,4 +186,3 @@ def _search(part: Part, names: tuple[str, ...]) -> tuple[Search, tuple[str, ...]
         return Search(**given), profiles, from_case
     except InputError as error:
         raise InputError(error.reason, f"search.{error.where}" if error.where else "search") from None
-

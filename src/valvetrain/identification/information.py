@@ -18,6 +18,8 @@ from valvetrain.identification.posterior import Posterior
 Array = NDArray[np.float64]
 #: Posterior correlation beyond which two quantities are one, and information (over the prior's) that each would have were the other known.
 TWINS, TOLD_ALONE = 0.9, 4.0
+#: Share of the prior's deviation that must be left of one of the two, for a narrow stretch within a wide prior is knowledge all the same.
+OPEN = 0.4
 #: A quantity is told where the data leave less than this share of the prior's variance.
 UNTOLD = 0.75
 #: Least part of a combination that is named in words.
@@ -26,12 +28,14 @@ NAMED = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Information:
-    """``told`` (quantities): share of the prior's variance that the data remove. ``lost`` (measurements, quantities): share by which the
-    variance would shrink from what it were without that measurement. ``correlation`` (quantities, quantities) of what is left open;
+    """``told`` (quantities): share of the prior's variance that the data remove. ``brought`` (measurements, quantities): share that each
+    measurement has of all the data's information on a quantity, the others known. ``lost`` (measurements, quantities): share by which the
+    variance is smaller than it were without that measurement. ``correlation`` (quantities, quantities) of what is left open;
     ``warnings``: a sentence per quantity that is not told, and per group that cannot be told apart."""
 
     measurements: tuple[str, ...]
     told: Array
+    brought: Array
     lost: Array
     correlation: Array
     warnings: tuple[str, ...]
@@ -44,13 +48,15 @@ def information_of(posterior: Posterior, jacobian: Array) -> Information:
     measurements = tuple(dict.fromkeys(owners))
     whole = np.linalg.inv(np.eye(count) + jacobian.T @ jacobian)
     variance = np.diag(whole)
-    lost = np.zeros((len(measurements), count))
+    lost, brought = np.zeros((len(measurements), count)), np.zeros((len(measurements), count))
+    every = np.sum(jacobian**2, axis=0)
     for place, name in enumerate(measurements):
         others = jacobian[[owner != name for owner in owners]]
+        brought[place] = np.sum(jacobian[[owner == name for owner in owners]] ** 2, axis=0) / np.where(every > 0, every, 1.0)
         without = np.diag(np.linalg.inv(np.eye(count) + others.T @ others))
         lost[place] = np.clip(1.0 - variance / without, 0.0, 1.0)
-    correlation = whole / np.sqrt(np.outer(variance, variance))
-    return Information(measurements, 1.0 - variance, lost, correlation, _warnings(posterior.names, jacobian, whole, correlation))
+    correlation: Array = np.asarray(whole / np.sqrt(np.outer(variance, variance)), dtype=np.float64)
+    return Information(measurements, 1.0 - variance, brought, lost, correlation, _warnings(posterior.names, jacobian, whole, correlation))
 
 
 def _warnings(names: Sequence[str], jacobian: Array, covariance: Array, correlation: Array) -> tuple[str, ...]:
@@ -59,7 +65,7 @@ def _warnings(names: Sequence[str], jacobian: Array, covariance: Array, correlat
     for one, other in itertools.combinations(range(len(names)), 2):
         known = alone[one] > TOLD_ALONE and alone[other] > TOLD_ALONE
         vague = np.sqrt(np.diag(covariance)[[one, other]])
-        if known and abs(correlation[one, other]) > TWINS and np.all(vague**2 * (1 + alone[[one, other]]) > 1 / (1 - TWINS**2)):
+        if known and abs(correlation[one, other]) > TWINS and vague.max() > OPEN and np.all(vague**2 * (1 + alone[[one, other]]) > 1 / (1 - TWINS**2)):
             found.append(_pair(names[one], names[other], correlation[one, other], vague))
             spoken |= {one, other}
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
@@ -72,7 +78,9 @@ def _warnings(names: Sequence[str], jacobian: Array, covariance: Array, correlat
     for place, name in enumerate(names):
         if place not in spoken and covariance[place, place] > UNTOLD:
             share = 100 * (1 - covariance[place, place])
-            found.append(f"the data hardly tell '{name}': they remove {max(share, 0.0):.0f} % of the variance of its prior, the rest is the prior")
+            found.append(
+                f"the data hardly tell '{name}': they remove {max(share, 0.0):.0f} % of the variance of its prior, the rest is the prior"
+            )
     return tuple(found)
 
 
@@ -80,6 +88,6 @@ def _pair(one: str, other: str, correlation: float, vague: Array) -> str:
     together, apart = ("sum", "difference") if correlation < 0 else ("difference", "sum")
     left = ", ".join(f"{100 * part:.0f} %" for part in vague)
     return (
-        f"the data cannot tell '{one}' and '{other}' apart: they know a kind of {together} of the two, of their {apart} little more than the "
-        f"priors do (correlation {correlation:.3f}; {left} of the priors' deviations are left); measure one of them by itself"
+        f"the data cannot tell '{one}' and '{other}' apart: they know a kind of {together} of the two, of their {apart} little more than "
+        f"the priors do (correlation {correlation:.3f}; {left} of the priors' deviations are left); measure one of them by itself"
     )

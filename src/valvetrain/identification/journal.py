@@ -12,6 +12,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,7 +120,7 @@ def _line(record: object) -> bytes:
     return digest(body)[:_SUM].encode() + b" " + body + b"\n"
 
 
-def _content(line: bytes) -> object:
+def _content(line: bytes) -> Any:
     """The record of a line; None where its bytes are not those that were written."""
     body = line[_SUM + 1 : -1]
     if not line.endswith(b"\n") or digest(body)[:_SUM].encode() != line[:_SUM]:

@@ -1,4 +1,4 @@
-"""Measurements as an identification file has them: values, curves, frequencies, peaks, events, traces -> data and what is sought for them."""
+"""Measurements of an identification file: values, curves, frequencies, peaks, events, traces -> data and what is sought for them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from valvetrain.units.text import split_quantity
 
 Array = NDArray[np.float64]
 #: What a measurement is known by: the key of its table that says so.
-FORMS = ("quantity", "frequencies", "peak", "event", "channel", "compressions", "file")
+FORMS = ("quantity", "frequencies", "peak", "event", "channel", "compressions", "heights", "file")
 LAWS = ("normal", "student")
 #: Most data of one measurement.
 MOST_DATA = 5000
@@ -121,16 +121,18 @@ def _curve(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
         compressions, forces, unit = _from_file(part, folder, "length")
         parse_quantity(f"1 {unit}", "force", part.place("file"))
     else:
-        compressions, forces = np.array(part.amounts("compressions", "length")), np.array(part.amounts("forces", "force"))
+        given = "heights" if part.has("heights") else "compressions"
+        compressions, forces = np.array(part.amounts(given, "length")), np.array(part.amounts("forces", "force"))
     at_rest = Station(None, station.spring_model, station.spring_set)
     return [
-        (Sought(at_rest, "force", spring, float(place)), float(force), _scatter(part, "scatter", float(force), "force"))
+        (Sought(at_rest, "load" if part.has("heights") else "force", spring, float(place)), float(force), _scatter(part, "scatter", float(force), "force"))
         for place, force in _pairs(part, compressions, forces)
     ]
 
 
 _READERS = {
     "quantity": _quantity, "frequencies": _frequencies, "peak": _peak, "event": _event, "channel": _channel, "compressions": _curve,
+    "heights": _curve,
     "file": _curve,
 }  # fmt: skip
 
@@ -147,7 +149,7 @@ def _scatter(part: Part, key: str, value: float, unit: str) -> float:
     """Standard deviation (SI): an amount, or a share of the value in per cent."""
     given = part.take(key)
     if given is None:
-        raise InputError(f"is missing; give the standard deviation of the errors, such as '2 N' or '1 %'", part.place(key))
+        raise InputError("is missing; give the standard deviation of the errors, such as '2 N' or '1 %'", part.place(key))
     if isinstance(given, str) and given.strip().endswith("%"):
         found = abs(value) * parse_quantity(given, "ratio", part.place(key))
     else:
@@ -183,7 +185,9 @@ def _from_file(part: Part, folder: Path, dimension: str) -> tuple[Array, Array, 
             raise InputError(f"'{path.name[:60]}' has one column; give places and values side by side")
         units = given or table.units[:2]
         if len(units) != 2 or not all(units):
-            raise InputError(f"'{path.name[:60]}' tells no units; write them in its headings, or units = [\"{DIMENSIONS[dimension].usual_unit}\", ...]")
+            raise InputError(
+                f"'{path.name[:60]}' tells no units; write them in its headings, or units = [\"{DIMENSIONS[dimension].usual_unit}\", ...]"
+            )
         parse_quantity(f"1 {units[0]}", dimension)
         return table.rows[:, 0] * unit_factor(units[0]), table.rows[:, 1] * unit_factor(units[1]), units[1]
     except InputError as error:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from valvetrain.errors import InputError
 from valvetrain.identification.branches import joined_peaks
@@ -61,9 +62,7 @@ def ends_of(posterior: Posterior, peaks: list[Peak]) -> Ends:
     return Ends(tuple(kept[place] for place in order), shares[order] / shares[order].sum(), total)
 
 
-def linear_draws(
-    posterior: Posterior, ends: Ends, count: int, seed: int
-) -> tuple[Draws, NDArray[np.int64]]:
+def linear_draws(posterior: Posterior, ends: Ends, count: int, seed: int) -> tuple[Draws, NDArray[np.int64]]:
     """Draws of the linearised posteriors within the bounds, all of one weight, and the branch of each; how far they hold is noted."""
     random = np.random.default_rng(seed)
     work, labels, density = [], [], []
@@ -82,7 +81,9 @@ def linear_draws(
         holds = weights.sum() ** 2 / max(np.sum(weights**2), 1e-300) / max(len(off), 1)
         if len(off) > 20 and holds < HOLDS:
             notes.append(f"the linearised posterior does not hold ({100 * holds:.0f} % of its draws tell); sample with nested or ensemble")
-    draws = Draws(places, np.full(len(places), 1.0 / len(places)), ends.log_evidence, np.nan, "linearised", notes=tuple(dict.fromkeys(notes)))
+    draws = Draws(
+        places, np.full(len(places), 1.0 / len(places)), ends.log_evidence, np.nan, "linearised", notes=tuple(dict.fromkeys(notes))
+    )
     return draws, numbers
 
 
@@ -90,9 +91,10 @@ def _inside(posterior: Posterior, peak: Peak, count: int, random: np.random.Gene
     """``count`` draws of a linearised posterior within the bounds, each with the logarithm of its density above that of the peak."""
     root = np.linalg.cholesky(peak.covariance)
     low, high = posterior.bounds
+    shares = (np.argsort(random.random((len(low), count)), axis=1).T + random.random((count, len(low)))) / count  # even over each quantity
     found = 0
-    for _ in range(1000 * count):
-        unit = random.standard_normal(len(low))
+    for number in range(1000 * count):
+        unit = ndtri(shares[number]) if number < count else random.standard_normal(len(low))
         at = peak.work + root @ unit
         if np.all((at >= low) & (at <= high)):
             found += 1

@@ -46,11 +46,13 @@ def nested(
         warnings.simplefilter("ignore")
         try:
             sampler = dynesty.NestedSampler(
-                pool.ask, _same, count, nlive=max(live_points, 2 * count + 2), pool=pool, queue_size=lanes, rstate=np.random.default_rng(seed),
-                use_pool={"prior_transform": False, "update_bound": False},
+                pool.ask, _same, count, nlive=max(live_points, 2 * count + 2), pool=pool, queue_size=lanes,
+                rstate=np.random.default_rng(seed), use_pool={"prior_transform": False, "update_bound": False},
             )  # fmt: skip
         except RuntimeError as error:
-            raise InputError("no point of the priors can be computed or meets the data; widen the priors or check the measurements") from error
+            raise InputError(
+                "no point of the priors can be computed or meets the data; widen the priors or check the measurements"
+            ) from error
         whole = True
         try:
             left = np.inf
@@ -68,9 +70,9 @@ def nested(
     log_weights = np.asarray(found.logwt) - np.max(found.logwt)
     weights = np.exp(log_weights)
     kept = weights > NO_WEIGHT
-    evidence, error = float(found.logz[-1]), float(found.logzerr[-1])
+    evidence, doubt = float(found.logz[-1]), float(found.logzerr[-1])
     return Draws(
-        posterior.from_shares(np.asarray(found.samples_u)[kept]), weights[kept] / weights[kept].sum(), evidence, error,
+        posterior.from_shares(np.asarray(found.samples_u)[kept]), weights[kept] / weights[kept].sum(), evidence, doubt,
         "nested sampling", whole,
     )  # fmt: skip
 

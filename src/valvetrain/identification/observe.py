@@ -46,7 +46,7 @@ class Observed:
         return tuple(dict.fromkeys(one.station for one in self.sought))
 
     def case_at(self, values: Sequence[float]) -> Case:
-        """The case with the quantities at ``values`` (SI). Raises :class:`InputError` for a key that is not there, or an impossible case."""
+        """The case with its quantities at ``values`` (SI). Raises :class:`InputError` for a key that is not there, an impossible case."""
         return vary(self.case, {one: value for row, value in zip(self.varied, values, strict=True) for one in row})
 
 
@@ -77,7 +77,7 @@ def numbers_at(case: Case, station: Station, sought: Sequence[Sought]) -> Outcom
         if not outcome.status.completed:
             return None
         found |= {one.key: outcome.values.get(one.name, np.nan) for one in quantities}
-    forces = [one for one in here if one.kind == "force"]
+    forces = [one for one in here if one.kind in ("force", "load")]
     if forces:
         problem = build(case, spring_sets=tuple(filter(None, (station.spring_set,))))
         found |= {one.key: _force(problem, station, one) for one in forces}
@@ -111,7 +111,11 @@ def _in_run(run: Solution, one: Sought) -> float:
 def _force(problem: Problem, station: Station, one: Sought) -> float:
     spring = _spring(problem, one.name)
     model = problem.model_of(station.spring_model or (WIRE if spring.wire is not None else CARD), spring)
-    return float(force_of(spring, model, one.at))
+    if one.kind == "force":
+        return float(force_of(spring, model, one.at))
+    if spring.installed_height is None:
+        raise InputError(f"the card of spring '{spring.name}' tells no installed_height, so no height is known; give compressions", "heights")
+    return float(force_of(spring, model, spring.installed_height + spring.precompression - one.at))
 
 
 def _spring(problem: Problem, name: str) -> InstalledSpring:

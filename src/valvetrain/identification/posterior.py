@@ -31,7 +31,7 @@ class Unknown:
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Evaluated points: ``work`` (n, quantities), ``outcomes``, ``log_prior`` and ``log_likelihood`` (n), minus infinity where impossible."""
+    """Evaluated points: ``work`` (n, quantities), ``outcomes``, ``log_prior``, ``log_likelihood`` (n), minus infinity where impossible."""
 
     work: Array
     outcomes: tuple[Outcome, ...]
@@ -103,7 +103,7 @@ class Posterior:
 
     def log_prior(self, work: Array) -> Array:
         """Logarithm of the prior density (n) over working coordinates."""
-        return np.sum([one.prior.log_density(work[:, place]) for place, one in enumerate(self.unknowns)], axis=0)
+        return np.asarray(np.sum([one.prior.log_density(work[:, place]) for place, one in enumerate(self.unknowns)], axis=0))
 
     def pulls(self, work: Array) -> Array:
         """What least squares add for the priors, (quantities)."""

@@ -76,7 +76,7 @@ class Prior:
         found = np.asarray(work, dtype=float)
         if self.logarithmic:  # one by one, so that the bits of a value do not depend on those beside it
             found = np.array([math.exp(one) for one in found.ravel()]).reshape(found.shape)
-        return np.clip(found, self.low, self.high)
+        return np.asarray(np.clip(found, self.low, self.high))
 
     @cached_property
     def work_centre(self) -> float:
@@ -109,19 +109,19 @@ class Prior:
         """Working coordinate below which the prior has the probability ``share``."""
         low, high = self.work_bounds
         if self.flat:
-            return low + np.asarray(share) * (high - low)
+            return np.asarray(low + np.asarray(share) * (high - low))
         begin = ndtr((low - self.work_centre) / self.spread)
         found = self.work_centre + self.spread * ndtri(begin + np.asarray(share) * self.inside)
-        return np.clip(found, low, high)
+        return np.asarray(np.clip(found, low, high))
 
     def share(self, work: Array | float) -> Array:
         """Probability of the prior below a working coordinate."""
         low, high = self.work_bounds
         at = np.clip(work, low, high)
         if self.flat:
-            return (at - low) / (high - low)
+            return np.asarray((at - low) / (high - low))
         begin = ndtr((low - self.work_centre) / self.spread)
-        return np.clip((ndtr((at - self.work_centre) / self.spread) - begin) / self.inside, 0.0, 1.0)
+        return np.asarray(np.clip((ndtr((at - self.work_centre) / self.spread) - begin) / self.inside, 0.0, 1.0))
 
     def log_density(self, work: Array | float) -> Array:
         """Logarithm of the density over the working coordinate; minus infinity beyond the bounds."""

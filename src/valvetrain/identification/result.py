@@ -17,12 +17,12 @@ from valvetrain.solution.display import table
 
 Array = NDArray[np.float64]
 #: Ends of the intervals that are told (percent).
-LOW, HIGH = 5.0, 95.0
+LOW, HIGH = 2.5, 97.5
 
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """A quantity as it was found (SI): ``best``, at the likeliest point; ``mean``, ``deviation`` and the 5 to 95 % interval of the rest."""
+    """A quantity as it was found (SI): ``best``, at the likeliest point; ``mean``, ``deviation`` and the interval that holds 95 %."""
 
     best: float
     mean: float
@@ -44,7 +44,7 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class Predicted:
-    """A measurement beside its prediction (SI): computed at the ``best`` point, 5, 50 and 95 % of the computed values over the posterior,
+    """A measurement beside its prediction (SI): computed at the ``best`` point, 2.5, 50 and 97.5 % of the computed values over the posterior,
     and the ``percentile`` at which the measured value lies among what would be measured (0 to 100)."""
 
     datum: Datum
@@ -130,7 +130,7 @@ class Identified:
             for number, branch in enumerate(self.branches, start=1)
             for name, one in branch.quantities.items()
         ]
-        return table(repr(self), ("branch", "probability", "quantity", "best", "5 %", "95 %"), rows)
+        return table(repr(self), ("branch", "probability", "quantity", "best", "2.5 %", "97.5 %"), rows)
 
 
 def percentiles(values: Array, weights: Array, shares: tuple[float, ...]) -> tuple[float, ...]:

@@ -23,8 +23,8 @@ _MOST = 10_000_000
 class Search:
     """Method and its options; those of other methods have no effect.
 
-    ``seed`` of all random numbers. Searches for a point (``least-squares``, ``cma-es``): ``starts`` tried, of which the ``keep`` likeliest are
-    searched from for at most ``iterations`` (least squares) or ``evaluations`` each in generations of ``population`` (cma-es; 0: by the
+    ``seed`` of all random numbers. Searches for a point (``least-squares``, ``cma-es``): ``starts`` tried, of which the ``keep`` likeliest
+    are searched from for at most ``iterations`` (least squares) or ``evaluations`` each in generations of ``population`` (cma-es; 0: by the
     number of quantities); ``difference_step`` in standard deviations of the priors (0: follows what the data leave open); ``draws`` of the
     linearised posterior. ``nested``: ``live_points``, ``lanes`` asked for at once, ``precision`` of the log evidence. ``ensemble``:
     ``walkers`` (0: by the number of quantities), ``steps``. Raises :class:`InputError` for an unknown method or a number out of range.
@@ -61,7 +61,9 @@ class Search:
         slopes, kept = quantities + 1, min(self.keep, self.starts)
         after = slopes + profiles * 2 * SIDE * 4 * (slopes + 4)
         if self.method == "nested":  # 2.5 nats a quantity to shrink by; chains of some 20 + quantities moves from ten on
-            return int(self.live_points * (2.5 * quantities + 3) * (3 + 2 * quantities if quantities < 10 else 20 + quantities)) // 2 + after
+            return (
+                int(self.live_points * (2.5 * quantities + 3) * (3 + 2 * quantities if quantities < 10 else 20 + quantities)) // 2 + after
+            )
         if self.method == "ensemble":
             return (self.walkers or 4 * quantities + 8) * (self.steps + 2) + after
         each = min(self.iterations, 8) * (slopes + 4) if self.method == "least-squares" else self.evaluations + 4 * (slopes + 4)

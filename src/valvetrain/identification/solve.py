@@ -14,7 +14,7 @@ from valvetrain.identification.ensemble import ensemble
 from valvetrain.identification.evolution import evolution
 from valvetrain.identification.information import information_of
 from valvetrain.identification.journal import Journal, finite
-from valvetrain.identification.least_squares import Peak, covariance_of, differences, least_squares
+from valvetrain.identification.least_squares import Peak, covariance_of, least_squares
 from valvetrain.identification.multistart import Ends, best_starts, ends_of, linear_draws, starts
 from valvetrain.identification.nested import nested
 from valvetrain.identification.posterior import Posterior
@@ -26,7 +26,7 @@ from valvetrain.studies.stopping import Stopped
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 #: Quantile of the normal law at :data:`HIGH`.
-_NORMAL = 1.6448536269514722
+_NORMAL = 1.959963984540054
 
 
 def solve(
@@ -75,6 +75,7 @@ def _ends(posterior: Posterior, search: Search, given: Array | None, report: Rep
         begins = np.vstack([given, begins])
     peaks: list[Peak] = []
     for number, begin in enumerate(begins):
+
         def told(text: str, number: int = number) -> None:
             report(number / len(begins), f"start {number + 1} of {len(begins)}, {text}")
 
@@ -87,9 +88,7 @@ def _ends(posterior: Posterior, search: Search, given: Array | None, report: Rep
                 if not whole:
                     raise Stopped("stopped")
                 begin = point
-            peaks.append(
-                least_squares(posterior, begin, iterations=search.iterations, step=search.difference_step or None, report=told)
-            )
+            peaks.append(least_squares(posterior, begin, iterations=search.iterations, step=search.difference_step or None, report=told))
         except Stopped:
             if not peaks:
                 raise

@@ -28,12 +28,12 @@ class Station:
 
 @dataclass(frozen=True, slots=True)
 class Sought:
-    """One number: a named ``quantity``; the ``force`` of a spring at a compression ``at`` (m from the free state), ``name`` being the
-    spring (empty: the only one); the cam angle of the event number ``at`` (from 1) of the kind ``name``; the channel ``name`` at the cam
+    """One number: a named ``quantity``; the ``force`` of a spring at a compression ``at`` (m from the free state) or its ``load`` at a
+    height ``at`` (m between its seats), ``name`` being the spring (empty: the only one); the cam angle of the event number ``at`` (from 1) of the kind ``name``; the channel ``name`` at the cam
     angle ``at`` (rad)."""
 
     station: Station
-    kind: Literal["quantity", "force", "event", "channel"]
+    kind: Literal["quantity", "force", "load", "event", "channel"]
     name: str = ""
     at: float = 0.0
 
@@ -44,6 +44,8 @@ class Sought:
             own = self.name
         elif self.kind == "force":
             own = f"force{' of ' + self.name if self.name else ''} at {1e3 * self.at:.6g} mm"
+        elif self.kind == "load":
+            own = f"load{' of ' + self.name if self.name else ''} at a height of {1e3 * self.at:.6g} mm"
         elif self.kind == "event":
             own = f"{self.name} {self.at:.0f} cam angle"
         else:
@@ -53,7 +55,7 @@ class Sought:
     @property
     def unit(self) -> str:
         """Unit it is shown in; None's stand-in, an empty one, where it is not known."""
-        if self.kind == "force":
+        if self.kind in ("force", "load"):
             return "N"
         return "deg" if self.kind == "event" else definition_of(self.name).shown_unit
 

@@ -32,12 +32,16 @@ def marginals_chart(found: Identified) -> Chart:
         for number, branch in enumerate(found.branches):
             name = "posterior" if len(found.branches) == 1 else f"branch {number + 1}"
             curve = _density(found, branch, number, place, low, high)
-            layers.append(Line(curve[0] / scale, curve[1] * scale, name, theme.SERIES[number % len(theme.SERIES)], 1.7, "solid", place == 0))
+            layers.append(
+                Line(curve[0] / scale, curve[1] * scale, name, theme.SERIES[number % len(theme.SERIES)], 1.7, "solid", place == 0)
+            )
         best = found.branches[0].quantities[one.name].best / scale
         panels.append(Panel(title_of(one), "density", tuple(layers), x_range=(low / scale, high / scale), rules=(Rule("x", best),)))
     columns = min(3, len(panels))
     rows = -(-len(panels) // columns)
-    return Chart("marginals", "Each quantity before and after the data", "Thin line: the likeliest value.", tuple(panels), columns, 240 * rows)
+    return Chart(
+        "marginals", "Each quantity before and after the data", "Thin line: the likeliest value.", tuple(panels), columns, 240 * rows
+    )
 
 
 def _reach(found: Identified, place: int) -> tuple[float, float]:
@@ -100,7 +104,13 @@ def dots_chart(found: Identified) -> Chart:
     gap = np.full(len(rows), np.nan)
     hints = tuple(f"{datum_words(one.datum)}: percentile {one.percentile:.1f}" for one in rows)
     layers: list[Layer] = [
-        Line(np.stack([off[:, 0], off[:, 2], gap], 1).ravel(), np.stack([height, height, gap], 1).ravel(), "computed, 5 to 95 %", theme.SERIES[0], 3.0)
+        Line(
+            np.stack([off[:, 0], off[:, 2], gap], 1).ravel(),
+            np.stack([height, height, gap], 1).ravel(),
+            "computed, 95 %",
+            theme.SERIES[0],
+            3.0,
+        )
     ]
     for used, words, colour in ((True, "fitted", theme.SERIES[0]), (False, "compared only", theme.SERIES[1])):
         here = np.array([one.datum.used is used for one in rows])
@@ -108,14 +118,15 @@ def dots_chart(found: Identified) -> Chart:
             told = tuple(hint for hint, one in zip(hints, here, strict=True) if one)
             layers.append(Marks(off[here, 1], height[here], f"median, {words}", colour, size=8.0, filled=True, hints=told))
     reach = min(max(4.0, 1.1 * float(np.nanmax(np.abs(off), initial=0.0))), 40.0)
-    words = tuple((float(at), _short(datum_words(one.datum))) for at, one in zip(height, rows, strict=True))
+    along = tuple((float(at), _short(datum_words(one.datum))) for at, one in zip(height, rows, strict=True))
     panel = Panel(
-        "computed less measured (standard deviations of the measurement)", "", tuple(layers), y_words=words, x_range=(-reach, reach),
+        "off by (standard deviations)", "", tuple(layers), y_words=along, x_range=(-reach, reach),
         y_range=(0.3, len(rows) + 0.7), rules=(Rule("x", -2.0), Rule("x", 0.0, "measured"), Rule("x", 2.0)),
     )  # fmt: skip
     left = len(found.predicted) - len(rows)
-    caption = f"Thin lines: the measured value and two standard deviations.{f' {left} more stand in the table.' if left else ''}"
-    return Chart("dots", "Measured against predicted", caption, (panel,), 1, 120 + 26 * len(rows))
+    caption = "Computed less measured. Thin lines: the measured value and two standard deviations."
+    caption += f" {left} more stand in the table." if left else ""
+    return Chart("dots", "In standard deviations of each measurement", caption, (panel,), 1, 120 + 26 * len(rows))
 
 
 def _short(words: str) -> str:
@@ -132,7 +143,9 @@ def profiles_chart(found: Identified) -> Chart | None:
         rise = one.misfit - np.nanmin(one.misfit)
         layer = Line(one.values / unit_factor(unknown.unit), rise, "", theme.SERIES[0], in_legend=False)
         marks = Marks(layer.x, layer.y, "", theme.SERIES[0], size=5.0, filled=True, in_legend=False)
-        panels.append(Panel(title_of(unknown), "misfit above the least", (layer, marks), rules=(Rule("y", 1.0, "68 %"), Rule("y", 3.84, "95 %"))))
+        panels.append(
+            Panel(title_of(unknown), "misfit above the least", (layer, marks), rules=(Rule("y", 1.0, "68 %"), Rule("y", 3.84, "95 %")))
+        )
     columns = min(2, len(panels))
     caption = "Least sum of squared scaled misses with the quantity at each value, all others free. A flat curve: the data do not tell it."
     return Chart("profiles", "Profiles", caption, tuple(panels), columns, 280 * -(-len(panels) // columns), legend=False)

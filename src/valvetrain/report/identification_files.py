@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from valvetrain.identification.result import Identified
+from valvetrain.identification.result import Branch, Identified
 from valvetrain.report.identification_page import identification_page
 from valvetrain.report.page import render
 from valvetrain.solution.arrays import ChannelArrays, Variable
@@ -29,10 +30,8 @@ def identification_json(found: Identified) -> dict[str, Any]:
                 for name, one in branch.quantities.items()
             },
             "correlation": branch.correlation, "told": dict(zip(found.names, branch.information.told.tolist(), strict=True)),
-            "told_by": {
-                name: dict(zip(found.names, row.tolist(), strict=True))
-                for name, row in zip(branch.information.measurements, branch.information.lost, strict=True)
-            },
+            "brought_by": _by_measurement(found, branch, branch.information.brought),
+            "lost_without": _by_measurement(found, branch, branch.information.lost),
         }
         for branch in found.branches
     ]  # fmt: skip
@@ -53,6 +52,13 @@ def identification_json(found: Identified) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def _by_measurement(found: Identified, branch: Branch, shares: NDArray[np.float64]) -> dict[str, dict[str, float]]:
+    return {
+        name: dict(zip(found.names, row.tolist(), strict=True))
+        for name, row in zip(branch.information.measurements, shares, strict=True)
+    }  # fmt: skip
+
+
 def write_identification(found: Identified, folder: Path, title: str) -> list[Path]:
     """Write draws and page to ``folder``, each whole or not at all; the paths, the page last."""
     page = write_text(folder / PAGE, render(identification_page(title, found)))
@@ -60,7 +66,8 @@ def write_identification(found: Identified, folder: Path, title: str) -> list[Pa
 
 
 def draws_image(found: Identified) -> bytes:
-    """Bytes of the NetCDF file: values of the quantities, weights, branches and every computed number over the draws; ends in a checksum."""
+    """Bytes of the NetCDF file: quantities, weights, branches and every computed number over the draws; ends in a checksum."""
+
     def over(values: Any, words: str) -> Variable:
         return Variable(("draw",), np.asarray(values), {"units": "SI", "long_name": words})
 

@@ -14,10 +14,13 @@ from valvetrain.report.identification_words import (
     measured_words,
     odd,
     prior_words,
-    told_rows,
+    share_rows,
 )
 from valvetrain.report.page import Block, Cell, Details, Grid, Page, Section, figure_or_gap, text
 from valvetrain.report.words import unit_words
+
+_BROUGHT = "Share of each measurement in what the data say of a quantity, the other quantities known (%)."
+_LOST = "By how much less is left open of a quantity (its variance) than without the measurement (%)."
 
 
 def identification_page(title: str, found: Identified) -> Page:
@@ -34,8 +37,8 @@ def identification_page(title: str, found: Identified) -> Page:
         sections.append(Section("profiles", "Profiles", profiles))
     sections.append(Section("priors", "What was known before", (_priors(found),)))
     lead = (
-        "Intervals hold 90 % of what the measurements and the priors leave open, if the model is right and the stated scatter is. A percentile "
-        "tells where a measured value lies among those that would be measured: near 0 or 100 the model and the measurement disagree."
+        "Intervals hold 95 % of what the measurements and the priors leave open, if the model is right and the stated scatter is. A "
+        "percentile tells where a measured value lies among those that would be measured: near 0 or 100 the model and the measurement disagree."
     )
     return Page(title, "Identification", lead, facts(found), tuple(sections))
 
@@ -63,24 +66,32 @@ def _measured(found: Identified) -> tuple[Block, ...]:
     for one in found.predicted:
         words, role = measured_words(one), "fitted" if one.datum.used else "compared"
         far = not ODD[0] <= one.percentile <= ODD[1]
-        cells = [Cell(word, f"{tone} bad" if far and place == len(tones) - 1 else tone) for place, (word, tone) in enumerate(zip(words, tones, strict=True))]
+        cells = [
+            Cell(word, f"{tone} bad" if far and place == len(tones) - 1 else tone)
+            for place, (word, tone) in enumerate(zip(words, tones, strict=True))
+        ]
         rows.append(((*cells, Cell(role, "tag")), (role,)))
-    grid = Grid((*MEASURED, "use"), tuple(rows), ("use",), "computed: at the likeliest point; 5 and 95 % over what is left open")
+    grid = Grid((*MEASURED, "use"), tuple(rows), ("use",), "computed: at the likeliest point; 2.5 and 97.5 % over what is left open")
     far_off = odd(found)
     said = ", ".join(f"{datum_words(one.datum)} ({one.percentile:.1f})" for one in far_off[:8])
-    told = (text(f"Outside {ODD[0]} to {ODD[1]} % of their predictions: {said}{' and more' if len(far_off) > 8 else ''}.", "alert"),) if far_off else ()
+    told = (
+        (text(f"Outside {ODD[0]} to {ODD[1]} % of their predictions: {said}{' and more' if len(far_off) > 8 else ''}.", "alert"),)
+        if far_off
+        else ()
+    )
     return (*figure_or_gap("measured against predicted", dots_chart, found), *told, grid)
 
 
 def _told(found: Identified) -> tuple[Block, ...]:
     heads = ("measurement", *(name.replace("_", " ") for name in found.names))
-    blocks: list[Block] = [
-        text("Per cent by which what is left open of a quantity (its variance) is smaller than it were without the measurement.", "note")
-    ]
+    blocks: list[Block] = []
     for number, branch in enumerate(found.branches, start=1):
-        rows = tuple((tuple(Cell(word, "number" if place else "") for place, word in enumerate(row)), ()) for row in told_rows(found, branch))
-        grid = Grid(heads, rows)
-        blocks.append(grid if number == 1 else Details(f"branch {number}", (grid,)))
+        told = branch.information
+        grids = tuple(
+            Grid(heads, tuple((tuple(Cell(word, "number" if at else "") for at, word in enumerate(row)), ()) for row in rows), (), words)
+            for rows, words in ((share_rows(branch, told.brought), _BROUGHT), (share_rows(branch, told.lost), _LOST))
+        )
+        blocks += grids if number == 1 else [Details(f"branch {number}", grids)]
     return tuple(blocks)
 
 

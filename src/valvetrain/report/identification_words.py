@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from valvetrain.identification.datum import Datum
 from valvetrain.identification.posterior import Unknown
@@ -12,8 +13,8 @@ from valvetrain.report.words import number, unit_words
 from valvetrain.units import unit_factor
 
 #: Heads of the tables whose rows the functions below give.
-FOUND = ("quantity", "likeliest", "5 %", "95 %", "", "prior", "told")
-MEASURED = ("measurement", "measured", "±", "computed", "5 %", "95 %", "", "percentile")
+FOUND = ("quantity", "likeliest", "2.5 %", "97.5 %", "", "prior", "told")
+MEASURED = ("measurement", "measured", "±", "computed", "2.5 %", "97.5 %", "", "percentile")
 #: Percentiles outside these are worth a look.
 ODD = (2.5, 97.5)
 
@@ -52,16 +53,16 @@ def measured_words(one: Predicted) -> tuple[str, ...]:
 
 def datum_words(datum: Datum) -> str:
     """A measurement as a line begins with it; its key where the name does not tell which of several values it is."""
-    words = _words(datum.measurement or datum.key)
-    return words if datum.measurement in ("", datum.key) else f"{words}: {datum.key.replace("_", " ")}"
+    words, key = _words(datum.measurement or datum.key), datum.key.replace("_", " ")
+    return words if datum.measurement in ("", datum.key) else f"{words}: {key}"
 
 
-def told_rows(found: Identified, branch: Branch) -> list[tuple[str, ...]]:
-    """Measurement by quantity: per cent by which the variance of the quantity is smaller than it were without the measurement."""
-    rows = []
-    for name, lost in zip(branch.information.measurements, branch.information.lost, strict=True):
-        rows.append((_words(name), *(f"{100 * share:.0f}" if share >= 0.005 else "·" for share in lost)))
-    return rows
+def share_rows(branch: Branch, shares: NDArray[np.float64]) -> list[tuple[str, ...]]:
+    """Measurement by quantity: shares in per cent, a dot for none."""
+    return [
+        (_words(name), *(f"{100 * share:.0f}" if share >= 0.005 else "·" for share in row))
+        for name, row in zip(branch.information.measurements, shares, strict=True)
+    ]
 
 
 def facts(found: Identified) -> tuple[tuple[str, str], ...]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from importlib import import_module
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 
 from valvetrain import registry
 from valvetrain.errors import InputError
