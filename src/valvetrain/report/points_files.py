@@ -1,0 +1,88 @@
+"""A study of points as one JSON object and as files: table, page."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from valvetrain.report.page import render
+from valvetrain.report.points_page import points_page, sentences
+from valvetrain.solution.atomic import write_text
+from valvetrain.solution.definition import definition_of
+from valvetrain.solution.gaps import Gaps
+from valvetrain.studies.points.table import StudyTable
+
+#: Rows that the JSON answer holds whole; a larger table stands in points.csv.
+MOST_ROWS = 2000
+
+
+def points_json(table: StudyTable) -> dict[str, Any]:
+    """The JSON answer, SI."""
+    plan = table.plan
+    runs = [{"engine_speed": run[0], "spring_model": run[1], "spring_set": run[2]} for run in plan.runs]
+    places = {run: place for place, run in enumerate(plan.runs)}
+    data: dict[str, Any] = {
+        "case": plan.case.name, "title": plan.title, "kind": plan.kind, "sampler": plan.sampler.word, "points": len(table),
+        "completed_points": int(np.count_nonzero(table.completed)), "computed_now": table.computed, "runs": runs,
+        "varied": [
+            {"name": one.name, "key": one.key, "as": one.operation, "unit": one.si_unit or "1", "label": one.words} for one in plan.varied
+        ],
+        "outputs": {name: {"unit": definition_of(name).si_unit, "percentiles": _percentiles(table, name)} for name in table.outputs},
+        "sensitivities": [
+            {"output": one.output, "run": places[one.run], "rows": one.rows, "dropped": one.dropped, "sentence": one.sentence,
+             "quantities": {
+                 name: {"first": one.first[n], "first_interval": one.first_interval[n], "total": one.total[n],
+                        "total_interval": one.total_interval[n]} for n, name in enumerate(one.names)}}
+            for one in table.sensitivities
+        ],
+        "surrogates": [
+            {"output": one.output, "run": places[one.run], "fitted": one.fitted, "kept_out": one.kept_out, "error": one.error,
+             "error_over_scatter": one.share, "within_two_deviations": one.covered, "sentence": one.sentence} for one in table.surrogates
+        ],
+        "sentences": list(sentences(table)), "failures": list(table.failures[:MOST_ROWS]), "completed": bool(np.all(table.completed)),
+    }  # fmt: skip
+    if len(table) <= MOST_ROWS:
+        data["rows"] = [
+            {"inputs": list(table.inputs[row]), "run": places[table.runs[row]], "outputs": list(table.values[row]),
+             "status": table.statuses[row].code} for row in range(len(table))
+        ]  # fmt: skip
+    return data
+
+
+def _percentiles(table: StudyTable, name: str) -> list[dict[str, float | None]]:
+    found = []
+    for run in table.plan.runs:
+        rows = table.rows_of(run)
+        values = table.column(name)[rows][table.completed[rows] & np.isfinite(table.column(name)[rows])]
+        ends = np.percentile(values, (5, 50, 95)).tolist() if len(values) else [None] * 3
+        found.append(dict(zip(("5", "50", "95"), ends, strict=True)))
+    return found
+
+
+def points_csv(table: StudyTable) -> str:
+    """Every row with all digits, SI; the head tells the units."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    inputs = [f"{one.name} [{one.si_unit or '1'}]" for one in table.plan.varied]
+    outputs = [f"{name} [{definition_of(name).si_unit}]" for name in table.outputs]
+    writer.writerow([*inputs, "run engine_speed [rad/s]", "spring_model", "spring_set", *outputs, "status", "sentence"])
+    for row in range(len(table)):
+        engine_speed, model, spring_set = table.runs[row]
+        values = ["" if np.isnan(value) else repr(float(value)) for value in table.values[row]]
+        status = table.statuses[row]
+        told = "" if status.completed else status.sentence()
+        given = [repr(float(value)) for value in table.inputs[row]]
+        writer.writerow([*given, "" if engine_speed is None else repr(engine_speed), model, spring_set, *values, status.code, told])
+    return stream.getvalue()
+
+
+def write_points(table: StudyTable, folder: Path, gaps: Gaps) -> tuple[list[Path], Path | None]:
+    """Write table and page into ``folder``; what could not be written stands in ``gaps``. The files, and the page."""
+    files: list[Path] = []
+    data = gaps.part("file 'points.csv'", None, lambda: write_text(folder / "points.csv", points_csv(table)))
+    page = gaps.part("report page", None, lambda: write_text(folder / "report.html", render(points_page(table), gaps)))
+    return [*files, *(path for path in (data, page) if path is not None)], page
