@@ -21,8 +21,8 @@ class Datum:
     """A measured ``value`` (SI) of what the computation calls ``key``, with the standard deviation ``scatter`` (SI) of its errors.
 
     ``measurement``: the entry of the file that it belongs to, such as a curve of many data. ``law`` of the errors: ``normal``, or
-    ``student`` with ``freedom`` degrees, of which outliers are part. ``used``: whether it is fitted, else it is compared only. ``unit`` it is
-    shown in. Raises :class:`InputError` for a scatter that is not positive.
+    ``student`` with ``freedom`` degrees, of which outliers are part. ``used``: whether it is fitted, else it is only compared. ``unit`` it
+    is shown in. Raises :class:`InputError` for a scatter that is not positive.
     """
 
     key: str

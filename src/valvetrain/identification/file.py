@@ -18,6 +18,7 @@ from valvetrain.identification.sought import Sought
 from valvetrain.parameters.bounded_file import bounded_bytes
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import library_names, load_case, parse_toml
+from valvetrain.registry import find
 from valvetrain.solution.checksum import digest
 from valvetrain.studies.points.varied import Varied
 
@@ -100,11 +101,14 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
     numbers = tuple((key, options.plain(key)) for key in list(options.table))
     if numbers and not evaluator:
         raise InputError("belongs to an evaluator; name it, or leave the table out", "options")
+    source = find("sources", evaluator, "evaluator").points_of_identification() if evaluator else None
     unknowns, varied = [], []
     for one, part in whole.parts("quantities"):
         unknown, keys = _unknown(one, part, bool(evaluator))
         unknowns.append(unknown)
         varied.append(keys)
+    if source is not None:
+        source.points(tuple(one.name for one in unknowns), dict(numbers))  # refuses names and options it does not know
     found = [pair for one, part in whole.parts("measurements") for pair in read_measurement(one, part, folder, bool(evaluator))]
     search, profiles, from_case = _search(Part(whole.take("search", {}), "search"), tuple(one.name for one in unknowns))
     title = whole.text("title", name.replace("_", " "))

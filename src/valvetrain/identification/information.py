@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,7 @@ def information_of(posterior: Posterior, jacobian: Array) -> Information:
     count = jacobian.shape[1]
     owners = [one.name for one in posterior.used]
     measurements = tuple(dict.fromkeys(owners))
-    whole = np.linalg.inv(np.eye(count) + jacobian.T @ jacobian)
+    whole: NDArray[Any] = np.linalg.inv(np.eye(count) + jacobian.T @ jacobian)
     variance = np.diag(whole)
     lost, brought = np.zeros((len(measurements), count)), np.zeros((len(measurements), count))
     every = np.sum(jacobian**2, axis=0)
@@ -55,17 +56,17 @@ def information_of(posterior: Posterior, jacobian: Array) -> Information:
         brought[place] = np.sum(jacobian[[owner == name for owner in owners]] ** 2, axis=0) / np.where(every > 0, every, 1.0)
         without = np.diag(np.linalg.inv(np.eye(count) + others.T @ others))
         lost[place] = np.clip(1.0 - variance / without, 0.0, 1.0)
-    correlation: Array = np.asarray(whole / np.sqrt(np.outer(variance, variance)), dtype=np.float64)
+    correlation = np.asarray(whole / np.sqrt(np.outer(variance, variance)), dtype=np.float64)
     return Information(measurements, 1.0 - variance, brought, lost, correlation, _warnings(posterior.names, jacobian, whole, correlation))
 
 
-def _warnings(names: Sequence[str], jacobian: Array, covariance: Array, correlation: Array) -> tuple[str, ...]:
+def _warnings(names: Sequence[str], jacobian: Array, covariance: NDArray[Any], correlation: NDArray[Any]) -> tuple[str, ...]:
     alone = np.sum(jacobian**2, axis=0)
     found, spoken = [], set()
     for one, other in itertools.combinations(range(len(names)), 2):
         known = alone[one] > TOLD_ALONE and alone[other] > TOLD_ALONE
         vague = np.sqrt(np.diag(covariance)[[one, other]])
-        if known and abs(correlation[one, other]) > TWINS and vague.max() > OPEN and np.all(vague**2 * (1 + alone[[one, other]]) > 1 / (1 - TWINS**2)):
+        if known and abs(correlation[one, other]) > TWINS and vague.max() > OPEN:
             found.append(_pair(names[one], names[other], correlation[one, other], vague))
             spoken |= {one, other}
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)

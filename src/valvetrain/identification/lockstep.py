@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterable
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
 from typing import Any
 
 import numpy as np
@@ -78,15 +80,23 @@ class Lockstep:
                     chain.start()
                 self._serve(chains)
             except BaseException:
-                with self.turn:
-                    self.cut = True
-                    self.turn.notify_all()
+                self._end(chains)
                 raise
             for chain in chains:
                 if chain.error is not None:
                     raise chain.error
                 results.append(chain.result)
         return results
+
+    def _end(self, chains: list[_Chain]) -> None:
+        """Let chains end that nobody waits for any more; what a sampler prints of that is nobody's concern."""
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+            with self.turn:
+                self.cut = True
+                self.turn.notify_all()
+            for chain in chains:
+                if chain.is_alive():
+                    chain.join(timeout=5)
 
     def _serve(self, chains: list[_Chain]) -> None:
         while True:

@@ -123,9 +123,9 @@ def _curve(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
     else:
         given = "heights" if part.has("heights") else "compressions"
         compressions, forces = np.array(part.amounts(given, "length")), np.array(part.amounts("forces", "force"))
-    at_rest = Station(None, station.spring_model, station.spring_set)
+    at_rest, kind = Station(None, station.spring_model, station.spring_set), "load" if part.has("heights") else "force"
     return [
-        (Sought(at_rest, "load" if part.has("heights") else "force", spring, float(place)), float(force), _scatter(part, "scatter", float(force), "force"))
+        (Sought(at_rest, kind, spring, place), force, _scatter(part, "scatter", force, "force"))  # type: ignore[arg-type]
         for place, force in _pairs(part, compressions, forces)
     ]
 

@@ -44,8 +44,8 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class Predicted:
-    """A measurement beside its prediction (SI): computed at the ``best`` point, 2.5, 50 and 97.5 % of the computed values over the posterior,
-    and the ``percentile`` at which the measured value lies among what would be measured (0 to 100)."""
+    """A measurement beside its prediction (SI): computed at the ``best`` point, 2.5, 50 and 97.5 % of the computed values over the
+    posterior, and the ``percentile`` at which the measured value lies among what would be measured (0 to 100)."""
 
     datum: Datum
     best: float

@@ -29,8 +29,8 @@ class Station:
 @dataclass(frozen=True, slots=True)
 class Sought:
     """One number: a named ``quantity``; the ``force`` of a spring at a compression ``at`` (m from the free state) or its ``load`` at a
-    height ``at`` (m between its seats), ``name`` being the spring (empty: the only one); the cam angle of the event number ``at`` (from 1) of the kind ``name``; the channel ``name`` at the cam
-    angle ``at`` (rad)."""
+    height ``at`` (m between its seats), ``name`` being the spring (empty: the only one); the cam angle of the event number ``at`` (from 1)
+    of the kind ``name``; the channel ``name`` at the cam angle ``at`` (rad)."""
 
     station: Station
     kind: Literal["quantity", "force", "load", "event", "channel"]

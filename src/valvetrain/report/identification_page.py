@@ -38,7 +38,7 @@ def identification_page(title: str, found: Identified) -> Page:
     sections.append(Section("priors", "What was known before", (_priors(found),)))
     lead = (
         "Intervals hold 95 % of what the measurements and the priors leave open, if the model is right and the stated scatter is. A "
-        "percentile tells where a measured value lies among those that would be measured: near 0 or 100 the model and the measurement disagree."
+        "percentile tells where a measured value lies among those that would be measured: near 0 or 100 model and measurement disagree."
     )
     return Page(title, "Identification", lead, facts(found), tuple(sections))
 
