@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from valvetrain.solution.event import Detail, Event
@@ -80,19 +81,23 @@ def blow_impulse(time: Array, force: Array) -> float:
     area = np.concatenate(([0.0], np.cumsum(0.5 * (force[1:] + force[:-1])))) * step
     area = np.concatenate((np.zeros(pad), area, np.full(2 * pad, area[-1])))
 
-    def at(shift: float) -> Array:
-        """Area up to ``shift`` steps after every begin."""
-        whole = int(np.floor(shift))
-        first, share = pad + whole, shift - whole
-        return np.asarray((1 - share) * area[first : first + count] + share * area[first + 1 : first + 1 + count])
+    from_there = sliding_window_view(area, count)
 
-    begun, largest = at(0.0), 0.0
-    before = begun - at(-reach)
-    for share in BLOW_LENGTHS:
-        ended = at(share * reach)
-        held = np.maximum(before, at((1 + share) * reach) - ended)
-        largest = max(largest, float(np.max(ended - begun - share * held)))
-    return largest
+    def at(shift: Array) -> Array:
+        """Area up to ``shift`` (n,) steps after every begin, (n, count)."""
+        whole = np.floor(shift)
+        first, share = pad + whole.astype(np.int64), (shift - whole)[:, None]
+        return np.asarray((1 - share) * from_there[first] + share * from_there[first + 1])
+
+    begun, back = at(np.array([0.0, -reach]))
+    shares = np.array(BLOW_LENGTHS)
+    ended, held = at(shares * reach), at((1 + shares) * reach)
+    held -= ended
+    np.maximum(begun - back, held, out=held)
+    held *= shares[:, None]
+    ended -= begun
+    ended -= held
+    return max(0.0, float(np.max(ended)))
 
 
 def steps_between(watch: ContactWatch | None, time_step: float) -> int:

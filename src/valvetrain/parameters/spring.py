@@ -185,19 +185,19 @@ class SpringDefinition:
         found: NDArray[np.bool_] = np.asarray(inside & (shift >= wire), dtype=np.bool_)
         return found
 
-    @property
+    @cached_property
     def lower_seat_height(self) -> float:
         """Height z (m) of the lower seat plane: it touches the underside of the wire where grinding ends."""
         end = self.lower_end.ground_coils
         return float(self.axial_position(end) - self.wire_diameter.value(end) / 2)
 
-    @property
+    @cached_property
     def upper_seat_height(self) -> float:
         """Height z (m) of the retainer plane in the free state."""
         end = self.total_coils - self.upper_end.ground_coils
         return float(self.axial_position(end) + self.wire_diameter.value(end) / 2)
 
-    @property
+    @cached_property
     def free_length(self) -> float:
         """Unloaded length between the seat planes (m)."""
         return self.upper_seat_height - self.lower_seat_height

@@ -292,8 +292,8 @@ def _surge_speeds(frequency: float | None, speeds: tuple[float, ...]) -> dict[st
     return surge_engine_speeds(frequency, 0.8 * min(speeds), 1.25 * max(speeds)) if frequency is not None and speeds else {}
 
 
-def rigid_numbers(problem: Problem, ready: tuple[Ready, ...], speeds: tuple[float, ...]) -> dict[str, dict[str, float]]:
-    """What rigid theory says of each spring set, its valve events, and where its surge meets the lift around the ``speeds`` run."""
+def rigid_numbers(problem: Problem, ready: tuple[Ready, ...], engine_speeds: tuple[float, ...]) -> dict[str, dict[str, float]]:
+    """What rigid theory says of each spring set, its valve events, and where its surge meets the lift around the ``engine_speeds`` run."""
     still: dict[str, dict[str, float]] = {}
     made: dict[Hashable, Ready] = {(m.gear, m.model.word, m.springs, m.rubbing): one for one in ready for m in (one.member,)}
     for one in ready:
@@ -303,7 +303,7 @@ def rigid_numbers(problem: Problem, ready: tuple[Ready, ...], speeds: tuple[floa
             cam_speed, angle = (plain.motion or one.motion).contact_loss()
             values = {"rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle}
             values["rigid_maximum_valve_lift"] = float(np.max(one.motion.derivatives[0]))
-            values |= rigid_events(one.motion.kinematics) | _surge_speeds(one.frame.surge_frequency, speeds)
+            values |= rigid_events(one.motion.kinematics) | _surge_speeds(one.frame.surge_frequency, engine_speeds)
             still[one.member.spring_set] = {name: float(value) for name, value in values.items() if np.isfinite(value)}
     return still
 

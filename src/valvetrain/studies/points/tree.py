@@ -89,7 +89,8 @@ def _moved(number: float, varied: Varied, value: float) -> float:
 def numbers_of(text: str, varied: Varied) -> tuple[tuple[float, ...], str]:
     """Numbers (SI) of a text such as ``"0, 1.5 mm"`` and their SI unit."""
     unit = _UNIT.search(text.strip())
-    dimension = dimension_of(unit[0].strip()) if unit else "ratio"
+    numeric = re.match(r"\s*[-+.]?\d", text)
+    dimension = None if not numeric else dimension_of(unit[0].strip()) if unit else "ratio"
     if dimension is None:
         raise InputError(f"stands in the case as '{text[:40]}', which is no number with a unit; vary its value", varied.key)
     return parse_quantities(text, dimension, varied.key), DIMENSIONS[dimension].si_unit

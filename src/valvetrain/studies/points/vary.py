@@ -114,7 +114,7 @@ def part_of(item: Any, path: str) -> Any:
             values = getattr(item, "values", None)
             found = getattr(item, key, values.get(key) if isinstance(values, Mapping) else None)
         if found is None:
-            raise InputError(f"case has no '{key[:60]}' there; its text does not tell it, so keys are those of Case.replace", path)
+            raise InputError(f"the case has no '{key[:60]}' there; its text does not tell it, so keys are those of Case.replace", path)
         item = found
     return item
 

@@ -1,0 +1,91 @@
+"""Sobol indices beside the closed form of Ishigami and Homma (1990) and beside scipy's; both verdicts on what makes a spread."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from valvetrain.studies.points.distributions import Uniform
+from valvetrain.studies.points.samplers.contract import sampler
+from valvetrain.studies.points.sensitivity import indices, sensitivity_of
+from valvetrain.studies.points.varied import Varied
+
+NAMES = ("first", "second", "third")
+ANGLES = tuple(Varied(name, distribution=Uniform(-np.pi, np.pi)) for name in NAMES)
+RUN = (None, "", "")
+A, B = 7.0, 0.1
+
+
+def design(count, seed=1, varied=ANGLES):
+    spec = sampler("saltelli")
+    return spec.first(varied, spec.read_options({"count": count, "seed": seed}))
+
+
+def ishigami(points):
+    return np.sin(points[:, 0]) + A * np.sin(points[:, 1]) ** 2 + B * points[:, 2] ** 4 * np.sin(points[:, 0])
+
+
+def closed_form():
+    """First-order and total indices, from the variances of the function's parts."""
+    one, two = 0.5 * (1 + B * np.pi**4 / 5) ** 2, A**2 / 8
+    both = 8 * B**2 * np.pi**8 / 225
+    whole = one + two + both
+    return np.array([one, two, 0]) / whole, np.array([one + both, two, both]) / whole
+
+
+def test_indices_of_the_ishigami_function_are_those_of_its_closed_form():
+    found = sensitivity_of("peak_spring_force", RUN, NAMES, ishigami(design(20480)))
+    first, total = closed_form()
+    assert found.first == pytest.approx(first, abs=0.02) and found.total == pytest.approx(total, abs=0.02)
+    assert found.rows == 4096 and found.dropped == 0
+
+
+def test_intervals_hold_the_closed_form_about_as_often_as_they_say():
+    """Six true values in each of 30 designs; 95 % is 171 of 180, and fewer than 155 would be a chance of one in ten thousand."""
+    first, total = closed_form()
+    inside = 0
+    for seed in range(30):
+        found = sensitivity_of("peak_spring_force", RUN, NAMES, ishigami(design(640, seed)))
+        for true, interval in ((first, found.first_interval), (total, found.total_interval)):
+            inside += int(np.count_nonzero((interval[:, 0] <= true) & (true <= interval[:, 1])))
+    assert inside >= 155
+
+
+def test_indices_agree_with_those_of_scipy():
+    from scipy.stats import sobol_indices
+
+    values = ishigami(design(1280)).reshape(5, -1)
+    other = sobol_indices(func={"f_A": values[:1], "f_B": values[1:2], "f_AB": values[2:, None, :]}, n=values.shape[1])
+    first, total = indices(values)
+    assert first == pytest.approx(other.first_order, rel=1e-9, abs=1e-12) and total == pytest.approx(other.total_order, rel=1e-9)
+
+
+def test_the_quantity_that_makes_the_spread_is_named():
+    points = design(640)
+    told = sensitivity_of("peak_spring_force", RUN, NAMES, 10 * points[:, 1] + points[:, 0])
+    assert told.sentence.startswith("What makes the spread of the peak spring force is second (")
+    assert "next is first (" in told.sentence
+
+
+def test_quantities_that_cannot_be_told_apart_are_said_to_be_so():
+    points = design(640)
+    told = sensitivity_of("peak_spring_force", RUN, NAMES, points[:, 1] + points[:, 0])
+    assert told.sentence.startswith("No single quantity makes the spread of the peak spring force")
+    assert "first (" in told.sentence and "second (" in told.sentence and "third (" not in told.sentence
+
+
+def test_an_output_that_nothing_moves_is_said_to_be_so():
+    told = sensitivity_of("peak_spring_force", RUN, NAMES, np.full(640, 800.0))
+    assert told.sentence == "None of the varied quantities moves the peak spring force."
+
+
+def test_base_rows_with_a_failed_point_are_left_out_and_counted():
+    points = design(5120)
+    values = ishigami(points)
+    rows = len(values) // 5
+    values[[3, rows + 3, 2 * rows + 10]] = np.nan
+    told = sensitivity_of("peak_spring_force", RUN, NAMES, values)
+    assert told.dropped == 2 and told.rows == rows - 2
+    assert told.total == pytest.approx(closed_form()[1], abs=0.05)
+    values[10:] = np.nan
+    assert sensitivity_of("peak_spring_force", RUN, NAMES, values) is None

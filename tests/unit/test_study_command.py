@@ -1,0 +1,184 @@
+"""``valvetrain study``: its answer, and that a study that is killed or stopped goes on where it was, with the same bits."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from unit.cli_parts import MODULE, call, hear_interrupts, process_environment, wait_until
+from valvetrain.studies.points.plan import read_plan
+from valvetrain.studies.points.store import PointStore
+from valvetrain.studies.points.study_file import StudyText
+
+#: A grid of short runs; one in four has a lift beyond coil bind.
+GRID = """
+case = "gu2021-beehive"
+engine_speeds = "6000 rpm"
+spring_models = ["{model}"]
+outputs = ["peak_spring_force", "clash_count"]
+points = {{ sampler = "grid", levels = {levels} }}
+[[vary]]
+key = "lift_law.maximum_lift"
+low = "9 mm"
+high = "20 mm"
+[[vary]]
+key = "spring.precompression"
+low = "6 mm"
+high = "8 mm"
+"""
+
+
+def study_text(model="massless", levels=4) -> str:
+    return GRID.format(model=model, levels=levels)
+
+
+@pytest.fixture
+def file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "grid.toml"
+    path.write_text(study_text())
+    return path
+
+
+@cache
+def table_of(levels: int = 4, workers: int = 1) -> vt.StudyTable:
+    return vt.study(study_text(levels=levels), workers=workers)
+
+
+def test_the_answer_is_one_json_object_with_every_point_and_its_status(file):
+    answer = call("study", str(file), "--workers", "1", "--json")
+    assert answer.exit_code == 0
+    data = json.loads(answer.stdout)
+    assert data["points"] == 16 and data["computed_now"] == 16 and len(data["rows"]) == 16
+    codes = [row["status"] for row in data["rows"]]
+    assert {"completed", "refused"} == set(codes) and data["completed_points"] == codes.count("completed")
+    assert len(data["failures"]) == codes.count("refused") and "coil bind" in data["failures"][0]
+    table = table_of()
+    assert [row["outputs"] for row in data["rows"]] == [[None if np.isnan(x) else x for x in row] for row in table.values.tolist()]
+    (file.parent / data["page"]).read_text().index("coil bind")
+
+
+def test_the_answer_for_people_says_the_same(file):
+    text = call("study", str(file), "--workers", "1").stdout
+    table = table_of()
+    assert f"{np.count_nonzero(~table.completed)} of 16 points failed" in text and "16 points computed" in text
+    again = call("study", str(file), "--workers", "1").stdout
+    assert "0 points computed, 16 were there" in again
+
+
+def test_a_file_in_which_nothing_comes_out_is_a_failure(file):
+    file.write_text(study_text().replace('"9 mm"', '"18 mm"'))
+    answer = call("study", str(file), "--workers", "1")
+    assert answer.exit_code == 1 and "coil bind" in answer.stderr
+
+
+def test_a_study_beyond_the_bound_is_refused_before_it_begins(file):
+    file.write_text(study_text("finite-element", 60))
+    answer = call("study", str(file))
+    assert answer.exit_code == 2 and "--limit" in answer.stderr and len(answer.stderr.splitlines()) == 1
+    assert not (file.parent / "runs").exists()
+
+
+def store_of(folder, text):
+    return PointStore(folder, read_plan(StudyText(text, "study", folder)).wanted.outputs)
+
+
+def points_kept(folder) -> int:
+    """Whole lines of the journal and points in chunks, read from outside."""
+    journal = folder / "journal.jsonl"
+    lines = journal.read_bytes().count(b"\n") if journal.exists() else 0
+    return lines + 256 * len(list(folder.glob("chunk-*.nc")))
+
+
+@pytest.mark.parametrize("stop", [signal.SIGKILL, signal.SIGTERM])
+def test_a_study_that_is_ended_goes_on_with_the_same_bits_and_computes_nothing_twice(tmp_path, stop):
+    text = study_text("multi-mass", 7)
+    file, folder = tmp_path / "grid.toml", tmp_path / "out"
+    file.write_text(text)
+    command = [*MODULE, "study", str(file), "--output", str(folder), "--workers", "2", "--json"]
+    began = subprocess.Popen(
+        [sys.executable, *command], cwd=tmp_path, env=process_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        preexec_fn=hear_interrupts,
+    )  # fmt: skip
+    wait_until(lambda: points_kept(folder / "points") >= 9 or began.poll() is not None, "nine points")
+    began.send_signal(stop)
+    _, said = began.communicate(timeout=60)
+    if stop == signal.SIGTERM:
+        assert began.returncode == 143 and b"points are kept in" in said
+    ended = subprocess.run([sys.executable, *command], cwd=tmp_path, env=process_environment(), capture_output=True, text=True, check=True)
+    data = json.loads(ended.stdout)
+    assert 0 < data["computed_now"] < 49 - 8  # nine were there and are not computed again
+    whole = vt.study(text, workers=1)
+    assert [row["status"] for row in data["rows"]] == [one.code for one in whole.statuses]
+    found = np.array([[np.nan if x is None else x for x in row["outputs"]] for row in data["rows"]])
+    assert np.array_equal(found, whole.values, equal_nan=True)
+    store = store_of(folder / "points", text)
+    assert len(store) == 49
+    store.close()
+
+
+def test_the_number_of_workers_moves_no_bit():
+    one, two = table_of(3), table_of(3, 2)
+    assert np.array_equal(one.values, two.values, equal_nan=True) and one.statuses == two.statuses
+
+
+def test_the_digest_of_a_point_changes_with_everything_of_it():
+    """Whatever can move a number gives another key; words that move none give the same."""
+    base = study_text()
+    run = (600.0, "massless", "")
+
+    def digest(text, values=(9e-3, 7e-3), run=run):
+        return read_plan(StudyText(text, "study", Path())).digest(values, run)
+
+    first = digest(base)
+    others = [
+        digest(base, (np.nextafter(9e-3, 1), 7e-3)), digest(base, (7e-3, 9e-3)), digest(base, run=(np.nextafter(600.0, 1e9), *run[1:])),
+        digest(base, run=(600.0, "multi-mass", "")), digest(base, run=(600.0, "massless", "stock")),
+        digest(base, run=(None, "massless", "")),
+        digest(base.replace('"clash_count"', '"clash_energy"')), digest('rest_model = "multi-mass"\n' + base),
+        digest('changes = { "operation.cycles" = 3 }\n' + base), digest(base.replace("gu2021-beehive", "job-c")),
+        digest(base.replace('key = "spring.precompression"', 'key = "spring.precompression"\nas = "offset"')),
+    ]  # fmt: skip
+    assert len({first, *others}) == len(others) + 1
+    assert digest('title = "other words"\n' + base) == digest(base.replace("levels = 4", "levels = 9")) == first
+
+
+def test_the_digest_changes_with_the_source_text_and_the_libraries(monkeypatch):
+    from valvetrain.studies.points import versions
+
+    before = versions.versions_digest.__wrapped__()
+    assert before == versions.versions_digest.__wrapped__()
+    monkeypatch.setattr(versions.platform, "machine", lambda: "another")
+    assert versions.versions_digest.__wrapped__() != before
+
+
+def test_a_table_knows_its_columns_and_its_frame():
+    table = table_of()
+    frame = table.to_pandas()
+    assert list(frame["lift_law.maximum_lift"]) == table.column("lift_law.maximum_lift").tolist()
+    assert frame["status"].tolist() == [one.code for one in table.statuses] and frame.attrs["units"]["peak_spring_force"] == "N"
+    assert f"{np.count_nonzero(table.completed)} of 16 points completed" in repr(table)
+    with pytest.raises(vt.InputError, match="has no 'peak'"):
+        table.column("peak")
+
+
+def test_an_adaptive_study_goes_on_with_the_points_it_has(tmp_path):
+    text = """
+case = "gu2021-beehive"
+spring_models = "wave-rod"
+outputs = "peak_spring_force"
+points = { sampler = "adaptive", count = 20, first = 6, per_round = 4 }
+vary = [{ key = "engine_speed", low = "4000 rpm", high = "12000 rpm" }]
+"""
+    first = vt.study(text, workers=1, output=tmp_path / "points")
+    again = vt.study(text, workers=2, output=tmp_path / "points")
+    assert len(first) == 20 and first.computed == 20 and again.computed == 0
+    assert np.array_equal(first.values, again.values) and np.array_equal(first.inputs, again.inputs)
