@@ -98,7 +98,7 @@ def surge(points):
 priors = {{"rate": vt.Prior("uniform", 20e3, 60e3), "mass": vt.Prior("normal", centre=0.05, spread=0.01)}}
 data = [vt.Datum("load", 280.0, 2.0), vt.Datum("surge", 447.0, 3.0)]
 found = vt.identify(priors, data, surge, search=vt.Search("nested", live_points=25, lanes=4), folder=sys.argv[1])
-print(found.values.tobytes().hex(), found.weights.tobytes().hex(), found.log_evidence, found.evaluations, found.reused)
+print(found.values.tobytes().hex(), found.weights.tobytes().hex(), found.log_evidence, found.evaluations, found.kept)
 """
 
 

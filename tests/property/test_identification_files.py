@@ -132,7 +132,9 @@ _LEAVES = st.one_of(
 
 
 def places(tree: dict[str, Any], path: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
-    return [found for key, value in tree.items() for found in [(*path, key), *(places(value, (*path, key)) if isinstance(value, dict) else [])]]
+    return [
+        found for key, value in tree.items() for found in [(*path, key), *(places(value, (*path, key)) if isinstance(value, dict) else [])]
+    ]
 
 
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -31,13 +31,13 @@ class Journal:
     """Outcomes of points by their bits, in a file of the folder ``folder``; None keeps them in memory alone.
 
     ``identity`` is what the outcomes depend on (case, file, version): a journal of another is refused, and so is one that another process
-    writes. Use it as a context.
+    writes. ``before``: points that were there; ``computed``: those that came since. Use it as a context.
     """
 
     def __init__(self, folder: Path | None, identity: str) -> None:
         self._known: dict[bytes, Outcome] = {}
         self._file = None
-        self.computed = self.reused = 0
+        self.computed = self.before = 0
         if folder is None:
             return
         folder.mkdir(parents=True, exist_ok=True)
@@ -71,7 +71,6 @@ class Journal:
         def recorded(points: Array) -> Sequence[Outcome]:
             keys = [np.ascontiguousarray(point, dtype=float).tobytes() for point in points]
             new = [place for place, key in enumerate(keys) if key not in self._known and key not in keys[:place]]
-            self.reused += len(keys) - len(new)
             if new:
                 found = evaluate(points[new])
                 self._write([(keys[place], outcome) for place, outcome in zip(new, found, strict=True)])
@@ -97,6 +96,7 @@ class Journal:
             else:
                 point, outcome = record
                 self._known[bytes.fromhex(point)] = outcome
+        self.before = len(self._known)
         self._file.truncate(end)
         self._file.seek(end)
         if end == 0:

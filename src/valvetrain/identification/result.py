@@ -61,7 +61,7 @@ class Identified:
 
     ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and ``branch_of`` (draw); ``predicted``:
     every measurement beside its prediction; ``computed``: each computed quantity over the draws; ``log_evidence`` with its error (NaN where
-    it was not found); ``notes`` on the search; ``evaluations``: points that were computed; ``whole``: False where it was cut short.
+    it was not found); ``notes`` on the search; ``evaluations``: points that were computed, beside those ``kept`` of an earlier start; ``whole``: False where it was cut short.
 
     >>> import valvetrain as vt
     >>> found = vt.identify({"rate": vt.Prior("uniform", 20e3, 60e3)}, [vt.Datum("force", 280.0, 2.0)],
@@ -87,7 +87,7 @@ class Identified:
     profiles: tuple[Profile, ...] = ()
     notes: tuple[str, ...] = ()
     evaluations: int = 0
-    reused: int = 0
+    kept: int = 0
     whole: bool = True
     wall_time: float = field(default=0.0, compare=False)
     name: str = ""

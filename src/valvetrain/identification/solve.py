@@ -64,7 +64,7 @@ def solve(
     return Identified(
         search.method, posterior.unknowns, branches, posterior.values(draws.work), draws.weights, labels,
         _predicted(posterior, draws, computed, peaks[0]), computed, draws.log_evidence, draws.evidence_error, draws.evidence_kind, found,
-        draws.notes, journal.computed, journal.reused, draws.whole, time.perf_counter() - began, name,
+        draws.notes, journal.computed, journal.before, draws.whole, time.perf_counter() - began, name,
     )  # fmt: skip
 
 

@@ -47,7 +47,7 @@ def identification_json(found: Identified) -> dict[str, Any]:
     profiles = {one.name: {"values": one.values, "misfit": one.misfit} for one in found.profiles}
     return {
         "method": found.method, "whole": found.whole, "branches": quantities, "measurements": measured, "evidence": evidence,
-        "profiles": profiles, "warnings": list(found.warnings), "evaluations": found.evaluations, "known_before": found.reused,
+        "profiles": profiles, "warnings": list(found.warnings), "evaluations": found.evaluations, "kept_from_before": found.kept,
         "units": {one.name: one.unit for one in found.unknowns},
     }  # fmt: skip
 
