@@ -63,6 +63,7 @@ mutants: environment-test
 
 faults: environment-test
 	nice $(BIN)/python scripts/faults.py $(ARGS)
+	VALVETRAIN_LONG=1 nice $(PYTEST) tests/unit/test_study_dask.py
 
 fuzz: environment-test
 	$(ONE_THREAD) nice $(BIN)/python -m fuzz $(ARGS)

@@ -103,7 +103,7 @@ class DaskCrew:
         futures = client.map(_one, list(enumerate(jobs)), function=function, shared=common, pure=False, retries=TRIALS)
         places = {future.key: place for place, future in enumerate(futures)}
         waiting: Any = distributed.as_completed  # untyped
-        coming = waiting(futures)
+        coming = waiting(futures, loop=client.loop)
         del futures
         try:
             for future in coming:
