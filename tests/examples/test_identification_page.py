@@ -1,4 +1,4 @@
-"""docs/identification.md: its command runs, its program prints what it says, its file is the example's, and its options are those there are."""
+"""docs/identification.md: its command runs, its program prints what it says, its file is the example's, its options are all there are."""
 
 from __future__ import annotations
 

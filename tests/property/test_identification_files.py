@@ -32,7 +32,8 @@ PLAIN: dict[str, Any] = {
         "peak": {"peak": "peak_spring_force", "value": "548 N", "cam_angle": "180 deg", "scatter": "5 N", "angle_scatter": "2 deg",
                  "engine_speed": "3000 rpm", "spring_model": "multi-mass"},
         "contact": {"event": "clash", "cam_angle": "240 deg", "scatter": "1 deg", "engine_speed": "3000 rpm", "fit": False},
-        "trace": {"channel": "seat_force", "cam_angles": "90, 180 deg", "values": "214, 548 N", "scatter": "1 %", "engine_speed": "3000 rpm"},
+        "trace": {"channel": "seat_force", "cam_angles": "90, 180 deg", "values": "214, 548 N", "scatter": "1 %",
+                  "engine_speed": "3000 rpm"},
     },
 }  # fmt: skip
 

@@ -76,7 +76,7 @@ def identify(
     >>> priors = {"rate": vt.Prior("uniform", 20e3, 60e3), "mass": vt.Prior("normal", centre=0.05, spread=0.01)}
     >>> found = vt.identify(priors, [vt.Datum("load", 280.0, 2.0), vt.Datum("surge", 447.0, 3.0)], surge)
     >>> print(f"{found.best['rate']:.0f} N/m, {1e3 * found.best['mass']:.1f} g")
-    40000 N/m, 50.1 g
+    40000 N/m, 50.0 g
     """
     place = None if folder is None else Path(folder)
     if isinstance(quantities, Mapping):

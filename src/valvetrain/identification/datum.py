@@ -23,6 +23,9 @@ class Datum:
     ``measurement``: the entry of the file that it belongs to, such as a curve of many data. ``law`` of the errors: ``normal``, or
     ``student`` with ``freedom`` degrees, of which outliers are part. ``used``: whether it is fitted, else it is only compared. ``unit`` it
     is shown in. Raises :class:`InputError` for a scatter that is not positive.
+
+    >>> Datum("preload", 289.0, 1.5).deviation(292.0)
+    np.float64(2.0)
     """
 
     key: str

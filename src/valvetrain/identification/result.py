@@ -61,16 +61,17 @@ class Identified:
 
     ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and ``branch_of`` (draw); ``predicted``:
     every measurement beside its prediction; ``computed``: each computed quantity over the draws; ``log_evidence`` with its error (NaN where
-    it was not found); ``notes`` on the search; ``evaluations``: points that were computed, beside those ``kept`` of an earlier start; ``whole``: False where it was cut short.
+    it was not found); ``notes`` on the search; ``evaluations``: points that were computed, beside those ``kept`` of an earlier
+    start; ``whole``: False where it was cut short.
 
     >>> import valvetrain as vt
     >>> found = vt.identify({"rate": vt.Prior("uniform", 20e3, 60e3)}, [vt.Datum("force", 280.0, 2.0)],
     ...                     lambda points: [{"force": 7e-3 * rate} for (rate,) in points])
     >>> found
     Identified by least-squares: 1 branch
-      rate 4e+04 (3.95e+04 to 4.05e+04)
-    >>> found.percentile("force")
-    50.0
+      rate 4e+04 (3.94e+04 to 4.06e+04)
+    >>> round(found.percentile("force"))
+    50
     """
 
     method: str
@@ -113,7 +114,7 @@ class Identified:
         fits = [one for one in self.predicted if measurement in (one.datum.name, one.datum.key)]
         if len(fits) != 1:
             raise InputError(f"{len(fits) or 'no'} measured values are called '{measurement[:60]}'; look through 'predicted'")
-        return round(fits[0].percentile, 6)
+        return fits[0].percentile
 
     def __repr__(self) -> str:
         count = len(self.branches)

@@ -28,6 +28,9 @@ class Search:
     number of quantities); ``difference_step`` in standard deviations of the priors (0: follows what the data leave open); ``draws`` of the
     linearised posterior. ``nested``: ``live_points``, ``lanes`` asked for at once, ``precision`` of the log evidence. ``ensemble``:
     ``walkers`` (0: by the number of quantities), ``steps``. Raises :class:`InputError` for an unknown method or a number out of range.
+
+    >>> Search("nested", live_points=200).evaluations_of(2) > 1000
+    True
     """
 
     method: str = "least-squares"

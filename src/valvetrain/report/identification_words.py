@@ -67,7 +67,8 @@ def share_rows(branch: Branch, shares: NDArray[np.float64]) -> list[tuple[str, .
 
 def facts(found: Identified) -> tuple[tuple[str, str], ...]:
     """What a reader wants first."""
-    rows = [("method", found.method), ("branches", str(len(found.branches))), ("points computed", f"{found.evaluations}{f' and {found.kept} before' if found.kept else ''}")]
+    before = f" and {found.kept} before" if found.kept else ""
+    rows = [("method", found.method), ("branches", str(len(found.branches))), ("points computed", f"{found.evaluations}{before}")]
     if np.isfinite(found.log_evidence):
         error = f" ± {found.evidence_error:.2f}" if np.isfinite(found.evidence_error) else f" ({found.evidence_kind})"
         rows.append(("log evidence", f"{found.log_evidence:.2f}{error}"))
