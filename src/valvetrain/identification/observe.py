@@ -146,10 +146,12 @@ def _force(problem: Problem, station: Station, one: Sought) -> float:
 
 
 def _spring(problem: Problem, name: str) -> InstalledSpring:
-    fits = [spring for spring in problem.springs if name in ("", spring.name)]
+    springs = tuple(dict.fromkeys(problem.springs))  # variants of a train share them
+    fits = [spring for spring in springs if name in ("", spring.name)]
     if len(fits) != 1:
-        names = ", ".join(f"'{spring.name}'" for spring in problem.springs)
-        raise InputError(f"{len(fits) or 'no'} springs of the case are called '{name[:40]}'; name one of {names}", "spring")
+        names = ", ".join(dict.fromkeys(f"'{spring.name}'" for spring in springs))
+        called = f"are called '{name[:40]}'" if name else "could be meant"
+        raise InputError(f"{len(fits) or 'no'} springs of the case {called}; give spring, one of {names}, and spring_set of a train", "spring")
     return fits[0]
 
 
