@@ -63,7 +63,10 @@ def _density(found: Identified, branch: Branch, number: int, place: int, low: fl
         slope = 1.0 / at if prior.logarithmic else 1.0
         height = branch.share / (abs(spread) * np.sqrt(2 * np.pi)) if spread else 0.0
         return at, height * np.exp(-0.5 * ((work - middle) / (spread or 1.0)) ** 2) * slope
-    here = found.branch_of == number
+    here, interval = found.branch_of == number, branch.quantities[found.names[place]]
+    room = 0.4 * (interval.high - interval.low)
+    if room > 0:
+        low, high = max(low, interval.low - room), min(high, interval.high + room)
     heights, edges = np.histogram(found.values[here, place], BINS, (low, high), weights=found.weights[here])
     heights = heights / np.diff(edges)
     return np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(heights, 2), [0.0]])
@@ -124,7 +127,7 @@ def dots_chart(found: Identified) -> Chart:
         y_range=(0.3, len(rows) + 0.7), rules=(Rule("x", -2.0), Rule("x", 0.0, "measured"), Rule("x", 2.0)),
     )  # fmt: skip
     left = len(found.predicted) - len(rows)
-    caption = "Computed less measured. Thin lines: the measured value and two standard deviations."
+    caption = "Computed less measured; the name of each shows on it. Thin lines: the measured value and two standard deviations."
     caption += f" {left} more stand in the table." if left else ""
     return Chart("dots", "In standard deviations of each measurement", caption, (panel,), 1, 120 + 26 * len(rows))
 
