@@ -106,29 +106,38 @@ def identify_request(
     count = available_cores() if workers is None else workers
     if count < 1:
         raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
-    with Journal(folder, f"{request.identity} {versions_digest()}") as journal, evaluator_of(request, count) as evaluate:
+    with Journal(folder, f"{request.identity} {versions_digest()}") as journal, evaluators_of(request, count) as (evaluate, compare):
         posterior = Posterior(request.unknowns, request.data, journal.through(evaluate))
         begin = np.array([values_of_case(request)]) if request.from_case else None
         seconds = _try(request, posterior, evaluate)
         points = request.search.evaluations_of(len(request.unknowns), len(request.profiles))
         left = max(points - len(journal), 0)
-        told = refuse_cost(Cost(left * seconds / count, points * POINT_BYTES), limits, option)
-        tell(f"{told} ({left} points of {1e3 * seconds:.3g} ms)", left * seconds / count)
-        return solve(posterior, request.search, journal, begin=begin, profiles=request.profiles, name=request.name, report=report)
+        later = 0.0 if compare is None else (request.search.draws + 1) * _timed(compare, posterior.values(posterior.centre[None, :]))
+        told = refuse_cost(Cost((left * seconds + later) / count, points * POINT_BYTES), limits, option)
+        tell(f"{told} ({left} points of {1e3 * seconds:.3g} ms)", (left * seconds + later) / count)
+        compared = None if compare is None else journal.through(compare, b"compared")
+        return solve(
+            posterior, request.search, journal, begin=begin, profiles=request.profiles, name=request.name, report=report, compare=compared
+        )  # fmt: skip
 
 
 @contextmanager
-def evaluator_of(request: Request, workers: int) -> Iterator[Evaluate]:
-    """What computes the points of a request: its case under the conditions of its measurements, or the evaluator it names."""
+def evaluators_of(request: Request, workers: int) -> Iterator[tuple[Evaluate, Evaluate | None]]:
+    """What computes the points of a request: its case under the conditions of its measurements, or the evaluator it names; and what computes
+    it under conditions of which nothing is fitted, for the draws alone (None where there are none)."""
     if request.evaluator:
         source = find("sources", request.evaluator, "evaluator").points_of_identification()
         named = source.points(tuple(one.name for one in request.unknowns), dict(request.options))
         with StandingPool(_of_source, named, workers) as pool:
-            yield lambda points: pool.map([tuple(map(float, point)) for point in points])
+            yield lambda points: pool.map([tuple(map(float, point)) for point in points]), None
         return
     observed = Observed(request.case, request.varied, request.sought)
     with StandingPool(observe, observed, workers) as pool:
-        yield CaseEvaluator(observed, pool)
+        fitted = {one.key for one in request.data if one.used}
+        searched = {one.station for one in request.sought if one.key in fitted}
+        places = [place for place, station in enumerate(observed.stations) if station in searched]
+        others = [place for place, station in enumerate(observed.stations) if station not in searched]
+        yield CaseEvaluator(pool, places), CaseEvaluator(pool, others) if others else None
 
 
 def _of_source(evaluate: Callable[[Sequence[float]], Outcome], point: Sequence[float]) -> Outcome:

@@ -32,7 +32,7 @@ def branches_of_draws(posterior: Posterior, draws: Draws, seed: int = 1) -> Labe
     middle = draws.weights @ draws.work
     deviation = np.sqrt(draws.weights @ (draws.work - middle) ** 2)
     scaled = (draws.work - middle) / np.where(deviation > 0, deviation, 1.0)
-    chosen = _even(draws.weights, min(PARTED, len(draws.work)), seed)
+    chosen, _ = even_draws(draws.weights, min(PARTED, len(draws.work)), seed)
     if len(chosen) < 4 / LEAST_SHARE:
         return np.zeros(len(draws.work), dtype=np.int64)
     found = HDBSCAN(min_cluster_size=max(10, int(LEAST_SHARE * len(chosen))), allow_single_cluster=True, copy=True).fit_predict(
@@ -68,10 +68,11 @@ def joined_peaks(posterior: Posterior, peaks: Array) -> list[int]:
     return [order.index(number) for number in owner]
 
 
-def _even(weights: Array, count: int, seed: int) -> NDArray[np.int64]:
-    """Places of about ``count`` different draws, chosen evenly by weight."""
-    steps = (np.arange(count) + np.random.default_rng(seed).random()) / count
-    return np.unique(np.searchsorted(np.cumsum(weights), steps).clip(0, len(weights) - 1))
+def even_draws(weights: Array, count: int, seed: int) -> tuple[Labels, Labels]:
+    """Places of about ``count`` draws chosen evenly by weight, and how often each was."""
+    steps = (np.arange(max(count, 1)) + np.random.default_rng(seed).random()) / max(count, 1)
+    places, counts = np.unique(np.searchsorted(np.cumsum(weights), steps).clip(0, len(weights) - 1), return_counts=True)
+    return places, counts
 
 
 def _by_share(labels: Labels, weights: Array) -> Labels:

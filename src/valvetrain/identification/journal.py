@@ -65,11 +65,14 @@ class Journal:
     def __len__(self) -> int:
         return len(self._known)
 
-    def through(self, evaluate: Evaluate) -> Evaluate:
-        """``evaluate`` with every point computed once: those that are known are read, the others written as they come."""
+    def through(self, evaluate: Evaluate, part: bytes = b"") -> Evaluate:
+        """``evaluate`` with every point computed once: those that are known are read, the others written as they come.
+
+        ``part`` keeps apart what several computations tell of one point.
+        """
 
         def recorded(points: Array) -> Sequence[Outcome]:
-            keys = [np.ascontiguousarray(point, dtype=float).tobytes() for point in points]
+            keys = [part + np.ascontiguousarray(point, dtype=float).tobytes() for point in points]
             new = [place for place, key in enumerate(keys) if key not in self._known and key not in keys[:place]]
             if new:
                 found = evaluate(points[new])

@@ -151,19 +151,21 @@ def _spring(problem: Problem, name: str) -> InstalledSpring:
     if len(fits) != 1:
         names = ", ".join(dict.fromkeys(f"'{spring.name}'" for spring in springs))
         called = f"are called '{name[:40]}'" if name else "could be meant"
-        raise InputError(f"{len(fits) or 'no'} springs of the case {called}; give spring, one of {names}, and spring_set of a train", "spring")
+        raise InputError(
+            f"{len(fits) or 'no'} springs of the case {called}; give spring, one of {names}, and spring_set of a train", "spring"
+        )
     return fits[0]
 
 
 class CaseEvaluator:
-    """Points of a case, computed side by side over ``workers`` processes; a batch is every point under every condition."""
+    """Points of a case, computed side by side by the ``pool``; a batch is every point under every one of the conditions at ``places``."""
 
-    def __init__(self, observed: Observed, pool: StandingPool) -> None:
-        self.observed, self.pool = observed, pool
+    def __init__(self, pool: StandingPool, places: Sequence[int]) -> None:
+        self.pool, self.places = pool, tuple(places)
 
     def __call__(self, points: Array) -> list[Outcome]:
-        stations = len(self.observed.stations)
-        jobs = [(tuple(float(value) for value in point), place) for point in points for place in range(stations)]
+        stations = len(self.places)
+        jobs = [(tuple(float(value) for value in point), place) for point in points for place in self.places]
         found = self.pool.map(jobs)
         if any(isinstance(one, Lost) for one in found):
             raise RunFailedError(f"a point is lost: {LOST}; {LOST_REMEDY}")

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.identification.branches import branches_of_draws
+from valvetrain.identification.branches import branches_of_draws, even_draws
 from valvetrain.identification.draws import Draws, Report, silent
 from valvetrain.identification.ensemble import ensemble
 from valvetrain.identification.evolution import evolution
@@ -17,7 +18,7 @@ from valvetrain.identification.journal import Journal, finite
 from valvetrain.identification.least_squares import Peak, covariance_of, least_squares
 from valvetrain.identification.multistart import Ends, best_starts, ends_of, linear_draws, starts
 from valvetrain.identification.nested import nested
-from valvetrain.identification.posterior import Posterior
+from valvetrain.identification.posterior import Evaluate, Outcome, Posterior
 from valvetrain.identification.profiles import profile
 from valvetrain.identification.result import HIGH, LOW, Branch, Identified, Interval, Predicted, percentiles
 from valvetrain.identification.search import Search
@@ -25,18 +26,19 @@ from valvetrain.studies.stopping import Stopped
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
+Places = NDArray[np.int64]
 #: Quantile of the normal law at :data:`HIGH`.
 _NORMAL = 1.959963984540054
 
 
 def solve(
     posterior: Posterior, search: Search, journal: Journal, *, begin: Array | None = None, profiles: Sequence[str] = (), name: str = "",
-    report: Report = silent,
+    report: Report = silent, compare: Evaluate | None = None,
 ) -> Identified:  # fmt: skip
     """Search the posterior, find its branches, and tell of each what the data tell.
 
-    ``begin`` (n, quantities): starts of a search for a point in SI, beside those of ``search``. A stop in a search leaves what it had, one
-    before that raises :class:`Stopped`.
+    ``begin`` (n, quantities): starts of a search for a point in SI, beside those of ``search``. ``compare``: tells of a point what is not
+    fitted, asked for ``search.draws`` of the draws. A stop in a search leaves what it had, one before that raises :class:`Stopped`.
     """
     began = time.perf_counter()
     given = None if begin is None else posterior.work_of(begin)
@@ -53,17 +55,23 @@ def solve(
         branches = _sampled(posterior, draws, labels, peaks, shares)
     else:
         ends, whole = _ends(posterior, search, given, report)
-        draws, labels = linear_draws(posterior, ends, search.draws if whole else len(ends.peaks), search.seed)
-        draws = Draws(draws.work, draws.weights, draws.log_evidence, draws.evidence_error, draws.evidence_kind, whole, draws.notes)
+        if whole:
+            draws, labels = linear_draws(posterior, ends, search.draws, search.seed)
+        else:
+            work = np.array([peak.work for peak in ends.peaks])
+            draws, labels = Draws(work, ends.shares, ends.log_evidence, evidence_kind="linearised", whole=False), np.arange(len(work))
         peaks = ends.peaks
         branches = _linear(posterior, ends)
     found = tuple(profile(posterior, peaks[0], one, report=lambda text: report(0.99, text)) for one in profiles) if draws.whole else ()
-    outcomes = posterior.at(draws.work).outcomes
-    keys = dict.fromkeys(key for outcome in outcomes if outcome is not None for key in outcome)
-    computed = {key: np.array([finite(one, key) for one in outcomes]) for key in keys}
+    tables = [_table(posterior, draws.work, np.arange(len(draws.work)), posterior.evaluate, draws.weights, peaks[0])]
+    if compare is not None and draws.whole:
+        report(0.99, "what is compared only")
+        places, counts = even_draws(draws.weights, search.draws, search.seed)
+        tables.append(_table(posterior, draws.work, places, compare, counts.astype(float), peaks[0]))
+    computed = {key: values for table in tables for key, values in table.computed.items()}
     return Identified(
         search.method, posterior.unknowns, branches, posterior.values(draws.work), draws.weights, labels,
-        _predicted(posterior, draws, computed, peaks[0]), computed, draws.log_evidence, draws.evidence_error, draws.evidence_kind, found,
+        _predicted(posterior, tables), computed, draws.log_evidence, draws.evidence_error, draws.evidence_kind, found,
         draws.notes, journal.computed, journal.before, draws.whole, time.perf_counter() - began, name,
     )  # fmt: skip
 
@@ -148,11 +156,33 @@ def _linear(posterior: Posterior, ends: Ends) -> tuple[Branch, ...]:
     return tuple(branches)
 
 
-def _predicted(posterior: Posterior, draws: Draws, computed: dict[str, Array], peak: Peak) -> tuple[Predicted, ...]:
-    nothing = np.full(len(draws.work), np.nan)
+@dataclass(frozen=True, eq=False)
+class _Table:
+    """What one computation tells of the draws, by key (NaN where it was not asked), with the ``weights`` of those it was asked for, and of
+    the likeliest point."""
+
+    computed: dict[str, Array]
+    weights: Array
+    best: Outcome
+
+
+def _table(posterior: Posterior, work: Array, places: Places, evaluate: Evaluate, weights: Array, peak: Peak) -> _Table:
+    (best, *outcomes) = evaluate(posterior.values(np.vstack([peak.work, work[places]])))
+    keys = dict.fromkeys(key for outcome in outcomes if outcome is not None for key in outcome)
+    computed = {key: np.full(len(work), np.nan) for key in keys}
+    for place, outcome in zip(places, outcomes, strict=True):
+        for key in keys:
+            computed[key][place] = finite(outcome, key)
+    every = np.zeros(len(work))
+    every[places] = weights
+    return _Table(computed, every, best)
+
+
+def _predicted(posterior: Posterior, tables: Sequence[_Table]) -> tuple[Predicted, ...]:
     found = []
     for datum in posterior.data:
-        over = computed.get(datum.key, nothing)
-        low, middle, high = percentiles(over, draws.weights, (LOW, 50.0, HIGH))
-        found.append(Predicted(datum, finite(peak.outcome, datum.key), low, middle, high, datum.percentile(over, draws.weights)))
+        table = next((one for one in tables if datum.key in one.computed), tables[0])
+        over = table.computed.get(datum.key, np.full(len(table.weights), np.nan))
+        low, middle, high = percentiles(over, table.weights, (LOW, 50.0, HIGH))
+        found.append(Predicted(datum, finite(table.best, datum.key), low, middle, high, datum.percentile(over, table.weights)))
     return tuple(found)
