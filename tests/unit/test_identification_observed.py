@@ -11,12 +11,13 @@ import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.identification.api import identify_request
 from valvetrain.identification.file import parse_request
-from valvetrain.identification.observe import Observed, numbers_at
+from valvetrain.identification.observe import Observed, groups_of, numbers_at, numbers_of
 from valvetrain.identification.sought import Sought, Station
 from valvetrain.parameters.toml_text import toml_text
 
 RPM = math.pi / 30
-BASE = {"case": "job-t", "quantities": {"wire": {"key": "spring.wire_diameter", "prior": "normal", "mean": "4 mm", "standard_deviation": "0.1 mm"}}}
+WIRE = {"key": "spring.wire_diameter", "prior": "normal", "mean": "4 mm", "standard_deviation": "0.1 mm"}
+BASE = {"case": "job-t", "quantities": {"wire": WIRE}}
 
 
 def request_of(measurements: dict[str, object], folder, **more: object):
@@ -51,7 +52,9 @@ def test_peaks_events_and_traces_are_those_of_the_run(tmp_path) -> None:
 
 
 def test_curves_and_loads_are_those_of_the_static_curve(tmp_path) -> None:
-    request = request_of({"curve": {"compressions": "4, 8 mm", "forces": "1, 2 N", "scatter": "1 N", "spring_model": "multi-mass"}}, tmp_path)
+    request = request_of(
+        {"curve": {"compressions": "4, 8 mm", "forces": "1, 2 N", "scatter": "1 N", "spring_model": "multi-mass"}}, tmp_path
+    )
     found = numbers_at(request.case, request.sought[0].station, request.sought)
     curve = vt.static_curve("job-t", "10 mm", spring_model="multi-mass", steps=5)
     assert list(found.values()) == pytest.approx([curve.force_at("4 mm"), curve.force_at("8 mm")], rel=1e-9)
@@ -107,3 +110,37 @@ def test_the_case_s_own_values_are_a_start(tmp_path) -> None:
     request = request_of(measured, tmp_path, search={"from_case": True, "draws": 1})
     found = identify_request(request, workers=1)
     assert found.best["wire"] == pytest.approx(4e-3, rel=5e-3)
+
+
+def test_conditions_that_one_study_tells_are_computed_together_with_the_same_bits(tmp_path) -> None:
+    """Two speeds by one model share a run of the case; a light quantity and another model stand alone."""
+    speeds = {
+        name: {"channel": "seat_force", "cam_angles": "180 deg", "values": "500 N", "scatter": "1 N", "engine_speed": f"{rpm} rpm",
+               "spring_model": model}
+        for name, rpm, model in (("slow", 2000, "modal-uniform"), ("fast", 3000, "modal-uniform"), ("other", 3000, "wave-rod"))
+    }  # fmt: skip
+    light = {"quantity": "peak_spring_force", "value": "500 N", "scatter": "1 N", "engine_speed": "2500 rpm", "spring_model": "wave-rod"}
+    request = request_of(speeds | {"light": light}, tmp_path)
+    observed = Observed(request.case, request.varied, request.sought)
+    groups = groups_of(observed, range(len(observed.stations)))
+    assert sorted(map(len, groups)) == [1, 1, 2]
+    case = observed.case_at((4e-3,))
+    for group in groups:
+        stations = [observed.stations[place] for place in group]
+        alone = [numbers_at(case, station, request.sought) for station in stations]
+        assert numbers_of(case, stations, request.sought) == {key: value for one in alone for key, value in one.items()}
+
+
+def test_what_is_only_compared_elsewhere_is_computed_for_the_draws_alone(tmp_path) -> None:
+    """Fitted at rest, compared in motion: the run is asked for a few draws, and the percentile comes from them."""
+    measured = {
+        "seat": {"quantity": "preload", "value": "212 N", "scatter": "1 N", "spring_model": "wave-rod"},
+        "peak": {"quantity": "peak_spring_force", "value": "530 N", "scatter": "8 N", "engine_speed": "2000 rpm", "spring_model": "wave-rod",
+                 "fit": False},
+    }  # fmt: skip
+    found = identify_request(request_of(measured, tmp_path, search={"draws": 12}), workers=1)
+    seat, peak = found.predicted
+    key = "2000 rpm, wave-rod: peak_spring_force"
+    assert peak.datum.key == key and np.isfinite(found.computed[key]).sum() == 12
+    assert peak.low < peak.middle < peak.high and 0 < peak.percentile < 100
+    assert peak.low <= peak.best <= peak.high and seat.best == pytest.approx(212.0, abs=1.0)

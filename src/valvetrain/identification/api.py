@@ -123,8 +123,8 @@ def identify_request(
 
 @contextmanager
 def evaluators_of(request: Request, workers: int) -> Iterator[tuple[Evaluate, Evaluate | None]]:
-    """What computes the points of a request: its case under the conditions of its measurements, or the evaluator it names; and what computes
-    it under conditions of which nothing is fitted, for the draws alone (None where there are none)."""
+    """What computes the points of a request: its case under the conditions of its measurements, or the evaluator it names; and what
+    computes it under conditions of which nothing is fitted, for the draws alone (None where there are none)."""
     if request.evaluator:
         source = find("sources", request.evaluator, "evaluator").points_of_identification()
         named = source.points(tuple(one.name for one in request.unknowns), dict(request.options))
@@ -137,7 +137,7 @@ def evaluators_of(request: Request, workers: int) -> Iterator[tuple[Evaluate, Ev
         searched = {one.station for one in request.sought if one.key in fitted}
         places = [place for place, station in enumerate(observed.stations) if station in searched]
         others = [place for place, station in enumerate(observed.stations) if station not in searched]
-        yield CaseEvaluator(pool, places), CaseEvaluator(pool, others) if others else None
+        yield CaseEvaluator(observed, pool, places), CaseEvaluator(observed, pool, others) if others else None
 
 
 def _of_source(evaluate: Callable[[Sequence[float]], Outcome], point: Sequence[float]) -> Outcome:

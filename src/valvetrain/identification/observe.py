@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -54,12 +54,51 @@ class Observed:
         return vary(self.case, {one: value for row, value in zip(self.varied, values, strict=True) for one in row})
 
 
-def observe(observed: Observed, job: tuple[tuple[float, ...], int]) -> Outcome:
-    """What is sought under one condition, by key; None where the case is impossible or does not run."""
-    values, place = job
+def observe(observed: Observed, job: tuple[tuple[float, ...], tuple[int, ...]]) -> Outcome:
+    """What is sought under some conditions (their places), by key; None where the case is impossible or does not run."""
+    values, places = job
     with suppress(*FAILURES):
-        return numbers_at(observed.case_at(values), observed.stations[place], observed.sought)
+        return numbers_of(observed.case_at(values), [observed.stations[place] for place in places], observed.sought)
     return None
+
+
+def groups_of(observed: Observed, places: Sequence[int]) -> tuple[tuple[int, ...], ...]:
+    """Conditions parted into those that one study of a case tells together: speeds by one model, and the rod at rest beside them."""
+    found: dict[object, list[int]] = {}
+    whole = [place for place in places if _needs_run(observed.stations[place], observed.sought)]
+    for place in whole:
+        station = observed.stations[place]
+        found.setdefault((station.spring_model, station.spring_set), []).append(place)
+    for place in (one for one in places if one not in whole):
+        rod = observed.stations[place] == Station() and (WIRE, "") in found
+        found.setdefault((WIRE, "") if rod else place, []).append(place)
+    return tuple(map(tuple, found.values()))
+
+
+def _needs_run(station: Station, sought: Sequence[Sought]) -> bool:
+    """Whether what is sought in motion needs a whole solution."""
+    here = [one for one in sought if one.station == station]
+    names = tuple(one.name for one in here if one.kind == "quantity")
+    return station.engine_speed is not None and (any(one.kind in ("event", "channel") for one in here) or not Wanted(names).light)
+
+
+def numbers_of(case: Case, stations: Sequence[Station], sought: Sequence[Sought]) -> Outcome:
+    """What is ``sought`` of a case under several conditions, by key; None where one does not run. Raises as building and running do."""
+    moving = [station for station in stations if _needs_run(station, sought)]
+    runs, still = _runs(case, moving) if len(moving) > 1 else ({}, {})
+    found: dict[str, float] = {}
+    for station in stations:
+        here = [one for one in sought if one.station == station]
+        if station in runs:
+            told: Outcome = _of_run(runs[station], still, here)
+        elif runs and station == Station() and all(one.kind == "quantity" and one.name in still for one in here):
+            told = {one.key: still[one.name] for one in here}
+        else:
+            told = numbers_at(case, station, sought)
+        if told is None:
+            return None
+        found |= told
+    return found
 
 
 def numbers_at(case: Case, station: Station, sought: Sequence[Sought]) -> Outcome:
@@ -69,10 +108,11 @@ def numbers_at(case: Case, station: Station, sought: Sequence[Sought]) -> Outcom
     moving = [one for one in here if one.kind in ("event", "channel")]
     found: dict[str, float] = {}
     if moving:
-        run, named = _run(case, station)
-        if run is None:
+        runs, still = _runs(case, (station,))
+        told = _of_run(runs[station], still, [*moving, *quantities])
+        if told is None:
             return None
-        found |= {one.key: _in_run(run, one) for one in moving} | {one.key: named.get(one.name, np.nan) for one in quantities}
+        found |= told
     elif quantities and station.engine_speed is None and all(_is_quick(one) for one in quantities):
         found |= _quick(case, station, quantities)
     elif quantities:
@@ -111,15 +151,21 @@ def _quick(case: Case, station: Station, quantities: Sequence[Sought]) -> dict[s
     return found
 
 
-def _run(case: Case, station: Station) -> tuple[Solution | None, dict[str, float]]:
-    assert station.engine_speed is not None
-    models, sets = (tuple(filter(None, (word,))) for word in (station.spring_model, station.spring_set))
-    study = run_study(case, engine_speeds=(station.engine_speed,), spring_models=models, spring_sets=sets, workers=1)
-    run = study.solutions[0]
-    if not run.status.completed:
-        return None, {}
+def _runs(case: Case, stations: Sequence[Station]) -> tuple[dict[Station, Solution], dict[str, float]]:
+    """One study of a case at the speeds of ``stations`` that share model and set: the run of each, and its numbers at rest."""
+    models, sets = (tuple(filter(None, (word,))) for word in (stations[0].spring_model, stations[0].spring_set))
+    speeds = tuple(one.engine_speed for one in stations if one.engine_speed is not None)
+    study = run_study(case, engine_speeds=speeds, spring_models=models, spring_sets=sets, workers=1)
     still = {name: value for values in study.still.values() for name, value in values.items()}
-    return run, {**still, **run.quantities}
+    label = study.labels[0]
+    return {one: study.solution(label, one.engine_speed) for one in stations}, still
+
+
+def _of_run(run: Solution, still: Mapping[str, float], sought: Sequence[Sought]) -> dict[str, float] | None:
+    if not run.status.completed:
+        return None
+    named = {**still, **run.quantities}
+    return {one.key: named.get(one.name, np.nan) if one.kind == "quantity" else _in_run(run, one) for one in sought}
 
 
 def _in_run(run: Solution, one: Sought) -> float:
@@ -160,17 +206,17 @@ def _spring(problem: Problem, name: str) -> InstalledSpring:
 class CaseEvaluator:
     """Points of a case, computed side by side by the ``pool``; a batch is every point under every one of the conditions at ``places``."""
 
-    def __init__(self, pool: StandingPool, places: Sequence[int]) -> None:
-        self.pool, self.places = pool, tuple(places)
+    def __init__(self, observed: Observed, pool: StandingPool, places: Sequence[int]) -> None:
+        self.pool, self.groups = pool, groups_of(observed, places)
 
     def __call__(self, points: Array) -> list[Outcome]:
-        stations = len(self.places)
-        jobs = [(tuple(float(value) for value in point), place) for point in points for place in self.places]
+        groups = len(self.groups)
+        jobs = [(tuple(float(value) for value in point), group) for point in points for group in self.groups]
         found = self.pool.map(jobs)
         if any(isinstance(one, Lost) for one in found):
             raise RunFailedError(f"a point is lost: {LOST}; {LOST_REMEDY}")
         outcomes: list[Outcome] = []
-        for first in range(0, len(found), stations):
-            parts = found[first : first + stations]
+        for first in range(0, len(found), groups):
+            parts = found[first : first + groups]
             outcomes.append(None if any(part is None for part in parts) else {key: value for part in parts for key, value in part.items()})
         return outcomes
