@@ -78,6 +78,8 @@ def ask(content: bytes) -> str:
             os.chdir(before)
     if "beyond the bound" in said:
         return "too long"
+    if checked == 0 and "names no engine speed" in said:
+        return "without a speed"  # a case may leave it to the command line
     if checked not in (0, 2) or ran not in (0, 1, 2):
         raise Finding(f"exit codes {checked} {ran}: {reason[-200:]} {said[-200:]}")
     integrated = ran != 2 and not (runs and all(run["status"]["code"] == "refused" for run in runs))

@@ -13,7 +13,14 @@ def lowest_versions(project_file: Path) -> list[str]:
     tree = tomllib.loads(project_file.read_text(encoding="utf-8"))
     project, extras = tree["project"], tree["project"]["optional-dependencies"]
     pins = []
-    for requirement in (*tree["build-system"]["requires"], *project["dependencies"], *extras["mesh"], *extras["measure"], *extras["studies"], *extras["dev"]):
+    for requirement in (
+        *tree["build-system"]["requires"],
+        *project["dependencies"],
+        *extras["mesh"],
+        *extras["measure"],
+        *extras["studies"],
+        *extras["dev"],
+    ):
         bound = re.fullmatch(r"([\w.-]+)>=([\w.]+)", requirement)
         if bound is None:
             raise ValueError(f"'{requirement}' has no lower bound alone, such as 'numpy>=2.0'")

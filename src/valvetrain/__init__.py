@@ -62,6 +62,16 @@ _HOMES = {
     "Prior": "identification.prior",
     "Datum": "identification.datum",
     "Search": "identification.search",
+    # springs from cards and from a spring tester
+    "SpringLoad": "measurements.catalogue_card",
+    "CatalogueCard": "measurements.catalogue_card",
+    "spring_from_card": "studies.spring_card",
+    "SpringFit": "studies.spring_card",
+    "read_force_height": "measurements.force_height",
+    "ForceHeight": "measurements.force_height",
+    "card_of_table": "studies.spring_tester",
+    "spring_from_tester": "studies.spring_tester",
+    "TesterFit": "studies.spring_tester",
     # studies
     "build": "system.build",
     "Problem": "system.problem",
@@ -121,6 +131,10 @@ if TYPE_CHECKING:
     from valvetrain.identification.prior import Prior as Prior
     from valvetrain.identification.result import Identified as Identified
     from valvetrain.identification.search import Search as Search
+    from valvetrain.measurements.catalogue_card import CatalogueCard as CatalogueCard
+    from valvetrain.measurements.catalogue_card import SpringLoad as SpringLoad
+    from valvetrain.measurements.force_height import ForceHeight as ForceHeight
+    from valvetrain.measurements.force_height import read_force_height as read_force_height
     from valvetrain.measurements.lift_answers import LiftAnswers as LiftAnswers
     from valvetrain.measurements.lift_figures import lift_figures as lift_figures
     from valvetrain.measurements.lift_reading import read_lift as read_lift
@@ -185,6 +199,11 @@ if TYPE_CHECKING:
     from valvetrain.studies.points.study import study as study
     from valvetrain.studies.points.table import StudyTable as StudyTable
     from valvetrain.studies.run_up import run_up as run_up
+    from valvetrain.studies.spring_card import SpringFit as SpringFit
+    from valvetrain.studies.spring_card import spring_from_card as spring_from_card
+    from valvetrain.studies.spring_tester import TesterFit as TesterFit
+    from valvetrain.studies.spring_tester import card_of_table as card_of_table
+    from valvetrain.studies.spring_tester import spring_from_tester as spring_from_tester
     from valvetrain.studies.train_modes import train_modes as train_modes
     from valvetrain.system.build import build as build
     from valvetrain.system.problem import Problem as Problem

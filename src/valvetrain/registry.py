@@ -43,6 +43,7 @@ BUILT_IN["commands"] = {
     "compare-runs": "valvetrain.cli.compare_runs:register",
     "lift": "valvetrain.cli.lift:register",
     "identify": "valvetrain.cli.identify:register",
+    "spring-card": "valvetrain.cli.spring_card:register",
     "new": "valvetrain.cli.new:register",
     "cases": "valvetrain.cli.cases:register",
     "check": "valvetrain.cli.check:register",

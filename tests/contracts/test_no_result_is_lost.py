@@ -11,10 +11,14 @@ from importlib import resources
 import numpy as np
 import pytest
 
+import valvetrain as vt
 import valvetrain.quantities.evaluate as evaluate
 from synthetic_study import own_study, rod_run
 from unit.cli_parts import call
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case
+from valvetrain.parameters.material import OTEVA_90_SC
+from valvetrain.parameters.spring import OPEN_END
 from valvetrain.registry import words
 from valvetrain.report import build, page, plotly_chart, write
 from valvetrain.report.file_names import FreeNames
@@ -23,6 +27,7 @@ from valvetrain.report.write import write_parts
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.gaps import Gaps
 from valvetrain.solution.netcdf import load_netcdf
+from valvetrain.studies.ready import surge_frequency
 from valvetrain.studies.run import run_study
 
 BROKEN = "made to fail"
@@ -216,3 +221,10 @@ def test_a_damping_that_one_model_refuses_costs_that_model_alone(tmp_path, dampi
     result = call("run", "job-t", *words, "--no-report", "--output", str(tmp_path / "out"))
     states = {run["label"]: run["status"]["code"] for run in json.loads((tmp_path / "out" / "run.json").read_text())["runs"]}
     assert result.exit_code == 1 and states == {"modal-varied": "refused", "massless": "completed"}
+
+
+def test_a_spring_that_no_uniform_spring_stands_for_is_told_without_a_surge_frequency():
+    """A wire of 4 micrometres passes ``check``, so the rate that no spring has must not end its run."""
+    whole = vt.SpringDefinition(vt.Constant("4 mm"), vt.Constant("24 mm"), vt.Constant("8 mm"), 6.0, OTEVA_90_SC, OPEN_END, OPEN_END)
+    assert surge_frequency(InstalledSpring(wire=whole, precompression=7e-3)) == pytest.approx(500, rel=0.5)
+    assert surge_frequency(InstalledSpring(wire=whole.replace(wire_diameter=vt.Constant("4 um")), precompression=7e-3)) is None

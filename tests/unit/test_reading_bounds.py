@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import socket
 import time
+from importlib import resources
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_table import read_lift_table
 from valvetrain.parameters.loading import load_case, parse_case
+from valvetrain.springs.spec import spring_model
+from valvetrain.system.build import build
 
 CARD = '[spring]\nwire_diameter = "4 mm"\nmean_diameter = "24 mm"\ntotal_coils = 6\nends = "open"\nprecompression = "7 mm"\n'
 
@@ -105,3 +108,30 @@ def test_what_is_no_file_is_refused_in_one_sentence(kind, tmp_path, monkeypatch)
         load_case(path.absolute())
     with pytest.raises(InputError, match=rf"lift table '{path.name}' .*{words}"):
         read_lift_table(path, "deg", "cam", "mm")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [('mass = "125 g"', 'mass = "1.25e+14 g"'), ('inertia = "75 kg mm^2"', 'inertia = "1e9 kg m^2"')],
+    ids=("mass", "inertia"),
+)
+def test_a_part_too_heavy_for_any_valve_gear_is_refused_before_its_equilibrium_is_sought(old, new):
+    text = resources.files("valvetrain").joinpath("parameters/library/vaz-ohc.toml").read_text("utf-8")
+    assert old in text
+    with pytest.raises(InputError, match="is too large; give a value of at most"):
+        parse_case(text.replace(old, new), "heavy")
+
+
+@pytest.mark.parametrize("damping", ['stiffness_damping = "1e308 s"', 'ratio = 0.016\nratio_frequency = "1e-300 Hz"'])
+def test_damping_that_leaves_no_time_step_is_refused(damping):
+    text = CARD + f'pitch = "8 mm"\nmaterial = "OTEVA 90 SC"\n[spring.damping]\n{damping}\n'
+    spring = build(parse_case(text, "damped")).springs[0]
+    with pytest.raises(InputError, match="no time step at which it can be integrated"):
+        spring_model("finite-element").build(spring).stable_time_step()
+
+
+def test_a_wire_without_any_stiffness_finds_no_equilibrium_and_says_so():
+    text = CARD.replace('"4 mm"', '"1e-300 mm"') + 'pitch = "8 mm"\nmaterial = "OTEVA 90 SC"\n'
+    spring = build(parse_case(text, "thread")).springs[0]
+    with pytest.raises(InputError, match="finds no equilibrium"):
+        _ = spring_model("finite-element").build(spring).installed

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import diags
-from scipy.sparse.linalg import eigsh
+from scipy.sparse.linalg import ArpackError, eigsh
 
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.layout import empty_buffer, row
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import RodStatics
+from valvetrain.errors import InputError
 
 Array = NDArray[np.float64]
 
@@ -42,7 +43,8 @@ class RodDynamics:
 def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
     """Largest stable step of the leapfrog (s), ``step_safety`` included: 2 / largest natural angular frequency.
 
-    The Maxwell branch counts with its full stiffness; contact adds the bound 4 k / m of its stiffest vertex.
+    The Maxwell branch counts with its full stiffness; contact adds the bound 4 k / m of its stiffest vertex. Raises :class:`InputError`
+    where stiffness, damping and mass lie so far apart that the largest frequency cannot be computed.
     """
     loaded = RodStatics(_with_branch(mesh, dynamics.branch_stiffness), dynamics.contact_stiffness)
     free = loaded.free
@@ -50,7 +52,13 @@ def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
     scale = 1.0 / np.sqrt(inertia_of(mesh)[free])
     scaled = diags(scale) @ stiffness @ diags(scale)
     start = np.linspace(1.0, 2.0, scaled.shape[0])
-    top = float(eigsh(scaled, k=1, which="LA", tol=1e-3, v0=start, return_eigenvectors=False)[0])
+    try:
+        top = float(eigsh(scaled, k=1, which="LA", tol=1e-3, v0=start, return_eigenvectors=False)[0])
+    except (ArpackError, ValueError) as error:
+        raise InputError(
+            "the wire has no time step at which it can be integrated: its stiffness, stiffness damping and mass lie too far apart; "
+            "check damping, moduli, density and their units"
+        ) from error
     moving = slice(mesh.first + 1, mesh.last)
     contact = 4 * dynamics.contact_stiffness * float(np.max((mesh.contact.length.sum(axis=0) / mesh.node_mass)[moving], initial=0.0))
     # A guide pushes across the coils' own contact and its wall stands still: it counts where it is stiffer than that.
@@ -67,7 +75,8 @@ def inertia_of(mesh: RodMesh) -> Array:
 def _with_branch(mesh: RodMesh, share: float) -> RodMesh:
     from dataclasses import replace
 
-    return replace(mesh, bend_stiffness=mesh.bend_stiffness * (1 + share))
+    with np.errstate(invalid="ignore"):  # what is beyond all bounds is refused where the step is sought
+        return replace(mesh, bend_stiffness=mesh.bend_stiffness * (1 + share))
 
 
 def fill_buffer(mesh: RodMesh, state: RodState, dynamics: RodDynamics, time_step: float) -> Array:

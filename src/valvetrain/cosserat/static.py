@@ -194,12 +194,16 @@ class RodStatics:
         return found.reshape(moved.shape)
 
     def _solve_linear(self, band: Array, contact: csc_matrix | None, right: Array) -> Array:
+        """The step by the tangent; not a number, which ends the search, where the tangent is singular."""
         half = kern.HALF_BAND
-        if contact is None:
-            found: Array = solve_banded((half, half), band[:, self._span], right, check_finite=False)
-            return found
-        matrix = (sparse_of(band) + contact).tocsc()[self._span, self._span]
-        found = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
+        try:
+            if contact is None:
+                found: Array = solve_banded((half, half), band[:, self._span], right, check_finite=False)
+                return found
+            matrix = (sparse_of(band) + contact).tocsc()[self._span, self._span]
+            found = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
+        except (np.linalg.LinAlgError, RuntimeError):  # of a band, of a sparse matrix
+            found = np.full(len(right), np.nan)
         return found
 
     def _norm(self, residual: Array) -> float:

@@ -118,7 +118,9 @@ Length = Annotated[float, quantity("length")]
 PositiveLength = Annotated[float, quantity("length", low=0.0, open_low=True)]
 Force = Annotated[float, quantity("force")]
 Stiffness = Annotated[float, quantity("stiffness", low=0.0, open_low=True)]
-Mass = Annotated[float, quantity("mass", low=0.0, open_low=True)]
+#: Masses (kg) beyond this are slips: the largest valve gears of ships weigh a tenth, and no equilibrium is found for them in bearable time.
+LARGEST_MASS = 1e3
+Mass = Annotated[float, quantity("mass", low=0.0, high=LARGEST_MASS, open_low=True)]
 Modulus = Annotated[float, quantity("modulus", low=0.0, open_low=True)]
 Density = Annotated[float, quantity("density", low=0.0, open_low=True)]
 Time = Annotated[float, quantity("time", low=0.0)]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions
 from valvetrain.integrate.run import run_to_orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -101,12 +102,15 @@ def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Rea
 
 
 def surge_frequency(spring: InstalledSpring, rest: SpringAtRest | None = None) -> float | None:
-    """First surge frequency (Hz), both ends fixed, as installed: of the spring at rest, else of the equivalent uniform spring."""
+    """First surge frequency (Hz), both ends fixed, as installed: at rest, else of the uniform spring; None where neither tells."""
     if rest is not None and rest.modes is not None and len(rest.modes.axial_modes):
         return float(rest.modes.axial_frequencies[0])
     if spring.card is not None and spring.card.mass is None:
         return None
-    return EquivalentSpring.from_installed(spring).surge_frequency
+    try:
+        return EquivalentSpring.from_installed(spring).surge_frequency
+    except InputError:  # a wire that no uniform spring stands for still runs
+        return None
 
 
 def provenance_of(problem: Problem, member: Member, engine_speed: float, created_at: str) -> Provenance:
