@@ -88,24 +88,6 @@ def test_a_worker_and_then_the_client_are_killed_and_every_point_is_found_once(t
     assert np.array_equal(found, alone.values) and data["completed_points"] == count
 
 
-@pytest.mark.slow
-def test_a_worker_of_a_cluster_is_killed_and_no_point_is_lost():
-    """The short form of the above: the cluster stands in this process, the points are of a model that takes no time."""
-    import distributed
-
-    text, killed = TEXT.format(count=48).replace("multi-mass", "massless"), []
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster:
-
-        def kill(done: float, words: str) -> None:
-            if not killed:
-                killed.append(cluster.workers[0].pid)
-                os.kill(killed[0], signal.SIGKILL)
-
-        found = vt.study(text, dask=cluster.scheduler_address, workers=2, progress=kill)
-    alone = vt.study(text, workers=1)
-    assert killed and np.array_equal(found.values, alone.values, equal_nan=True) and set(found.statuses) == {COMPLETED}
-
-
 def test_a_cluster_by_its_address_gives_the_bits_of_one_process():
     """In threads of this process, so that nothing is started."""
     import distributed

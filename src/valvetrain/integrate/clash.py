@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from valvetrain.solution.event import Detail, Event
@@ -80,8 +79,9 @@ def blow_impulse(time: Array, force: Array) -> float:
     pad, count = int(np.ceil(reach)) + 1, len(force)
     area = np.concatenate(([0.0], np.cumsum(0.5 * (force[1:] + force[:-1])))) * step
     area = np.concatenate((np.zeros(pad), area, np.full(2 * pad, area[-1])))
+    # the area from every place on, as rows that share its memory
 
-    from_there = sliding_window_view(area, count)
+    from_there = np.ndarray((len(area) - count + 1, count), dtype=float, buffer=area, strides=(area.itemsize, area.itemsize))
 
     def at(shift: Array) -> Array:
         """Area up to ``shift`` (n,) steps after every begin, (n, count)."""

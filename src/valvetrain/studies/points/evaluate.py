@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
+from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.remembered import RememberedLift
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.quantities.design import closing_quantities, size_quantities
 from valvetrain.quantities.statics import rest_quantities
@@ -51,6 +56,8 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
     """The numbers of ``case`` at the speed, by the model and set of ``point``. Raises what building and running raises."""
     models, sets = (tuple(word for word in (text,) if word) for text in (point.spring_model, point.spring_set))
     problem = build(case, spring_models=models, spring_sets=sets)
+    if problem.kind != TRAIN and case.lift_law is not None:
+        problem = _with_remembered_lift(problem, case.lift_law)
     member, engine_speed, wanted = problem.members[0], point.speed, point.wanted
     if member.refusal:
         raise InputError(member.refusal)
@@ -65,6 +72,17 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
         status, values = _spring(problem, member, engine_speed if moves else None, wanted)
     chosen = values if not wanted.outputs else {name: values[name] for name in wanted.outputs if name in values}
     return Outcome(status, {name: float(value) for name, value in chosen.items()})
+
+
+@lru_cache(maxsize=4)
+def _remembered(law: LiftLawParameters) -> RememberedLift:
+    return RememberedLift(build_lift_law(law))
+
+
+def _with_remembered_lift(problem: Problem, law: LiftLawParameters) -> Problem:
+    """The problem with the law of other points, which have asked for the same angles."""
+    known = _remembered(law)
+    return replace(problem, valve_lift=known, members=tuple(replace(member, valve_lift=known) for member in problem.members))
 
 
 def _spring(problem: Problem, member: Member, engine_speed: float | None, wanted: Wanted) -> tuple[Status, dict[str, float]]:

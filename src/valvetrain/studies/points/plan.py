@@ -24,6 +24,7 @@ from valvetrain.studies.points.point import Point, Wanted
 from valvetrain.studies.points.samplers.contract import MOST_POINTS, SamplerOptions, SamplerSpec, sampler
 from valvetrain.studies.points.study_file import StudyText, VaryModel
 from valvetrain.studies.points.varied import ENGINE_SPEED, Varied
+from valvetrain.studies.points.vary import vary
 from valvetrain.studies.points.versions import versions_digest
 from valvetrain.units import parse_quantities, parse_quantity, si_speeds
 
@@ -160,7 +161,21 @@ def _varied(one: VaryModel, case: Case) -> Varied:
             raise InputError("has a tolerance of zero or less; give how far it goes either way", one.key)
         low, high = middle - reach, middle + reach
         distribution = Uniform(low, high) if one.shape == "uniform" else Normal(middle, reach / SIGMAS, low, high)
-    return Varied(one.key, unit, one.varied, distribution, one.label)
+    varied = Varied(one.key, unit, one.varied, distribution, one.label)
+    _refuse_impossible(case, varied)
+    return varied
+
+
+def _refuse_impossible(case: Case, varied: Varied) -> None:
+    """Raise :class:`InputError` for a quantity that no case can have at either end or in the middle: a slip of key or unit."""
+    refusals = []
+    for value in varied.distribution.at([0.02, 0.5, 0.98]).tolist():
+        try:
+            vary(case, {varied: value})
+        except InputError as error:
+            refusals.append(error)
+    if len(refusals) == 3:
+        raise refusals[1]
 
 
 def _unit_of(text: str) -> str:

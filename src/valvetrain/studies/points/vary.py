@@ -106,6 +106,7 @@ def _changed_case(case: Case, values: Mapping[Varied, float]) -> Case:
 
 
 def part_of(item: Any, path: str) -> Any:
+    """The part of a case under a key path of :meth:`Case.replace`. Raises :class:`InputError` where there is none."""
     for key in path.split("."):
         found = item.get(key) if isinstance(item, Mapping) else None
         if isinstance(item, tuple) and key.isdecimal() and int(key) < len(item):

@@ -7,7 +7,6 @@ import platform
 from functools import cache
 from pathlib import Path
 
-import valvetrain
 from valvetrain.solution.provenance import collect_provenance
 
 #: Packages of this one that show and ask, and compute nothing.
@@ -17,7 +16,7 @@ _SHOW = ("cli", "report", "validation")
 @cache
 def versions_digest() -> str:
     """A digest of all that computes: source text, versions of Python and of the libraries, kind of machine."""
-    root = Path(valvetrain.__file__).parent
+    root = Path(__file__).parents[2]
     origin = collect_provenance("", "")
     told = hashlib.blake2b(digest_size=16)
     for words in (origin.package_version, origin.python_version, *map(str, sorted(origin.dependencies.items())), platform.machine()):

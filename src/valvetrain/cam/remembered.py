@@ -1,0 +1,42 @@
+"""A lift law that remembers what it was last asked: the points of a study ask one law for the same angles again and again."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from valvetrain.cam.contract import Array, LiftLaw
+
+#: Answers that are kept, and the fewest angles of one that is worth keeping.
+KEPT, WORTH = 24, 64
+
+
+class RememberedLift:
+    """The ``law`` itself, its last answers to long arrays kept; the same bits, in arrays that must not be written to."""
+
+    def __init__(self, law: LiftLaw) -> None:
+        self._law = law
+        self._answers: OrderedDict[tuple[int, int, float, float], tuple[Array, Array]] = OrderedDict()
+
+    @property
+    def continuity(self) -> int:
+        return self._law.continuity
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        return self._law.joints
+
+    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
+        angles = np.asarray(cam_angle, dtype=float)
+        if angles.ndim != 1 or len(angles) < WORTH:
+            return self._law.lift(cam_angle, derivative)
+        key = (derivative, len(angles), float(angles[0]), float(angles[-1]))
+        if key in self._answers and np.array_equal(self._answers[key][0], angles):
+            self._answers.move_to_end(key)
+        else:
+            self._answers[key] = (angles.copy(), np.asarray(self._law.lift(angles, derivative), dtype=float))
+            while len(self._answers) > KEPT:
+                self._answers.popitem(last=False)
+        return self._answers[key][1]

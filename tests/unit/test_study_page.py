@@ -1,0 +1,140 @@
+"""The page and the files of a study, and its surrogate beside a function that is known."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from valvetrain.report.page import charts, render
+from valvetrain.report.points_files import points_csv, points_json
+from valvetrain.report.points_page import points_page, sentences
+from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.studies.points.plan import read_plan
+from valvetrain.studies.points.study import analysed
+from valvetrain.studies.points.study_file import StudyText
+from valvetrain.studies.points.surrogate import surrogate_of
+from valvetrain.studies.points.table import StudyTable
+
+TEXT = """
+kind = "{kind}"
+title = "Two <b>quantities</b>"
+case = "gu2021-beehive"
+engine_speeds = "6000 rpm"
+spring_models = "massless"
+outputs = ["peak_spring_force", "peak_valve_lift"]
+points = {{ sampler = "{sampler}", count = 256 }}
+vary = [
+  {{ key = "spring.precompression", low = "6 mm", high = "8 mm", label = "installed <i>compression</i>" }},
+  {{ key = "lift_law.maximum_lift", as = "factor", low = 0.9, high = 1.1 }},
+]
+"""
+RUN = (6000 * np.pi / 30, "massless", "")
+
+
+def made(kind="points", sampler="latin-hypercube", function=None, failed=()) -> StudyTable:
+    """A table whose outputs are a function of the inputs, no run behind it."""
+    plan = read_plan(StudyText(TEXT.format(kind=kind, sampler=sampler), "study", Path()))
+    inputs = plan.sampler.first(plan.varied, plan.options)
+    cube = (inputs - inputs.min(axis=0)) / np.ptp(inputs, axis=0)
+    found = (function or (lambda c: 800 + 40 * c[:, 0] + 5 * c[:, 1] ** 2))(cube)
+    values = np.column_stack([found, np.full(len(found), 9e-3)])
+    statuses = [Status("refused", "the coils overlap") if row in failed else COMPLETED for row in range(len(inputs))]
+    values[list(failed)] = np.nan
+    return analysed(StudyTable(plan, inputs, (plan.runs[0],) * len(inputs), values, tuple(statuses)))
+
+
+def titles(table) -> list[str]:
+    return [chart.title for chart in charts(points_page(table))]
+
+
+def test_a_page_of_draws_has_scatter_map_and_main_effects():
+    found = " / ".join(titles(made()))
+    for words in ("How the outputs scatter", "Peak spring force over both quantities", "Peak spring force over what is varied"):
+        assert words in found
+    assert "Peak valve lift over both" not in found  # it never changes
+
+
+def test_a_page_of_tolerances_has_the_shares_in_a_figure_and_a_table():
+    table = made("tolerance", "saltelli")
+    page = render(points_page(table))
+    assert "What makes the spread of the peak spring force, 6000 rpm, massless" in titles(table)
+    assert sentences(table)[0].startswith("What makes the spread of the peak spring force is installed <i>compression</i> (")
+    assert sentences(table)[1] == "None of the varied quantities moves the peak valve lift."
+    assert "with all it acts together with (%)" in page
+    assert "<i>compression" not in page and "<b>quantities" not in page  # words of a file are words, not HTML
+
+
+def test_failed_points_are_listed_with_their_values_and_left_out_of_the_figures():
+    table = made(failed=(3, 7))
+    page = render(points_page(table))
+    assert page.count("refused: the coils overlap") == 2 and "2 of 256 points failed." in page
+    assert f"installed &lt;i&gt;compression&lt;/i&gt; {1e3 * table.inputs[3, 0]:.6g} mm" in page
+    assert "point that failed" in page and points_json(table)["completed_points"] == 254
+
+
+def test_a_page_stands_where_nothing_came_out():
+    table = made(failed=range(256))
+    assert "256 of 256 points failed." in render(points_page(table)) and not charts(points_page(table))
+
+
+def test_a_grid_has_no_histogram_for_its_levels_are_nobodys_scatter():
+    text = TEXT.format(kind="points", sampler="grid").replace("count = 256", "levels = 5")
+    plan = read_plan(StudyText(text, "study", Path()))
+    inputs = plan.sampler.first(plan.varied, plan.options)
+    values = np.column_stack([inputs.sum(axis=1), inputs.sum(axis=1)])
+    table = StudyTable(plan, inputs, (plan.runs[0],) * 25, values, (COMPLETED,) * 25)
+    assert not [title for title in titles(table) if "scatter" in title] and len(titles(table)) == 4
+
+
+def test_the_table_as_text_has_every_digit_and_every_sentence():
+    table = made(failed=(3,))
+    rows = list(csv.reader(io.StringIO(points_csv(table))))
+    assert len(rows) == 257 and rows[0][:2] == ["spring.precompression [m]", "lift_law.maximum_lift factor [1]"]
+    assert [float(row[0]) for row in rows[1:]] == table.inputs[:, 0].tolist()
+    assert rows[4][-2:] == ["refused", "refused: the coils overlap"] and rows[4][5] == ""
+    assert float(rows[1][5]) == table.values[0, 0]
+
+
+def test_the_json_answer_holds_what_the_page_says():
+    table = made("tolerance", "saltelli", failed=(3,))
+    data = json.loads(json.dumps(points_json(table), default=lambda x: x.tolist()))
+    (first, _) = data["sensitivities"]
+    assert first["dropped"] == 1 and first["sentence"] in sentences(table)
+    assert first["quantities"]["installed <i>compression</i>"]["total"] == pytest.approx(0.98, abs=0.03)
+    assert data["outputs"]["peak_spring_force"]["unit"] == "N" and "1 base rows were left out" in data["sentences"][-1]
+
+
+def test_a_surrogate_of_a_smooth_function_predicts_points_kept_out():
+    pytest.importorskip("sklearn")
+    table = made("surrogate", function=lambda c: 800 + 30 * np.sin(3 * c[:, 0]) * (1 + c[:, 1]))
+    (one,) = table.surrogates  # the other output never changes
+    assert one.kept_out == 51 and one.share < 0.01 and one.error < 0.1 and "so it does not" not in one.sentence
+    where = table.inputs[:5]
+    mean, deviation = one.predict(where)
+    assert mean == pytest.approx(table.values[:5, 0], abs=0.2) and np.all(deviation < 1)
+    with pytest.raises(vt.InputError, match="takes 2 inputs"):
+        one.predict([1.0])
+    assert any("Surrogate of the peak spring force" in title for title in titles(table))
+
+
+def test_a_surrogate_of_noise_says_that_it_does_not_stand_for_a_run():
+    pytest.importorskip("sklearn")
+    noise = np.random.default_rng(3).normal(size=256)
+    (one,) = made("surrogate", function=lambda c: noise).surrogates
+    assert one.share > 0.8 and one.sentence.endswith("so it does not stand for a run.") and one.covered > 0.85
+
+
+def test_a_surrogate_of_few_points_is_not_made():
+    pytest.importorskip("sklearn")
+    assert surrogate_of("peak_spring_force", RUN, np.random.default_rng(1).random((11, 2)), np.arange(11.0)) is None
+
+
+def test_a_row_stands_in_words():
+    table = made()
+    assert table.row_words(0).endswith("6000 rpm, massless") and "mm" in table.row_words(0)
