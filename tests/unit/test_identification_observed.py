@@ -100,7 +100,7 @@ def test_what_no_point_can_tell_is_refused_before_the_search(tmp_path, more, mea
 def test_a_request_that_is_too_large_is_refused_with_its_cost(tmp_path) -> None:
     measured = {"one": {"quantity": "preload", "value": "212 N", "scatter": "1 N", "spring_model": "wave-rod"}}
     request = request_of(measured, tmp_path, search={"method": "cma-es", "evaluations": 9_000_000})
-    with pytest.raises(InputError, match="beyond the bound of .* raise the bound with --limit"):
+    with pytest.raises(InputError, match=r"beyond the bound of .* raise the bound with --limit"):
         identify_request(request, workers=1)
 
 
@@ -135,8 +135,8 @@ def test_what_is_only_compared_elsewhere_is_computed_for_the_draws_alone(tmp_pat
     """Fitted at rest, compared in motion: the run is asked for a few draws, and the percentile comes from them."""
     measured = {
         "seat": {"quantity": "preload", "value": "212 N", "scatter": "1 N", "spring_model": "wave-rod"},
-        "peak": {"quantity": "peak_spring_force", "value": "530 N", "scatter": "8 N", "engine_speed": "2000 rpm", "spring_model": "wave-rod",
-                 "fit": False},
+        "peak": {"quantity": "peak_spring_force", "value": "530 N", "scatter": "8 N", "engine_speed": "2000 rpm", "fit": False,
+                 "spring_model": "wave-rod"},
     }  # fmt: skip
     found = identify_request(request_of(measured, tmp_path, search={"draws": 12}), workers=1)
     seat, peak = found.predicted
