@@ -35,6 +35,7 @@ PLAIN: dict[str, Any] = {
         "trace": {"channel": "seat_force", "cam_angles": "90, 180 deg", "values": "214, 548 N", "scatter": "1 %",
                   "engine_speed": "3000 rpm"},
     },
+    "predictions": {"rate": {"quantity": "installed_rate"}},
 }  # fmt: skip
 
 
@@ -62,7 +63,7 @@ def test_tables_beside_the_file_are_read_with_their_units(tmp_path: Path) -> Non
     tree = copy.deepcopy(PLAIN)
     tree["measurements"] = {"curve": {"file": "curve.csv", "scatter": "1 lbf"}}
     request = parse_request(toml_text(tree), "test", tmp_path)
-    assert [one.at for one in request.sought] == pytest.approx([2.54e-3, 5.08e-3])
+    assert [one.at for one in request.sought if one.kind == "force"] == pytest.approx([2.54e-3, 5.08e-3])
     assert [datum.value for datum in request.data] == pytest.approx([88.96443, 177.92886])
     (tmp_path / "curve.csv").write_text("1,20\n2,40\n")
     with pytest.raises(InputError, match="tells no units"):
@@ -70,6 +71,8 @@ def test_tables_beside_the_file_are_read_with_their_units(tmp_path: Path) -> Non
 
 
 REFUSED = [
+    (("predictions", "rate", "quantity"), "strength", "no named quantity"),
+    (("predictions", "rate", "value"), "3 N/mm", "unknown"),
     (("case",), "job-tt", "did you mean"),
     (("case",), None, "missing"),
     (("metod",), "nested", "unknown"),

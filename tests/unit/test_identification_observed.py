@@ -122,7 +122,7 @@ def test_conditions_that_one_study_tells_are_computed_together_with_the_same_bit
     light = {"quantity": "peak_spring_force", "value": "500 N", "scatter": "1 N", "engine_speed": "2500 rpm", "spring_model": "wave-rod"}
     request = request_of(speeds | {"light": light}, tmp_path)
     observed = Observed(request.case, request.varied, request.sought)
-    groups = groups_of(observed, range(len(observed.stations)))
+    groups = groups_of(observed)
     assert sorted(map(len, groups)) == [1, 1, 2]
     case = observed.case_at((4e-3,))
     for group in groups:
@@ -138,7 +138,11 @@ def test_what_is_only_compared_elsewhere_is_computed_for_the_draws_alone(tmp_pat
         "peak": {"quantity": "peak_spring_force", "value": "530 N", "scatter": "8 N", "engine_speed": "2000 rpm", "fit": False,
                  "spring_model": "wave-rod"},
     }  # fmt: skip
-    found = identify_request(request_of(measured, tmp_path, search={"draws": 12}), workers=1)
+    asked = {"rate": {"quantity": "installed_rate", "spring_model": "wave-rod"}}
+    found = identify_request(request_of(measured, tmp_path, search={"draws": 12}, predictions=asked), workers=1)
+    (rate,) = found.predictions
+    assert rate.key == "wave-rod: installed_rate" and rate.unit == "N/mm" and np.isfinite(found.computed[rate.key]).sum() == 12
+    assert rate.low < rate.middle < rate.high and rate.best == pytest.approx(rate.middle, rel=0.02)
     seat, peak = found.predicted
     key = "2000 rpm, wave-rod: peak_spring_force"
     assert peak.datum.key == key and np.isfinite(found.computed[key]).sum() == 12

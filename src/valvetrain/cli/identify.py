@@ -75,7 +75,9 @@ def _answer(request: Request, kept: _Kept, points: Path, workers: int, limits: A
     from valvetrain.cli.outcome import Outcome, deliver, tell
     from valvetrain.cli.progress import busy, progress_bar
     from valvetrain.identification.api import identify_request
+    from valvetrain.identification.journal import NAME
     from valvetrain.report.identification_files import identification_json, write_identification
+    from valvetrain.solution.atomic import is_abandoned
 
     def told(words: str, seconds: float) -> None:
         if seconds > WORTH_SAYING:
@@ -89,7 +91,8 @@ def _answer(request: Request, kept: _Kept, points: Path, workers: int, limits: A
         raise
     except InputError:
         with suppress(OSError):  # nothing was computed, so nothing is kept
-            if not kept.output and sum(1 for _ in (points / "points.jsonl").open("rb")) <= 1:
+            journal = points / NAME
+            if not kept.output and is_abandoned(journal) and sum(1 for _ in journal.open("rb")) <= 1:
                 shutil.rmtree(points)
         raise
     data = {"command": "identify", "case": request.case.name, **identification_json(found), "completed": found.whole}
@@ -134,7 +137,7 @@ def _keep(request: Request, kept: _Kept, points: Path, found: Identified, data: 
 
 def _show(console: Console, found: Identified, folder: Path) -> None:
     from valvetrain.cli.tables import plain_table
-    from valvetrain.report.identification_words import FOUND, MEASURED, facts, found_rows, measured_words
+    from valvetrain.report.identification_words import FOUND, MEASURED, PREDICTED, facts, found_rows, measured_words, prediction_words
 
     for number, branch in enumerate(found.branches, start=1):
         if len(found.branches) > 1:
@@ -143,6 +146,9 @@ def _show(console: Console, found: Identified, folder: Path) -> None:
         console.print()
     console.print(plain_table(MEASURED, [measured_words(one) for one in found.predicted], right=(1, 2, 3, 4, 5, 7)))
     console.print()
+    if found.predictions:
+        console.print(plain_table(PREDICTED, [prediction_words(one) for one in found.predictions], right=(1, 2, 3, 4)))
+        console.print()
     console.print("; ".join(f"{name} {words}" for name, words in facts(found)), soft_wrap=True)
     for words in found.warnings:
         console.print(f"{words[:1].upper()}{words[1:]}.", soft_wrap=True)

@@ -117,7 +117,8 @@ def identify_request(
         tell(f"{told} ({left} points of {1e3 * seconds:.3g} ms)", (left * seconds + later) / count)
         compared = None if compare is None else journal.through(compare, b"compared")
         return solve(
-            posterior, request.search, journal, begin=begin, profiles=request.profiles, name=request.name, report=report, compare=compared
+            posterior, request.search, journal, begin=begin, profiles=request.profiles, name=request.name, report=report, compare=compared,
+            units={one.key: one.unit for one in request.sought},
         )  # fmt: skip
 
 
@@ -131,13 +132,14 @@ def evaluators_of(request: Request, workers: int) -> Iterator[tuple[Evaluate, Ev
         with StandingPool(_of_source, named, workers) as pool:
             yield lambda points: pool.map([tuple(map(float, point)) for point in points]), None
         return
-    observed = Observed(request.case, request.varied, request.sought)
-    with StandingPool(observe, observed, workers) as pool:
-        fitted = {one.key for one in request.data if one.used}
-        searched = {one.station for one in request.sought if one.key in fitted}
-        places = [place for place, station in enumerate(observed.stations) if station in searched]
-        others = [place for place, station in enumerate(observed.stations) if station not in searched]
-        yield CaseEvaluator(observed, pool, places), CaseEvaluator(observed, pool, others) if others else None
+    fitted = {one.key for one in request.data if one.used}
+    searched = {one.station for one in request.sought if one.key in fitted}
+    measured = {one.key for one in request.data}
+    first = tuple(one for one in request.sought if one.station in searched and one.key in measured)
+    later = tuple(one for one in request.sought if one not in first)
+    every = tuple(Observed(request.case, request.varied, sought) for sought in (first, later))
+    with StandingPool(observe, every, workers) as pool:
+        yield CaseEvaluator(pool, 0), CaseEvaluator(pool, 1) if later else None
 
 
 def _of_source(evaluate: Callable[[Sequence[float]], Outcome], point: Sequence[float]) -> Outcome:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from valvetrain.errors import InputError
 from valvetrain.identification.datum import Datum
-from valvetrain.identification.measured import read_measurement
+from valvetrain.identification.measured import read_measurement, read_station
 from valvetrain.identification.part import Part, same_dimension
 from valvetrain.identification.posterior import Unknown
 from valvetrain.identification.prior import KINDS, Kind, Prior
@@ -20,6 +20,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import library_names, load_case, parse_toml
 from valvetrain.registry import find
 from valvetrain.solution.checksum import digest
+from valvetrain.solution.definition import definition_of
 from valvetrain.studies.points.varied import Varied
 
 #: Words of a prior in a file: those of :class:`Prior`, and a normal one whose bounds are meant.
@@ -110,13 +111,15 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
     if source is not None:
         source.points(tuple(one.name for one in unknowns), dict(numbers))  # refuses names and options it does not know
     found = [pair for one, part in whole.parts("measurements") for pair in read_measurement(one, part, folder, bool(evaluator))]
+    asked = [_asked(part) for _, part in whole.parts("predictions")] if whole.has("predictions") else []
+    whole.take("predictions")
     search, profiles, from_case = _search(Part(whole.take("search", {}), "search"), tuple(one.name for one in unknowns))
     title = whole.text("title", name.replace("_", " "))
     whole.text("description", "")
     whole.finish()
     return Request(
         name, title, case, tuple(unknowns), tuple(varied), tuple(datum for _, datum in found),
-        tuple(dict.fromkeys(one for one, _ in found)), search, profiles, evaluator, numbers, from_case, text, folder,
+        tuple(dict.fromkeys([*(one for one, _ in found), *asked])), search, profiles, evaluator, numbers, from_case, text, folder,
     )  # fmt: skip
 
 
@@ -129,6 +132,15 @@ def _case(whole: Part, folder: Path) -> Case:
         return load_case(name, changes or None)
     except InputError as error:
         raise InputError(error.reason, f"case{', ' + error.where if error.where else ''}") from None
+
+
+def _asked(part: Part) -> Sought:
+    """A number that is computed for the draws although nobody measured it."""
+    station, name = read_station(part), part.text("quantity")
+    part.finish()
+    if not definition_of(name).dimension:
+        raise InputError(f"'{name[:60]}' is no named quantity; docs/quantities.md lists them", part.place("quantity"))
+    return Sought(station, "quantity", name)
 
 
 def _unknown(name: str, part: Part, bare: bool) -> tuple[Unknown, tuple[Varied, ...]]:

@@ -42,8 +42,8 @@ class Information:
     warnings: tuple[str, ...]
 
 
-def information_of(posterior: Posterior, jacobian: Array) -> Information:
-    """From the slopes (used data, quantities) at the likeliest point."""
+def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = True) -> Information:
+    """From the slopes (used data, quantities) at the likeliest point; without warnings where the search was cut short."""
     count = jacobian.shape[1]
     owners = [one.name for one in posterior.used]
     measurements = tuple(dict.fromkeys(owners))
@@ -57,7 +57,14 @@ def information_of(posterior: Posterior, jacobian: Array) -> Information:
         without = np.diag(np.linalg.inv(np.eye(count) + others.T @ others))
         lost[place] = np.clip(1.0 - variance / without, 0.0, 1.0)
     correlation = np.asarray(whole / np.sqrt(np.outer(variance, variance)), dtype=np.float64)
-    return Information(measurements, 1.0 - variance, brought, lost, correlation, _warnings(posterior.names, jacobian, whole, correlation))
+    return Information(
+        measurements,
+        1.0 - variance,
+        brought,
+        lost,
+        correlation,
+        _warnings(posterior.names, jacobian, whole, correlation) if whole_search else (),
+    )
 
 
 def _warnings(names: Sequence[str], jacobian: Array, covariance: NDArray[Any], correlation: NDArray[Any]) -> tuple[str, ...]:

@@ -35,10 +35,7 @@ def read_measurement(name: str, part: Part, folder: Path, own_names: bool = Fals
     form = next((one for one in FORMS if part.has(one)), None)
     if form is None:
         raise InputError(f"says nothing that was measured; give one of {', '.join(FORMS)}", part.where)
-    speed = part.amount("engine_speed", "angular speed")[0] if part.has("engine_speed") else None
-    if speed is not None and not speed > 0:
-        raise InputError("is not positive; give the speed of the crank, such as '4200 rpm'", part.place("engine_speed"))
-    station = Station(speed, part.text("spring_model", ""), part.text("spring_set", ""))
+    station = read_station(part)
     rows = _READERS[form](part, station, folder, own_names)
     if not 0 < len(rows) <= MOST_DATA:
         raise InputError(f"holds {len(rows)} numbers; give 1 to {MOST_DATA}", part.where)
@@ -53,6 +50,14 @@ def read_measurement(name: str, part: Part, folder: Path, own_names: bool = Fals
         ]
     except InputError as error:
         raise InputError(error.reason, part.where) from None
+
+
+def read_station(part: Part) -> Station:
+    """Where something is measured or asked for. Raises :class:`InputError` for a speed that is not positive."""
+    speed = part.amount("engine_speed", "angular speed")[0] if part.has("engine_speed") else None
+    if speed is not None and not speed > 0:
+        raise InputError("is not positive; give the speed of the crank, such as '4200 rpm'", part.place("engine_speed"))
+    return Station(speed, part.text("spring_model", ""), part.text("spring_set", ""))
 
 
 Rows = list[tuple[Sought, float, float]]

@@ -54,17 +54,23 @@ class Observed:
         return vary(self.case, {one: value for row, value in zip(self.varied, values, strict=True) for one in row})
 
 
-def observe(observed: Observed, job: tuple[tuple[float, ...], tuple[int, ...]]) -> Outcome:
-    """What is sought under some conditions (their places), by key; None where the case is impossible or does not run."""
-    values, places = job
+#: Values (SI), place of what is observed among all that is, and places of conditions.
+Job = tuple[tuple[float, ...], int, tuple[int, ...]]
+
+
+def observe(every: tuple[Observed, ...], job: Job) -> Outcome:
+    """What is sought under some conditions, by key; None where the case is impossible or does not run."""
+    values, which, places = job
+    observed = every[which]
     with suppress(*FAILURES):
         return numbers_of(observed.case_at(values), [observed.stations[place] for place in places], observed.sought)
     return None
 
 
-def groups_of(observed: Observed, places: Sequence[int]) -> tuple[tuple[int, ...], ...]:
-    """Conditions parted into those that one study of a case tells together: speeds by one model, and the rod at rest beside them."""
+def groups_of(observed: Observed) -> tuple[tuple[int, ...], ...]:
+    """Places of conditions parted into those that one study of a case tells together: speeds by one model, the rod at rest beside them."""
     found: dict[object, list[int]] = {}
+    places = range(len(observed.stations))
     whole = [place for place in places if _needs_run(observed.stations[place], observed.sought)]
     for place in whole:
         station = observed.stations[place]
@@ -204,14 +210,15 @@ def _spring(problem: Problem, name: str) -> InstalledSpring:
 
 
 class CaseEvaluator:
-    """Points of a case, computed side by side by the ``pool``; a batch is every point under every one of the conditions at ``places``."""
+    """Points of a case, computed side by side by the ``pool``; a batch is every point under every condition of what the pool
+    observes at the place ``which``."""
 
-    def __init__(self, observed: Observed, pool: StandingPool, places: Sequence[int]) -> None:
-        self.pool, self.groups = pool, groups_of(observed, places)
+    def __init__(self, pool: StandingPool, which: int) -> None:
+        self.pool, self.which, self.groups = pool, which, groups_of(pool.shared[which])
 
     def __call__(self, points: Array) -> list[Outcome]:
         groups = len(self.groups)
-        jobs = [(tuple(float(value) for value in point), group) for point in points for group in self.groups]
+        jobs = [(tuple(float(value) for value in point), self.which, group) for point in points for group in self.groups]
         found = self.pool.map(jobs)
         if any(isinstance(one, Lost) for one in found):
             raise RunFailedError(f"a point is lost: {LOST}; {LOST_REMEDY}")

@@ -55,14 +55,26 @@ class Predicted:
     percentile: float
 
 
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """A computed number that nobody measured (SI; shown in ``unit``): at the ``best`` point, and 2.5, 50 and 97.5 % over the posterior."""
+
+    key: str
+    unit: str
+    best: float
+    low: float
+    middle: float
+    high: float
+
+
 @dataclass(frozen=True, eq=False)
 class Identified:
     """The answer of :func:`valvetrain.identify`. SI throughout.
 
     ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and ``branch_of`` (draw); ``predicted``:
-    every measurement beside its prediction; ``computed``: each computed quantity over the draws; ``log_evidence`` with its error (NaN where
-    it was not found); ``notes`` on the search; ``evaluations``: points that were computed, beside those ``kept`` of an earlier
-    start; ``whole``: False where it was cut short.
+    every measurement beside its prediction; ``predictions`` of what was not measured; ``computed``: each computed quantity over the
+    draws; ``log_evidence`` with its error (NaN where it was not found); ``notes`` on the search; ``evaluations``: points that were
+    computed, beside those ``kept`` of an earlier start; ``whole``: False where it was cut short.
 
     >>> import valvetrain as vt
     >>> found = vt.identify({"rate": vt.Prior("uniform", 20e3, 60e3)}, [vt.Datum("force", 280.0, 2.0)],
@@ -81,6 +93,7 @@ class Identified:
     weights: Array
     branch_of: NDArray[np.int64]
     predicted: tuple[Predicted, ...]
+    predictions: tuple[Prediction, ...]
     computed: Mapping[str, Array]
     log_evidence: float = np.nan
     evidence_error: float = np.nan

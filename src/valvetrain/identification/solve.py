@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from valvetrain.identification.multistart import Ends, best_starts, ends_of, lin
 from valvetrain.identification.nested import nested
 from valvetrain.identification.posterior import Evaluate, Outcome, Posterior
 from valvetrain.identification.profiles import profile
-from valvetrain.identification.result import HIGH, LOW, Branch, Identified, Interval, Predicted, percentiles
+from valvetrain.identification.result import HIGH, LOW, Branch, Identified, Interval, Predicted, Prediction, percentiles
 from valvetrain.identification.search import Search
 from valvetrain.studies.stopping import Stopped
 
@@ -33,12 +34,13 @@ _NORMAL = 1.959963984540054
 
 def solve(
     posterior: Posterior, search: Search, journal: Journal, *, begin: Array | None = None, profiles: Sequence[str] = (), name: str = "",
-    report: Report = silent, compare: Evaluate | None = None,
+    report: Report = silent, compare: Evaluate | None = None, units: Mapping[str, str] = MappingProxyType({}),
 ) -> Identified:  # fmt: skip
     """Search the posterior, find its branches, and tell of each what the data tell.
 
     ``begin`` (n, quantities): starts of a search for a point in SI, beside those of ``search``. ``compare``: tells of a point what is not
-    fitted, asked for ``search.draws`` of the draws. A stop in a search leaves what it had, one before that raises :class:`Stopped`.
+    fitted, asked for ``search.draws`` of the draws. ``units``: those that computed quantities are shown in, by key. A stop in a
+    search leaves what it had, one before that raises :class:`Stopped`.
     """
     began = time.perf_counter()
     given = None if begin is None else posterior.work_of(begin)
@@ -71,8 +73,8 @@ def solve(
     computed = {key: values for table in tables for key, values in table.computed.items()}
     return Identified(
         search.method, posterior.unknowns, branches, posterior.values(draws.work), draws.weights, labels,
-        _predicted(posterior, tables), computed, draws.log_evidence, draws.evidence_error, draws.evidence_kind, found,
-        draws.notes, journal.computed, journal.before, draws.whole, time.perf_counter() - began, name,
+        _predicted(posterior, tables), _predictions(posterior, tables, units), computed, draws.log_evidence, draws.evidence_error,
+        draws.evidence_kind, found, draws.notes, journal.computed, journal.before, draws.whole, time.perf_counter() - began, name,
     )  # fmt: skip
 
 
@@ -137,7 +139,7 @@ def _sampled(posterior: Posterior, draws: Draws, labels: Labels, peaks: Sequence
             for k, one in enumerate(posterior.names)
         }
         correlation = (off * weights[:, None]).T @ off
-        branches.append(Branch(float(share), peak.misfit, quantities, correlation, information_of(posterior, peak.jacobian)))
+        branches.append(Branch(float(share), peak.misfit, quantities, correlation, information_of(posterior, peak.jacobian, draws.whole)))
     return tuple(branches)
 
 
@@ -186,3 +188,14 @@ def _predicted(posterior: Posterior, tables: Sequence[_Table]) -> tuple[Predicte
         low, middle, high = percentiles(over, table.weights, (LOW, 50.0, HIGH))
         found.append(Predicted(datum, finite(table.best, datum.key), low, middle, high, datum.percentile(over, table.weights)))
     return tuple(found)
+
+
+def _predictions(posterior: Posterior, tables: Sequence[_Table], units: Mapping[str, str]) -> tuple[Prediction, ...]:
+    """Every computed number that no datum is about."""
+    measured = {one.key for one in posterior.data}
+    return tuple(
+        Prediction(key, units.get(key, ""), finite(table.best, key), *percentiles(values, table.weights, (LOW, 50.0, HIGH)))
+        for table in tables
+        for key, values in table.computed.items()
+        if key not in measured
+    )

@@ -43,11 +43,15 @@ def identification_json(found: Identified) -> dict[str, Any]:
         }
         for one in found.predicted
     ]  # fmt: skip
+    predicted = {
+        one.key: {"computed": one.best, "low": one.low, "middle": one.middle, "high": one.high} for one in found.predictions
+    }  # fmt: skip
     evidence = {"log": found.log_evidence, "error": found.evidence_error, "kind": found.evidence_kind}
     profiles = {one.name: {"values": one.values, "misfit": one.misfit} for one in found.profiles}
     return {
-        "method": found.method, "whole": found.whole, "branches": quantities, "measurements": measured, "evidence": evidence,
-        "profiles": profiles, "warnings": list(found.warnings), "evaluations": found.evaluations, "kept_from_before": found.kept,
+        "method": found.method, "whole": found.whole, "branches": quantities, "measurements": measured,
+        "predictions": predicted,
+        "evidence": evidence, "profiles": profiles, "warnings": list(found.warnings), "evaluations": found.evaluations, "kept_from_before": found.kept,
         "units": {one.name: one.unit for one in found.unknowns},
     }  # fmt: skip
 

@@ -8,11 +8,13 @@ from valvetrain.report.identification_words import (
     FOUND,
     MEASURED,
     ODD,
+    PREDICTED,
     datum_words,
     facts,
     found_rows,
     measured_words,
     odd,
+    prediction_words,
     prior_words,
     share_rows,
 )
@@ -79,7 +81,14 @@ def _measured(found: Identified) -> tuple[Block, ...]:
         if far_off
         else ()
     )
-    return (*figure_or_gap("measured against predicted", dots_chart, found), *told, grid)
+    return (*figure_or_gap("measured against predicted", dots_chart, found), *told, grid, *_predictions(found))
+
+
+def _predictions(found: Identified) -> tuple[Block, ...]:
+    """What was computed and not measured."""
+    tones = ("", "number", "number", "number", "number", "")
+    rows = tuple((tuple(map(Cell, prediction_words(one), tones)), ()) for one in found.predictions)
+    return (Grid(PREDICTED, rows, caption="what nobody measured, over what is left open"),) if rows else ()
 
 
 def _told(found: Identified) -> tuple[Block, ...]:

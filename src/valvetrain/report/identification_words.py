@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from valvetrain.identification.datum import Datum
 from valvetrain.identification.posterior import Unknown
 from valvetrain.identification.prior import Prior
-from valvetrain.identification.result import Branch, Identified, Predicted
+from valvetrain.identification.result import Branch, Identified, Predicted, Prediction
 from valvetrain.report.words import number, unit_words
 from valvetrain.units import unit_factor
 
 #: Heads of the tables whose rows the functions below give.
 FOUND = ("quantity", "likeliest", "2.5 %", "97.5 %", "", "prior", "told")
 MEASURED = ("measurement", "measured", "±", "computed", "2.5 %", "97.5 %", "", "percentile")
+PREDICTED = ("not measured", "likeliest", "2.5 %", "50 %", "97.5 %", "")
 #: Percentiles outside these are worth a look.
 ODD = (2.5, 97.5)
 
@@ -49,6 +50,11 @@ def measured_words(one: Predicted) -> tuple[str, ...]:
     datum = one.datum
     values = (shown(value, datum.unit) for value in (datum.value, datum.scatter, one.best, one.low, one.high))
     return datum_words(datum), *values, unit_words(datum.unit), "–" if np.isnan(one.percentile) else f"{one.percentile:.1f}"
+
+
+def prediction_words(one: Prediction) -> tuple[str, ...]:
+    """Cells under :data:`PREDICTED`."""
+    return _words(one.key), *(shown(value, one.unit) for value in (one.best, one.low, one.middle, one.high)), unit_words(one.unit)
 
 
 def datum_words(datum: Datum) -> str:
