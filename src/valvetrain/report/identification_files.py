@@ -51,7 +51,8 @@ def identification_json(found: Identified) -> dict[str, Any]:
     return {
         "method": found.method, "whole": found.whole, "branches": quantities, "measurements": measured,
         "predictions": predicted,
-        "evidence": evidence, "profiles": profiles, "warnings": list(found.warnings), "evaluations": found.evaluations, "kept_from_before": found.kept,
+        "evidence": evidence, "profiles": profiles, "warnings": list(found.warnings),
+        "evaluations": found.evaluations, "kept_from_before": found.kept,
         "units": {one.name: one.unit for one in found.unknowns},
     }  # fmt: skip
 
