@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import sys
+import threading
 
 import numpy as np
 import pytest
 
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.identification.datum import Datum
 from valvetrain.identification.journal import Journal
 from valvetrain.identification.least_squares import least_squares
@@ -18,6 +20,7 @@ from valvetrain.identification.search import METHODS, Search
 from valvetrain.identification.solve import solve
 
 TRUE_RATE, TRUE_MASS = 42e3, 0.05
+LIBRARIES = [("cma-es", "cmaes"), ("nested", "dynesty"), ("ensemble", "emcee"), ("ensemble", "sklearn.cluster")]
 WIDE = (Unknown("rate", Prior("uniform", 30e3, 60e3)), Unknown("mass", Prior("uniform", 0.02, 0.09)))
 
 
@@ -129,3 +132,28 @@ def test_outliers_weigh_less_under_student_errors() -> None:
 def test_data_that_are_none_are_refused(given: dict[str, float]) -> None:
     with pytest.raises(InputError):
         Datum(**({"key": "force", "value": 1.0, "scatter": 1.0} | given))
+
+
+@pytest.mark.parametrize(("method", "library"), LIBRARIES)
+def test_a_library_that_is_not_installed_is_named_with_its_remedy(method: str, library: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, library, None)
+    search = Search(method, live_points=20, steps=20, evaluations=20)
+    with Journal(None, "") as journal, pytest.raises(MissingExtraError, match=r"pip install 'valvetrain\[studies\]'"):
+        solve(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)), search, journal)
+
+
+def test_what_a_computation_raises_in_a_chain_reaches_the_caller() -> None:
+    """Chains of nested sampling run in threads; their errors must not be lost, nor threads left waiting."""
+    calls = 0
+
+    def fails(points: np.ndarray) -> list[dict[str, float] | None]:
+        nonlocal calls
+        calls += 1
+        if calls == 12:
+            raise ZeroDivisionError("here")
+        return spring_numbers(points)
+
+    before = threading.active_count()
+    with Journal(None, "") as journal, pytest.raises(ZeroDivisionError, match="here"):
+        solve(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(fails)), Search("nested", live_points=30, lanes=4), journal)
+    assert threading.active_count() == before

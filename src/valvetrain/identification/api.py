@@ -32,8 +32,8 @@ from valvetrain.studies.points.versions import versions_digest
 from valvetrain.studies.workers import StandingPool
 
 Array = NDArray[np.float64]
-#: Points of the priors that are tried until one can be computed; bytes of a point that is kept.
-TRIED, POINT_BYTES = 40, 4000.0
+#: Points of the priors that are tried until one can be computed; bytes of a point that is kept and of each of its numbers.
+TRIED, POINT_BYTES, NUMBER_BYTES = 40, 1000.0, 150.0
 #: Times a point is timed, for the first may wait for kernels.
 ROUNDS = 3
 #: Told what the request will cost, in words, before it begins, and its seconds.
@@ -113,7 +113,9 @@ def identify_request(
         points = request.search.evaluations_of(len(request.unknowns), len(request.profiles))
         left = max(points - len(journal), 0)
         later = 0.0 if compare is None else (request.search.draws + 1) * _timed(compare, posterior.values(posterior.centre[None, :]))
-        told = refuse_cost(Cost((left * seconds + later) / count, points * POINT_BYTES), limits, option)
+        told = refuse_cost(
+            Cost((left * seconds + later) / count, points * (POINT_BYTES + NUMBER_BYTES * len(request.sought))), limits, option
+        )
         tell(f"{told} ({left} points of {1e3 * seconds:.3g} ms)", (left * seconds + later) / count)
         compared = None if compare is None else journal.through(compare, b"compared")
         return solve(
