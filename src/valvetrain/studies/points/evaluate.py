@@ -88,7 +88,9 @@ def _with_remembered_lift(problem: Problem, law: LiftLawParameters) -> Problem:
 def _spring(problem: Problem, member: Member, engine_speed: float | None, wanted: Wanted) -> tuple[Status, dict[str, float]]:
     """Prescribed motion, as :func:`valvetrain.studies.run.run_study` runs it."""
     lift = float(np.max(problem.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721))))
-    by_rod = (engine_speed is not None and (member.model.needs_rest or not wanted.light)) or (wanted.rest and not wanted.rest_model)
+    by_rod = (engine_speed is not None and (member.model.needs_rest or not wanted.light)) or (
+        wanted.rest and not wanted.rest_model and not wanted.sizes_alone
+    )
     rest: Rest = {spring: rest_of_spring(problem, spring, lift) for spring in member.springs} if by_rod else {}
     status, values = COMPLETED, dict[str, float]()
     if engine_speed is not None:
@@ -107,11 +109,11 @@ def _still(problem: Problem, member: Member, rest: Rest, lift: float, wanted: Wa
     names = ("",) if len(member.springs) == 1 else ("outer_", "inner_")
     published = [value.quantity for value in problem.record.published]
     for name, spring in zip(names, member.springs, strict=True):
-        at_rest = rest.get(spring) if not wanted.rest_model else _by_model(problem, spring, wanted.rest_model, lift)
-        if at_rest is None:
-            continue
-        own = size_quantities(spring) | closing_quantities(spring) | rest_quantities(at_rest, published)
-        own |= buckling_quantities(spring, at_rest, lift)
+        own = size_quantities(spring) | closing_quantities(spring)
+        if not wanted.sizes_alone:
+            at_rest = _by_model(problem, spring, wanted.rest_model, lift) if wanted.rest_model else rest.get(spring)
+            told = {} if at_rest is None else rest_quantities(at_rest, published) | buckling_quantities(spring, at_rest, lift)
+            own |= told
         found |= {name + key: value for key, value in own.items()}
     return found
 
@@ -135,7 +137,7 @@ def _train(problem: Problem, member: Member, engine_speed: float | None, wanted:
         status, values = solution.status, dict(solution.quantities)
         if wanted.rest:
             values |= rigid_numbers(problem, ready, speeds).get(member.spring_set, {})
-    if wanted.rest and wanted.rest_model:
+    if wanted.rest and (wanted.rest_model or wanted.sizes_alone):
         values |= _still(problem, member, {}, _train_lift(problem, member), wanted)
     elif wanted.rest and wanted.outputs and not all(name in values for name in wanted.outputs):
         lift = _train_lift(problem, member)

@@ -20,8 +20,10 @@ LIGHT = frozenset((
 #: Quantities of a spring at rest begin with one of these.
 AT_REST = (
     "preload", "installed_", "mode_", "natural_", "stiffness_change_", "solid_", "free_length", "coil_1_2_installed_gap", "buckling_",
-    "rigid_", "estimated_", "card_",
+    "rigid_", "largest_pitch",
 )  # fmt: skip
+#: Of these, what follows from the sizes of the spring alone: no static curve is needed.
+BY_SIZE = ("free_length", "solid_height", "largest_pitch", "solid_force", "solid_nominal_shear_stress")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +48,11 @@ class Wanted:
         return not self.outputs or any(map(is_at_rest, self.outputs))
 
     @property
+    def sizes_alone(self) -> bool:
+        """Whether of a spring at rest nothing but its sizes is asked for."""
+        return bool(self.outputs) and all(_bare(name) in BY_SIZE for name in self.outputs if is_at_rest(name))
+
+    @property
     def motion(self) -> bool:
         """Whether a number of a run is asked for."""
         return not self.outputs or not all(map(is_at_rest, self.outputs))
@@ -53,8 +60,13 @@ class Wanted:
 
 def is_at_rest(name: str) -> bool:
     """Whether a quantity belongs to a spring at rest, of one of a nested pair too."""
+    return _bare(name).startswith(AT_REST)
+
+
+def _bare(name: str) -> str:
+    """A name without that of the spring of a nested pair in front."""
     first, _, rest = name.partition("_")
-    return (rest if first in ("outer", "inner") else name).startswith(AT_REST)
+    return rest if first in ("outer", "inner") else name
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,9 @@ from valvetrain.studies.request_cost import REST, Asked, request_cost
 from valvetrain.studies.stopping import Stopped
 from valvetrain.studies.workers import Lost
 
-#: Points that wait for a worker at a time, so that memory does not grow with the study; and points of one job where each is short.
-IN_FLIGHT, TOGETHER = 4096, 8
+#: Jobs that are handed out at a time, so that neither memory nor the wait for any of them grows with the study; points of a job where
+#: each is short.
+JOBS, TOGETHER = 512, 8
 #: Seconds of one point below which several go together.
 SHORT = 0.15
 #: Seconds around a point: building the case anew, handing it on and back.
@@ -74,7 +75,7 @@ def _seconds_of(plan: StudyPlan, run: Run) -> float:
     springs = max(1, len(plan.case.springs))
     if speeds and plan.case.train is None and plan.wanted.light:
         found -= REST * springs
-    by_rod = plan.wanted.rest and not plan.wanted.rest_model
+    by_rod = plan.wanted.rest and not plan.wanted.rest_model and not plan.wanted.sizes_alone
     return max(found, 0.0) + AROUND + (0.6 * springs if by_rod and (not speeds or plan.wanted.light) else 0.0)
 
 
@@ -106,6 +107,7 @@ class _Engine:
     ) -> None:  # fmt: skip
         self.plan, self.crew, self.store, self.estimate, self.progress, self.begun = plan, crew, store, estimate, progress, begun
         self.computed, self.found_there, self.stopped = 0, 0, False
+        self.together = 1 if estimate.seconds_each > SHORT else TOGETHER
 
     def run(self) -> StudyTable:
         plan = self.plan
@@ -137,14 +139,13 @@ class _Engine:
             elif key not in seen:
                 seen.add(key)
                 waiting.append((key, tuple(map(float, values)), places[run]))
-            if len(waiting) >= IN_FLIGHT:
+            if len(waiting) >= JOBS * self.together:
                 self._hand_out(waiting)
                 waiting, seen = [], set()
         self._hand_out(waiting)
 
     def _hand_out(self, waiting: Sequence[tuple[bytes, tuple[float, ...], int]]) -> None:
-        together = 1 if self.estimate.seconds_each > SHORT else TOGETHER
-        together = max(1, min(together, math.ceil(len(waiting) / max(1, self.crew.workers))))
+        together = max(1, min(self.together, math.ceil(len(waiting) / max(1, self.crew.workers))))
         groups = [waiting[first : first + together] for first in range(0, len(waiting), together)]
         jobs = [[(values, run) for _, values, run in group] for group in groups]
         for place, result in self.crew.run(evaluate_group, self.plan, jobs):

@@ -6,6 +6,7 @@ closing checksum, written whole or not at all. Nothing is ever changed in place.
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import os
@@ -72,10 +73,12 @@ class PointStore:
     def add(self, key: bytes, outcome: Outcome) -> None:
         """Keep a finished point; on disk before this returns, as far as the system is concerned."""
         row = [float(outcome.values.get(name, np.nan)) for name in self.outputs]
-        if self.folder is not None and outcome.status.code not in NOT_KEPT:
-            os.write(self._handle, _line(key, row, outcome.status))
-            self._journalled.append(key)
         self._hold(key, row, outcome.status)
+        if self.folder is not None and outcome.status.code not in NOT_KEPT:
+            self._journalled.append(key)  # first, so that a chunk has it wherever a signal stops this
+            line = _line(key, row, outcome.status)
+            if os.write(self._handle, line) < len(line):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.folder / JOURNAL))
         if len(self._journalled) >= CHUNK:
             self.flush()
 

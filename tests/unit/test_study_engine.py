@@ -1,0 +1,123 @@
+"""The engine alone, no run behind its points: what it costs, what it keeps in memory, what it does with lost workers and stops."""
+
+from __future__ import annotations
+
+import time
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from valvetrain import InputError
+from valvetrain.studies.cost import Limits
+from valvetrain.studies.points.plan import read_plan
+from valvetrain.studies.points.point import Outcome
+from valvetrain.studies.points.run_study import PointsInterrupted, estimate_study, run_points
+from valvetrain.studies.points.study_file import StudyText
+from valvetrain.studies.workers import Lost
+
+TEXT = """
+case = "gu2021-beehive"
+engine_speeds = "6000 rpm"
+spring_models = "{model}"
+outputs = ["peak_spring_force", "clash_count"]
+points = {{ sampler = "grid", levels = {levels} }}
+vary = [
+  {{ key = "spring.precompression", low = "6 mm", high = "8 mm" }},
+  {{ key = "spring.total_coils", low = 6.5, high = 7.5 }},
+]
+"""
+
+
+def plan_of(levels: int, model: str = "massless"):
+    return read_plan(StudyText(TEXT.format(levels=levels, model=model), "study", Path()))
+
+
+class Instant:
+    """A crew whose points take no time: their outputs are their inputs."""
+
+    workers = 2
+
+    def __init__(self, lose=(), stop_after=None) -> None:
+        self.jobs, self.lose, self.stop_after, self.points = 0, lose, stop_after, 0
+
+    def run(self, function, shared, jobs):
+        for place, job in enumerate(jobs):
+            self.jobs += 1
+            if self.stop_after is not None and self.jobs > self.stop_after:
+                raise KeyboardInterrupt
+            self.points += len(job)
+            found = [Outcome(values=dict(zip(shared.wanted.outputs, values, strict=True))) for values, _ in job]
+            yield place, Lost() if self.jobs in self.lose else found
+
+    def close(self) -> None:
+        pass
+
+
+def test_a_point_costs_the_engine_less_than_a_millisecond(tmp_path):
+    """Processor time of this process, digest, journal, chunks and table included, on disk."""
+    plan = plan_of(60)
+    begun = time.process_time()
+    table = run_points(plan, Instant(), tmp_path / "points", Limits(1e9, 1e12))
+    assert (time.process_time() - begun) / len(table) < 1e-3
+    assert np.array_equal(table.values, table.inputs)
+
+
+def test_memory_of_a_point_is_bounded(tmp_path):
+    """At most 600 bytes a point, the table of 2 inputs and 2 outputs included: 10 000 points take 6 MB."""
+    peaks = {}
+    for levels in (3, 12, 36):
+        plan = plan_of(levels)
+        tracemalloc.start()
+        table = run_points(plan, Instant(), tmp_path / str(levels), Limits(1e9, 1e12))
+        peaks[len(table)] = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    assert (peaks[36**2] - peaks[12**2]) / (36**2 - 12**2) < 600
+    assert peaks[36**2] < estimate_study(plan, 2).cost.bytes
+
+
+def test_a_study_goes_on_where_it_stopped_and_hands_out_nothing_twice(tmp_path):
+    plan = plan_of(10)
+    with pytest.raises(PointsInterrupted) as cut:
+        run_points(plan, Instant(stop_after=4), tmp_path / "points")
+    codes = [one.code for one in cut.value.table.statuses]
+    assert codes.count("completed") == 32 and codes.count("interrupted") == 68
+    rest = Instant()
+    table = run_points(plan, rest, tmp_path / "points")
+    assert rest.points == table.computed == 68 and np.array_equal(table.values, table.inputs)
+
+
+def test_points_of_a_lost_worker_keep_their_status_and_are_tried_by_the_next_start(tmp_path):
+    plan = plan_of(6)
+    table = run_points(plan, Instant(lose=(2,)), tmp_path / "points")
+    codes = [one.code for one in table.statuses]
+    assert codes.count("worker-lost") == 8 and codes.count("completed") == 28 and len(table.failures) == 8
+    again = Instant()
+    assert run_points(plan, again, tmp_path / "points").completed.all() and again.points == 8
+
+
+def test_points_that_a_list_names_twice_are_computed_once():
+    text = TEXT.format(levels=2, model="massless").replace('sampler = "grid", levels = 2', 'sampler = "list"')
+    text = text.replace('low = "6 mm", high = "8 mm"', 'values = "6, 7, 6 mm"').replace("low = 6.5, high = 7.5", "values = [7, 7, 7]")
+    crew = Instant()
+    table = run_points(read_plan(StudyText(text, "study", Path())), crew)
+    assert len(table) == 3 and crew.points == 2 and np.array_equal(table.values, table.inputs)
+
+
+def test_progress_ends_at_one_and_counts_what_was_there(tmp_path):
+    told: list[tuple[float, str]] = []
+    run_points(plan_of(5), Instant(), tmp_path / "points", progress=lambda share, words: told.append((share, words)))
+    assert told[-1] == (1.0, "25 of 25 points") and [one for one, _ in told] == sorted(one for one, _ in told)
+
+
+def test_the_estimate_grows_with_points_and_models_and_shrinks_with_workers():
+    few, many, rods = estimate_study(plan_of(5), 2), estimate_study(plan_of(50), 2), estimate_study(plan_of(50, "finite-element"), 2)
+    assert many.points == 2500 and many.cost.seconds == pytest.approx(100 * few.cost.seconds)
+    assert rods.cost.seconds > 5 * many.cost.seconds
+    assert estimate_study(plan_of(50), 4).cost.seconds == pytest.approx(many.cost.seconds / 2)
+
+
+def test_a_request_beyond_its_bound_is_refused_with_its_numbers():
+    with pytest.raises(InputError, match=r"beyond the bound of 1 s"):
+        run_points(plan_of(50), Instant(), limits=Limits(1.0, 1e12))
