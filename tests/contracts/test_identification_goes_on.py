@@ -171,7 +171,7 @@ def test_the_command_keeps_what_it_found_and_goes_on_after_an_interrupt(folder: 
         command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
-    deadline, points = time.monotonic() + 60, folder / "runs" / "card-rate"
+    deadline, points = time.monotonic() + 60, folder / "runs" / "card"
     while sum(path.read_bytes().count(b"\n") for path in points.glob(f"*/{NAME}")) < 350 and time.monotonic() < deadline:
         time.sleep(0.02)
     started.send_signal(signal.SIGINT)

@@ -65,7 +65,7 @@ def identify(
         request = replace(request, search=replace(request.search, **asked), profiles=read_words(profile) or request.profiles)
     except InputError as error:
         raise InputError(error.reason, f"--{error.where}") from None
-    points = output or ROOT / safe_name(request.name) / f"points-{request.identity[:12]}"
+    points = output or ROOT / safe_name(request.case.name) / f"points-{request.identity[:12]}"
     kept = _Kept(request.case, output, datetime.now(UTC).replace(microsecond=0), file.parent)
     _answer(request, kept, points, read_workers(workers), read_limits(limit), open_page)
 
