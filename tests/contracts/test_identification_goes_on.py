@@ -186,3 +186,21 @@ def test_the_command_keeps_what_it_found_and_goes_on_after_an_interrupt(folder: 
     kept = Path(folder / answer["folder"])
     assert {"report.html", "draws.nc", NAME, "identification.toml", "run.json"} <= {path.name for path in kept.iterdir()}
     assert not list(points.glob("points-*")), "the folder of the points has become that of the run"
+
+
+def test_points_of_a_large_batch_are_written_a_few_at_a_time(tmp_path: Path) -> None:
+    """A batch that is cut after its third part leaves the first two in the file."""
+    asked: list[int] = []
+
+    def slow(points: np.ndarray) -> list[dict[str, float]]:
+        asked.append(len(points))
+        if len(asked) == 3:
+            raise KeyboardInterrupt
+        return [{"double": 2.0 * float(value)} for (value,) in points]
+
+    with pytest.raises(KeyboardInterrupt), Journal(tmp_path, "a") as journal:
+        journal.at_a_time = 4
+        journal.through(slow)(np.arange(20.0)[:, None])
+    assert asked == [4, 4, 4]
+    with Journal(tmp_path, "a") as journal:
+        assert len(journal) == journal.before == 8

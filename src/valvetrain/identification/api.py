@@ -34,6 +34,8 @@ from valvetrain.studies.workers import StandingPool
 Array = NDArray[np.float64]
 #: Points of the priors that are tried until one can be computed; bytes of a point that is kept and of each of its numbers.
 TRIED, POINT_BYTES, NUMBER_BYTES = 40, 1000.0, 150.0
+#: Work (s of each worker) that a kill may cost at most.
+LOST_SECONDS = 5.0
 #: Times a point is timed, for the first may wait for kernels.
 ROUNDS = 3
 #: Told what the request will cost, in words, before it begins, and its seconds.
@@ -110,6 +112,7 @@ def identify_request(
         posterior = Posterior(request.unknowns, request.data, journal.through(evaluate))
         begin = np.array([values_of_case(request)]) if request.from_case else None
         seconds = _try(request, posterior, evaluate)
+        journal.at_a_time = count * max(1, round(LOST_SECONDS / max(seconds, 1e-6)))
         points = request.search.evaluations_of(len(request.unknowns), len(request.profiles))
         left = max(points - len(journal), 0)
         later = 0.0 if compare is None else (request.search.draws + 1) * _timed(compare, posterior.values(posterior.centre[None, :]))

@@ -31,13 +31,14 @@ class Journal:
     """Outcomes of points by their bits, in a file of the folder ``folder``; None keeps them in memory alone.
 
     ``identity`` is what the outcomes depend on (case, file, version): a journal of another is refused, and so is one that another process
-    writes. ``before``: points that were there; ``computed``: those that came since. Use it as a context.
+    writes. ``before``: points that were there; ``computed``: those that came since. ``at_a_time``: most points that
+    are computed before they are written, 0 for all that are asked for at once. Use it as a context.
     """
 
     def __init__(self, folder: Path | None, identity: str) -> None:
         self._known: dict[bytes, Outcome] = {}
         self._file = None
-        self.computed = self.before = 0
+        self.computed = self.before = self.at_a_time = 0
         if folder is None:
             return
         folder.mkdir(parents=True, exist_ok=True)
@@ -74,9 +75,11 @@ class Journal:
         def recorded(points: Array) -> Sequence[Outcome]:
             keys = [part + np.ascontiguousarray(point, dtype=float).tobytes() for point in points]
             new = [place for place, key in enumerate(keys) if key not in self._known and key not in keys[:place]]
-            if new:
-                found = evaluate(points[new])
-                self._write([(keys[place], outcome) for place, outcome in zip(new, found, strict=True)])
+            size = self.at_a_time or max(len(new), 1)
+            for first in range(0, len(new), size):
+                places = new[first : first + size]
+                found = evaluate(points[places])
+                self._write([(keys[place], outcome) for place, outcome in zip(places, found, strict=True)])
             return [self._known[key] for key in keys]
 
         return recorded
