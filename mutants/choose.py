@@ -15,8 +15,8 @@ from mutants.copies import ROOT, compiles
 from mutants.faults import Fault, faults, seeded
 
 SOURCE = ROOT / "src" / "valvetrain"
-#: Tests of pages that are written from tables of modules.
-PAGES = ("_page.py", "_table.py", "_guide.py", "_words.py")
+#: Tests of pages that are written from tables of modules, and of what is left out of calls.
+PAGES = ("_page.py", "_table.py", "_guide.py", "_words.py", "_left_out.py")
 #: Seconds of tests, as recorded, that are asked at most about one fault: those that enter its function, those whose file says its name,
 #: the others of the files of the first, all; those of the first and second whose file is called after the function or its module; golden
 #: numbers and printed pages.
@@ -50,9 +50,10 @@ def _is_python(fault: Fault) -> bool:
 
 
 class Function(NamedTuple):
-    """A function: first line with decorators, last line, name, name as Python qualifies it, names said inside."""
+    """A function: first line with decorators, first of what it does, last line, name, name as Python qualifies it, names said inside."""
 
     first: int
+    body: int
     last: int
     name: str
     whole: str
@@ -74,7 +75,8 @@ class Definitions:
                 first = min([child.lineno, *(mark.lineno for mark in getattr(child, "decorator_list", []))])
                 name = getattr(child, "name", "")
                 whole = f"{prefix}{name or '<lambda>'}"
-                self.found.append(Function(first, child.end_lineno or first, name, whole, said(child)))
+                body = child.body[0].lineno if isinstance(child.body, list) else first
+                self.found.append(Function(first, body, child.end_lineno or first, name, whole, said(child)))
                 below = f"{whole}.<locals>."
             elif isinstance(child, ast.ClassDef):
                 below = f"{prefix}{child.name}."
@@ -137,24 +139,31 @@ def _callers(names: set[str], entered: set[str]) -> set[str]:
 
 
 def tests_for(fault: Fault, trails: dict[str, dict[str, Any]]) -> list[str]:
-    """Tests to ask, the quickest first: those that enter the function, then the others of their files; for a table of a module all."""
+    """Tests to ask, the quickest first: those that enter the function, then the others of their files; for a table of a module all.
+
+    Of a function that trails see, tests that do not enter it can notice nothing, but for what one test leaves ready for the next of its
+    file; of a compiled one and of what stands outside functions those are asked too whose file says its name.
+    """
     known = [(node, one, file) for file, trail in trails.items() for node, one in trail["tests"].items()]
     entered = {place for _, one, _ in known for place in one["places"]} | {place for trail in trails.values() for place in trail["import"]}
     wanted = places(fault, entered)
     inside = definitions()[fault.file].around(fault.line)
+    head = bool(inside) and fault.line < inside[0].body  # what is left out of its calls
+    exact = bool(inside) and not head and wanted == {f"{fault.file}:{inside[0].whole}"}
     names = {one.name for one in inside if one.name} or definitions()[fault.file].names_at(fault.line)
     first = {node for node, one, _ in known if wanted & set(one["places"])}
     near = {file for node, _, file in known if node in first} | {file for file, one in trails.items() if wanted & set(one["import"])}
     spoken = {file for file in trails if set(re.findall(r"\w+", (ROOT / file).read_text(encoding="utf-8"))) & names}
-    spoken |= set() if inside else {file for file in trails if file.endswith(PAGES)}
+    spoken |= set() if inside and not head else {file for file in trails if file.endswith(PAGES)}
     ranks = {node: (0 if node in first else 1 if file in spoken else 2 if file in near else 3) for node, _, file in known}
     seconds = {node: one["seconds"] for node, one, _ in known}
+    asked = (0, 2) if exact else (0, 1, 2) if inside else (0, 1, 2, 3)
     spent, chosen = [0.0] * len(SECONDS), []
     said_here = _words("_".join((Path(fault.file).stem, *names)))
     alike = {node: len(_words(Path(file).stem) & said_here) if ranks[node] < 2 else 0 for node, _, file in known}
     for node in sorted(ranks, key=lambda node: (_late(node), -alike[node], ranks[node], seconds[node], node)):
         purse = len(SECONDS) - 1 if _late(node) else len(SECONDS) - 2 if alike[node] else ranks[node]
-        if (ranks[node] < 3 or not inside) and spent[purse] + seconds[node] <= SECONDS[purse]:
+        if ranks[node] in asked and not (exact and ranks[node] and _late(node)) and spent[purse] + seconds[node] <= SECONDS[purse]:
             spent[purse] += seconds[node]
             chosen.append(node)
     return chosen

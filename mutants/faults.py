@@ -24,6 +24,8 @@ COMPARISONS: dict[type, tuple[str, str]] = {
     ast.In: ("in", "not in"), ast.NotIn: ("not in", "in"), ast.Is: ("is", "is not"), ast.IsNot: ("is not", "is"),
 }  # fmt: skip
 SCALES = (1e3, 1e-3, 1e6, 1e-6, 1e9, 1000, 1e2, 100)
+#: Whole numbers from here on are counts of samples and bounds: one more or less of them is met by nothing.
+LARGE_COUNT = 1000
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,12 @@ def seen(node: ast.AST) -> Iterator[ast.AST]:
     if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and _names_types(node):
         return
     yield node
+    if isinstance(node, ast.Dict):
+        for key, value in zip(node.keys, node.values, strict=True):
+            if not (isinstance(key, ast.Constant) and key.value in SILENT):
+                yield from seen(value)
+                yield from () if key is None else seen(key)
+        return
     hidden = {"annotation", "returns", "decorator_list", "bases", "type_params"}
     for field, value in ast.iter_fields(node):
         for child in value if isinstance(value, list) else [value]:
@@ -178,6 +186,8 @@ def _constants(source: Source, node: ast.AST) -> Iterator[Fault]:
     elif node.value in SCALES:
         yield source.fault(node, "1.0", "scale of a unit")
     elif isinstance(node.value, int):
+        if node.value >= LARGE_COUNT:
+            return
         yield source.fault(node, str(node.value + 1), "constant by one")
         if node.value:
             yield source.fault(node, str(node.value - 1), "constant by one")

@@ -1,7 +1,7 @@
 """A pytest plugin: which test enters which functions of the package, in this process and in those it starts.
 
-Active where VALVETRAIN_TRAIL names a file: one JSON object {"import": [places], "tests": {node: {"seconds", "places"}}}; a place is
-``path below src:name of the function``, which outlives changes of other lines. What a fixture of a module enters counts for each test
+Active where VALVETRAIN_TRAIL names a file: one JSON object {"import": [places], "tests": {node: {"seconds", "places"}}, "failed"}; a place
+is ``path below src:name of the function``, which outlives changes of other lines. What a fixture of a module enters counts for each test
 that uses the fixture, since the others of the module find its result ready.
 """
 
@@ -51,6 +51,7 @@ class Trail:
         self.steps = Steps(str(source))
         self.tests: dict[str, dict[str, Any]] = {}
         self.fixtures: dict[int, set[str]] = {}
+        self.failed: set[str] = set()
         os.environ[CHILDREN] = str(self.children)
         self.steps.start()
         self.imported: set[str] = set()
@@ -84,9 +85,12 @@ class Trail:
                     places |= self.fixtures.get(id(one), set())
             self.tests[item.nodeid] = {"seconds": round(time.perf_counter() - begun, 3), "places": sorted(places)}
 
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        self.failed |= {report.nodeid} if report.failed else set()
+
     def pytest_sessionfinish(self) -> None:
         self.children.unlink(missing_ok=True)
-        self.file.write_text(json.dumps({"import": sorted(self.imported), "tests": self.tests}))
+        self.file.write_text(json.dumps({"import": sorted(self.imported), "tests": self.tests, "failed": sorted(self.failed)}))
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 #: Arguments that steer Python and its libraries, or only how a thing looks, and no result.
 SILENT = frozenset(
-    "strict encoding errors dtype exist_ok parents indent maxsize stacklevel frozen slots kw_only repr compare order copy key_only "
+    "strict encoding errors dtype _nrt exist_ok parents indent maxsize stacklevel frozen slots kw_only repr compare order copy key_only "
     "help description rich_help_panel metavar show_default cache fastmath nogil error_model inline boundscheck stdout stderr check text "
     "capture_output flush missing_ok ensure_ascii sort_keys compression compression_opts shuffle chunks engine "
     "colour color width height style justify no_wrap overflow min_width max_width padding box expand size font family".split()

@@ -19,9 +19,9 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.quantity import same_speed
+from valvetrain.studies.error_bars import Uncertainty
 from valvetrain.studies.refined import refined
 from valvetrain.studies.run import run_study
-from valvetrain.studies.uncertainty import Uncertainty
 from valvetrain.studies.uncertainty_file import rows_of, uncertainty_text
 
 LIBRARY = Path(str(resources.files("valvetrain") / "parameters" / "library"))

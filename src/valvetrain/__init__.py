@@ -80,6 +80,7 @@ _HOMES = {
     "sweep": "studies.api",
     "critical_speeds": "studies.api",
     "static_curve": "studies.api",
+    "refine": "studies.refined",
     "buckling_compression": "quantities.buckling",
     "Study": "solution.study",
     "simulate_batch": "cosserat.batch",
@@ -198,6 +199,7 @@ if TYPE_CHECKING:
     from valvetrain.studies.lift_band import lift_band_study as lift_band_study
     from valvetrain.studies.points.study import study as study
     from valvetrain.studies.points.table import StudyTable as StudyTable
+    from valvetrain.studies.refined import refine as refine
     from valvetrain.studies.run_up import run_up as run_up
     from valvetrain.studies.spring_card import SpringFit as SpringFit
     from valvetrain.studies.spring_card import spring_from_card as spring_from_card

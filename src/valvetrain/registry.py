@@ -168,6 +168,8 @@ def words(kind: str) -> tuple[str, ...]:
 def find(kind: str, word: str, where: str = "") -> Any:
     """The object behind ``word``. Raises :class:`InputError` for an unknown word (with the nearest ones) or one that cannot be loaded."""
     known, noun = places(kind), KINDS[kind][1]
+    if not isinstance(word, str):
+        raise InputError(f"{noun} '{str(word)[:40]}' is no word; use one of {', '.join(known)}", where)
     if word not in known:
         near = difflib.get_close_matches(word[:60], known, n=2, cutoff=0.5)
         hint = f"did you mean {' or '.join(near)}?" if near else f"use one of {', '.join(known)}"

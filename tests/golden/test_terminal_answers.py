@@ -31,9 +31,9 @@ from valvetrain.cli.answers import show_study
 from valvetrain.cli.main import app
 from valvetrain.solution.rest_point import RestPoint
 from valvetrain.solution.train_modes import TrainModes
+from valvetrain.studies.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.studies.run_differences import ResultDifference
 from valvetrain.studies.run_store import KeptRun
-from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
 
 ANSWERS = Path(__file__).parent / "answers"
 RPM = np.pi / 30

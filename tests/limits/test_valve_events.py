@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import synthetic_study as made
 from train_parts import contacts, direct
 from valvetrain.cam.harmonic import Harmonic
 from valvetrain.cli.new import TEMPLATES
@@ -23,7 +24,8 @@ from valvetrain.quantities.kinematics import rigid_motion
 from valvetrain.quantities.peaks import ring_peak
 from valvetrain.quantities.run_up import OpenWindow
 from valvetrain.quantities.train_numbers import margin_quantities
-from valvetrain.quantities.valve_events import lift_crossings, open_window, rigid_events, sampled_crossings
+from valvetrain.quantities.valve_events import lift_crossings, open_window, rigid_events, run_events, sampled_crossings
+from valvetrain.solution.event import Event
 from valvetrain.solution.result import Solution
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.studies.ready import make_ready
@@ -150,3 +152,15 @@ def test_the_mean_torque_carries_what_the_train_loses():
     lost = found["cycle_dissipated_energy"] + found["spring_dissipated_energy"]
     assert found["mean_cam_torque"] * math.tau == pytest.approx(lost, rel=2e-2)
     assert found["mean_cam_power"] == pytest.approx(found["mean_cam_torque"] * 2500 * math.pi / 30, rel=1e-9)
+
+
+def test_the_first_touch_closes_the_valve_wherever_it_stands_in_the_list():
+    """A later touch may come first by its angle, where the seating passes the zero of the angle."""
+    touches = [
+        Event("seating", angle, 0.0, 0.0, 0.3, "m/s", "seat", {"touch": touch, "release_cam_angle": release})
+        for angle, touch, release in ((0.3, 2, 0.1), (6.1, 1, 3.0))
+    ]
+    found = run_events(made.rod_run().reduced(), touches)
+    assert found["valve_lash_opening_cam_angle"] == 3.0 and found["valve_lash_closing_cam_angle"] == pytest.approx(6.1)
+    assert found["valve_lash_open_crank_angle_range"] == pytest.approx(6.2)
+    assert run_events(made.rod_run().reduced(), touches[:1]) == {}

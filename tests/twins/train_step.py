@@ -53,12 +53,12 @@ def integrate_in_time(runner, state, steps):
 def sliding_state(system, q, cam_angle):
     """Sliding velocity of every contact per coordinate velocity (n, N) and per cam speed (n,) in m/rad; zero where nothing slides."""
     arrays, count = system.arrays, len(system.arrays.kinds)
-    rows, slopes, gradients = np.zeros((count, 4)), np.zeros(count), np.zeros((count, len(q)))
+    rows, slopes, gradients = np.zeros((count, 2)), np.zeros(count), np.zeros((count, len(q)))
     for k in np.flatnonzero(np.isin(arrays.kinds, SLIDING_KINDS)):
         slopes[k] = sliding_gradient(
             k, arrays.kinds, arrays.coordinate_of, arrays.geometry, arrays.tables, arrays.table_of, q, cam_angle, rows
         )
-        for slot in range(4):
+        for slot in range(2):
             if arrays.coordinate_of[k, slot] >= 0:
                 gradients[k, arrays.coordinate_of[k, slot]] += rows[k, slot]
     return gradients, slopes

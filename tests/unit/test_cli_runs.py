@@ -168,7 +168,7 @@ def test_errors_are_an_object_under_json_with_the_same_exit_codes(small):
     [
         (("run", "--engine-speed", "10:9000:1 rpm"), "min and "),
         (("sweep", "--engine-speed", "10:9000:1"), "beyond the bound of 10 min"),
-        (("run", "--set", "operation.cycles=10000"), "--limit"),
+        (("run", "--elements-per-coil", "24", "--set", "operation.cycles=10000"), "--limit"),
         (("run", "--spring", "multi-mass", "--set", "spring.options.multi-mass.masses_per_coil=2000", *RANGE), "beyond the bound"),
         (("run", "--spring", "finite-element", "--elements-per-coil", "1000", "--limit", "1 h", *RANGE), "GB"),
     ],

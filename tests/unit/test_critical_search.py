@@ -11,6 +11,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
 from valvetrain.solution.critical import SpeedBracket
 from valvetrain.solution.result import Solution, empty_channels
+from valvetrain.studies import critical_search
 from valvetrain.studies.critical_search import Limit, Look, Search
 from valvetrain.studies.critical_speeds import CriticalOptions, critical_speed, look_of, read_options
 
@@ -129,3 +130,15 @@ def test_a_case_without_a_train_has_no_critical_speeds() -> None:
 
     with pytest.raises(InputError, match="no train"):
         vt.critical_speeds(load_case("job-t"), "1000 rpm", spring_models=["massless"])
+
+
+@pytest.mark.parametrize(
+    ("speed", "sign", "found"), [(100.0, -1, 60.0), (110.0, 1, 140.0), (60.0, -1, 60.0), (140.0, 1, 140.0), (150.0, 1, 150.0)]
+)
+def test_a_motion_is_carried_over_from_the_nearest_speed_far_enough_from_the_change(speed, sign, found):
+    """Control is lost from 110 on; of speeds on the same side the first that lies away far enough, else the end of the bracket itself."""
+    away = critical_search.AWAY
+    search = critical_search.Search.__new__(critical_search.Search)
+    search._speeds, search._resolution = [60.0, 99.0, 100.0, 110.0, 112.0, 140.0, 150.0], 30.0 / away
+    search._lost = lambda kind, one: one >= 110.0
+    assert search._away("float", speed, sign) == found

@@ -6,7 +6,7 @@ import pytest
 
 from valvetrain.cli.error_bars import NARROW, ErrorBars, fitting
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow
-from valvetrain.studies.uncertainty import Uncertainty
+from valvetrain.studies.error_bars import Uncertainty
 
 SPEED = 418.879
 STOCK, OTHER = HeadlineColumn("stock", SPEED), HeadlineColumn("other", SPEED)

@@ -18,7 +18,7 @@ from valvetrain.solution.event import Event
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
-from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
+from valvetrain.studies.error_bars import Uncertainty, UncertaintyStudy
 
 RPM = np.pi / 30
 NAMES = ("finite-element rod", "modal model with varied stiffness")

@@ -12,7 +12,7 @@ from valvetrain.quantities.compare import compare, verdict
 from valvetrain.report.comparison_grid import tone
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.quantity import Quantity, same_speed
-from valvetrain.studies.uncertainty import Uncertainty
+from valvetrain.studies.error_bars import Uncertainty
 from valvetrain.studies.uncertainty_file import belongs
 
 DEG = np.pi / 180

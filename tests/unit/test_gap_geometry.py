@@ -8,8 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_LIFT, CAM_ROUND, DISTANCE, GEOMETRY_COLUMNS, LINEAR, POINT_PLANE
+from valvetrain.mechanism.gap_kinds import ARC_RADIUS, CAM_FLAT, CAM_LIFT, CAM_ROUND, DISTANCE, GEOMETRY_COLUMNS, LINEAR, POINT_PLANE
 from valvetrain.mechanism.gaps import gap_rows
+from valvetrain.mechanism.sliding import SLIDING_KINDS, sliding_gradient
 
 NODES, ANGLE = 1440, 2.3
 
@@ -103,3 +104,44 @@ def test_a_gap_is_that_of_its_formula(kind, turning, missing):
     around = (formula(position, ANGLE + 1e-5) - formula(position, ANGLE - 1e-5)) / 2e-5
     assert slope == pytest.approx(around, abs=1e-9)
     assert np.max(np.abs(gradient)) > 1e-3 or len(missing) == 3
+
+
+def contact_of(kind: int, row: np.ndarray, q: np.ndarray) -> tuple[complex, complex]:
+    """Where the contact is and its normal, both in the plane of the train."""
+    point, turn = planar_point(row, q)
+    if kind == POINT_PLANE:
+        normal = complex(row[8], row[9])
+        return point + row[ARC_RADIUS] * normal, normal
+    if kind == CAM_FLAT:
+        normal = cmath.exp(1j * (row[8] + turn))
+        chi = ANGLE - row[10] * (row[8] + turn - row[9])
+        return normal * (level(chi) - 1j * row[10] * level(chi, 1)), normal
+    chi = ANGLE - row[10] * (cmath.phase(point) - row[9])
+    normal = (level(chi) + 1j * row[10] * level(chi, 1)) * cmath.exp(1j * cmath.phase(point))
+    normal /= abs(normal)
+    return point - row[ARC_RADIUS] * normal, normal
+
+
+@pytest.mark.parametrize("turning", [False, True])
+@pytest.mark.parametrize("kind", SLIDING_KINDS)
+@pytest.mark.parametrize("support", [1, -1])
+def test_a_contact_slides_as_its_material_does(kind, turning, support):
+    """Material of the body (and, under a cam, less it from that of the turning cam) at the contact, along the tangent i n."""
+    row, q = row_of(kind, turning), np.array([2e-3, -1e-3 if support >= 0 else 0.0])
+    row[ARC_RADIUS] = 6e-3
+    slides = np.full((1, 2), np.nan)
+    index = np.array([[0, support, -1, -1]])
+    given = np.array([kind]), index, row[None], contour(), np.array([1]), q, ANGLE, slides
+    per_angle = sliding_gradient(0, *given)
+    place, normal = contact_of(kind, row, q)
+    tangent = 1j * normal
+
+    def along(velocity: complex) -> float:
+        return (velocity * tangent.conjugate()).real
+
+    pivot = complex(*row[1:3]) + complex(*row[6:8]) * q[1]
+    of_body = 1j * row[5] * (place - pivot) if turning else complex(*row[3:5])
+    side = 1.0 if kind == POINT_PLANE else -1.0
+    assert slides[0] == pytest.approx([side * along(of_body), side * along(complex(*row[6:8]))], abs=1e-9)
+    assert per_angle == pytest.approx(0.0 if kind == POINT_PLANE else along(1j * row[10] * place), abs=1e-9)
+    assert np.min(np.abs(slides)) > 1e-4

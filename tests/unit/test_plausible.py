@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
+import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import valvetrain as vt
-from unit.cli_parts import call, sentence
+from unit.cli_parts import SMALL, call, sentence
 from valvetrain.cam.polydyne import Polydyne
 from valvetrain.cam.spline import Spline
 from valvetrain.cam.stations import Stations
 from valvetrain.cam.zero import Zero
 from valvetrain.errors import InputError
-from valvetrain.quantities.plausible import FOUND, TABLES, implausible, lift_extremes, plausible_page, refuse_implausible_motion
+from valvetrain.parameters.loading import parse_case
+from valvetrain.quantities.plausible import (
+    FOUND,
+    TABLES,
+    implausible,
+    lift_extremes,
+    plausible_page,
+    plausible_rest,
+    refuse_implausible_motion,
+)
+from valvetrain.solution.rest_point import RestPoint
+from valvetrain.solution.static import Leaning, SpringAtRest, StaticCurve, StaticStress
+from valvetrain.studies.refined import refined
 from valvetrain.system.build import build
 
 #: Laws that answer, and whose lift is below the base circle between what they were given.
@@ -61,6 +75,23 @@ def test_every_case_of_the_library_is_far_from_every_limit(name):
         refuse_implausible_motion(problem.valve_lift, (1.5 * speed for speed in problem.engine_speeds))
 
 
+HARD_CARD = """
+[spring]
+preload = "200 N"
+rate = "500 N/mm"
+"""
+CARD = """
+[spring]
+preload = "200 N"
+rate = "1 N/mm"
+
+[lift_law]
+kind = "sine-power"
+maximum_lift = "150 mm"
+opening_start = "100 deg"
+closing_end = "260 deg"
+power = 4
+"""
 NARROW = {"lift_law.opening_start": "179.9 deg", "lift_law.closing_end": "180.1 deg"}
 
 
@@ -107,3 +138,88 @@ def test_the_page_shows_every_range_with_its_reason():
     page = (Path(__file__).resolve().parents[2] / "docs" / "plausible.md").read_text(encoding="utf-8")
     assert page == plausible_page()
     assert all(limit.reason in page for limits in TABLES.values() for limit in limits)
+
+
+def test_a_static_curve_of_nonsense_is_named_and_keeps_its_numbers(tmp_path):
+    """A card bears what it is told, and no spring 150 kN."""
+    (tmp_path / "hard.toml").write_text(HARD_CARD)
+    words = ("static", str(tmp_path / "hard.toml"), "--to", "300 mm", "--json")
+    result = call(*words)
+    assert result.exit_code == 1
+    (line,) = result.stderr.splitlines()
+    assert line.startswith("failed: hard by massless, static curve: diverged: a spring force is 1.062e+05 N, above 100000 N")
+    assert ", at 212.5 mm; " in line and "--implausible" in line
+    passed = call(*words, "--implausible")
+    assert passed.exit_code == 0 and passed.stderr == ""
+    told, through = (json.loads(one.stdout)["springs_at_rest"][0]["static_curve"] for one in (result, passed))
+    assert told.pop("status")["code"] == "diverged" and through.pop("status")["code"] == "completed"
+    assert told == through
+
+
+def test_a_static_curve_of_nonsense_is_named_to_a_program_too():
+    case = parse_case(HARD_CARD, name="hard")
+    curve = vt.static_curve(case, "300 mm", spring_model="massless", steps=12)
+    assert curve.status.code == "diverged" and "implausible=True" in curve.status.remedy and curve.force[-1] > 1e5
+    same = vt.static_curve(case, "300 mm", spring_model="massless", steps=12, implausible=True)
+    assert same.status.completed and np.array_equal(same.force, curve.force)
+
+
+def at_rest(**changed: object) -> SpringAtRest:
+    """A spring of 40 N/mm on nine points, to 320 N."""
+    steps, none = np.linspace(0, 8e-3, 9), np.zeros((9, 0))
+    curve = StaticCurve(steps, 40e3 * steps, np.full(9, 40e3), none, none, np.zeros(0), none, np.zeros(0))
+    return replace(SpringAtRest("spring", "finite-element", curve=curve, stress_per_force=1e6), **changed)  # type: ignore[arg-type]
+
+
+def test_each_number_of_a_spring_at_rest_is_held_against_its_range():
+    usual = at_rest()
+    curve = usual.curve
+    assert curve is not None and plausible_rest(usual) is usual
+    stress = StaticStress(curve.compression, np.array([1.0, 2.0]), np.outer(curve.compression, [1e9, 2e12]), np.zeros((9, 2)))
+    wrong = {
+        "a shear stress is 12 GPa, above 10 GPa": at_rest(stress=stress),
+        "a shear stress is 32 GPa, above 10 GPa": at_rest(stress_per_force=1e8, curve=replace(curve, force=320.0 * (curve.force > 300))),
+        "the force on a guide is 2e+05 N, above 100000 N": at_rest(curve=replace(curve, leaning=Leaning(2e-3, 2e5))),
+        "a spring force is -1.1e+05 N, below -100000 N": at_rest(points=(RestPoint(5e-3, -1.1e5, 40e3),)),
+        "a spring force is 1.2e+05 N, above 100000 N": at_rest(curve=replace(curve, force=1.2e5 * (curve.force > 250))),
+    }  # fmt: skip
+    for words, one in wrong.items():
+        found = plausible_rest(one)
+        assert found.curve is not None and one.curve is not None and found.curve.status.code == "diverged", words
+        assert found.curve.status.message.startswith(words), found.curve.status.message
+        assert found.curve.force is one.curve.force and found.points == one.points
+    assert plausible_rest(at_rest(curve=None)).curve is None
+
+
+NARROW_WORDS = [word for path, value in NARROW.items() for word in ("--set", f"{path}={value}")]
+
+
+def test_a_refinement_of_nonsense_is_refused_before_the_work_and_passes_by_an_option(monkeypatch):
+    asked = []
+    monkeypatch.setattr("valvetrain.studies.uncertainty.make_ready", lambda *given: asked.append(given) or (_ for _ in ()).throw(KeyError))
+    case = vt.load_case("job-t", NARROW)
+    with pytest.raises(InputError, match="the lift speed is 4816 m/s, above 50 m/s"):
+        vt.refine(case)
+    assert "--implausible" in sentence(call("refine", "job-t", *NARROW_WORDS)) and not asked
+    with pytest.raises(KeyError):
+        vt.refine(case, implausible=True)
+    rubs = vt.load_case("tdi-pushrod", {"train.valve.friction": "1e9 N"})
+    with pytest.raises(InputError, match="the friction in a guide"):
+        vt.refine(rubs, "3000 rpm")
+
+
+def test_a_lift_that_no_cam_gives_has_no_static_curve(tmp_path):
+    (tmp_path / "long.toml").write_text(CARD)
+    assert "the largest lift is 150 mm, above 100 mm" in sentence(call("static", str(tmp_path / "long.toml")))
+    assert call("static", str(tmp_path / "long.toml"), "--implausible").exit_code == 0
+
+
+def test_a_refinement_keeps_implausible_runs_by_an_option_only(monkeypatch):
+    """A spring driven open in four degrees of the cam: its wire is faster than any steel bears."""
+    monkeypatch.setattr("valvetrain.studies.uncertainty.refuse_implausible", lambda *_: None)
+    text = SMALL.replace("100 deg", "178 deg").replace("260 deg", "182 deg").replace("elements_per_coil = 6", "elements_per_coil = 8")
+    case = parse_case(text, name="small")
+    named, passed = (refined(case, workers=1, implausible=implausible) for implausible in (False, True))
+    assert {row.engine_speed for row in named.rows} == {None} and len(named.failures) == 8
+    assert all("diverged: " in words and "--implausible" in words for words in named.failures)
+    assert not passed.failures and {row.engine_speed is None for row in passed.rows} == {True, False}

@@ -14,12 +14,13 @@ from valvetrain.cli.answers import show_study
 from valvetrain.parameters.loading import load_case
 from valvetrain.report.json import study_json
 from valvetrain.solution.definition import is_defined
+from valvetrain.studies import stages, uncertainty_file
 from valvetrain.studies import train_uncertainty as train_uncertainty_module
-from valvetrain.studies import uncertainty_file
+from valvetrain.studies.error_bars import CONTACT_FACTORS
 from valvetrain.studies.refined import refined
 from valvetrain.studies.run import run_study
 from valvetrain.studies.train_uncertainty import train_uncertainty
-from valvetrain.studies.uncertainty import CONTACT_FACTORS, OWN
+from valvetrain.studies.uncertainty import OWN
 
 RPM = 2 * np.pi / 60
 
@@ -113,7 +114,7 @@ def test_a_train_on_finite_elements_gets_bars_from_two_grids(monkeypatch):
         return {"clash_energy": 1e-3 + 1e-5 * job.step**2 + 4e-5 / finer**2}, ""
 
     monkeypatch.setattr(train_uncertainty_module, "_one", answer)
-    monkeypatch.setattr(train_uncertainty_module, "map_points", lambda point, study, jobs, *_, **__: [point(study, job) for job in jobs])
+    monkeypatch.setattr(stages, "map_points", lambda point, study, jobs, *_, **__: [point(study, job) for job in jobs])
     case = load_case("vaz-ohc")
     variants = tuple(one for one in case.train.variants if one.label == "finite elements, lash 0 mm")
     (row,) = train_uncertainty(case.replace(train=case.train.replace(variants=variants)), workers=1).rows

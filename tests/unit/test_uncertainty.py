@@ -14,9 +14,10 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.quantity import Quantity
 from valvetrain.studies import uncertainty_file
+from valvetrain.studies.error_bars import UncertaintyStudy
 from valvetrain.studies.grid_convergence import DECLARED_ORDER, grid_convergence, observed_order
 from valvetrain.studies.run import run_study
-from valvetrain.studies.uncertainty import UncertaintyStudy, uncertainty_study
+from valvetrain.studies.uncertainty import uncertainty_study
 
 RPM = 2 * np.pi / 60
 

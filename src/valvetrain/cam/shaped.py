@@ -46,7 +46,7 @@ class Shaped:
         if not 0 < self.ramp_lift < self.maximum_lift or not 0 < self.ramp_blend < 1:
             raise InputError("ramp_lift must lie between zero and maximum_lift, and ramp_blend between 0 and 1; correct them")
         shape = np.asarray(self.flank_shape, dtype=float)
-        first_falling = int(np.argmax(shape < 0)) if np.any(shape < 0) else 0
+        first_falling = int(np.argmax(shape < 0))  # 0 where none is
         if len(shape) < 4 or first_falling < 1 or np.any(shape[first_falling:] > 0) or not np.any(shape[:first_falling] > 0):
             raise InputError("flank_shape needs four values or more, first positive, then negative ones; correct it")
         if not np.all(self._scales > 0):

@@ -95,9 +95,10 @@ def read_motion(words: str | None, request: StudyRequest) -> SolidMotion | None:
 
 
 def _tell_cost(request: StudyRequest, motion: SolidMotion | None) -> None:
-    """Say what the solids will take; it is found out before the work, and so is a solver that is not there."""
+    """Say what the solids will take, and refuse what lies beyond the bound; a solver that is not there is found out as well."""
     from valvetrain.cam.build import build_lift_law
-    from valvetrain.studies.solid import check_motion, solid_cost
+    from valvetrain.studies.cost import Cost, refuse_cost
+    from valvetrain.studies.solid import check_motion, solid_cost, solid_of
 
     if motion is not None:
         check_motion(build_lift_law(request.case.lift_law), motion)
@@ -106,3 +107,5 @@ def _tell_cost(request: StudyRequest, motion: SolidMotion | None) -> None:
         words = f"solid finite elements: {cost.elements} elements, {cost.unknowns} unknowns; statics and modes take about "
         words += time_words(cost.statics)
         tell(words if motion is None else f"{words}, the motion of {cost.increments} increments about {time_words(cost.motion)}")
+        longest = solid_of(spring).time_limit
+        refuse_cost(Cost(min(cost.motion, longest)), request.limits, fewer="solid elements or cam degrees")

@@ -14,7 +14,7 @@ from valvetrain.solution.quantity import same_speed
 
 if TYPE_CHECKING:
     from valvetrain.solution.study import Study
-    from valvetrain.studies.uncertainty import Uncertainty
+    from valvetrain.studies.error_bars import Uncertainty
 
 #: Columns of a terminal that every table of a few runs keeps to.
 NARROW = 80

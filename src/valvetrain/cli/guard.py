@@ -11,7 +11,7 @@ from typing import Any
 from typer.core import TyperGroup
 
 from valvetrain.cli.outcome import complain, error_object, manner, set_manner
-from valvetrain.cli.streams import mend_streams, reader_left
+from valvetrain.cli.streams import mend_streams, reader_left, unread
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError
 from valvetrain.solution.gaps import TRACEBACK_VARIABLE
 from valvetrain.studies.stopping import exit_code, listening, noted
@@ -43,6 +43,8 @@ class GuardedGroup(TyperGroup):
                 code = interrupted() if noted() else _report(error)
             except KeyboardInterrupt:
                 code = interrupted()
+            except SystemExit as error:  # rich and the parser end the process where nobody reads what they print
+                code = 0 if isinstance(error.__context__, BrokenPipeError) and unread() else _code_of(error)
             stopped = noted()
         if not standalone_mode:
             return code
@@ -51,6 +53,10 @@ class GuardedGroup(TyperGroup):
                 sys.stdout.flush()
             os._exit(code)
         sys.exit(code)
+
+
+def _code_of(error: SystemExit) -> int:
+    return error.code if isinstance(error.code, int) else FAILED
 
 
 def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:

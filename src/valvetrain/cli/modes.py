@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from valvetrain.cli.options import (
+    MOST_COUNTED,
     CaseArgument,
     ElementsOption,
     JsonOption,
+    LimitOption,
     QuietOption,
     SetOption,
     SpringOption,
@@ -53,21 +55,27 @@ def modes(
     ] = None,
     free_end: Annotated[bool, typer.Option("--free-end", help="The retainer's end moves along the axis with nothing attached.")] = False,
     spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
-    as_json: JsonOption = False, quiet: QuietOption = False,
+    limit: LimitOption = None, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """Natural frequencies of springs, both ends fixed or one with a mass; of a train also with its springs, as one."""
     from valvetrain.cli.case_choice import choose_case
+    from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
+    from valvetrain.studies.cost import FEWER_AT_REST, read_limits
+    from valvetrain.studies.rest_cost import rest_cost
+    from valvetrain.studies.rest_study import CURVE_OF_MODES
 
     chosen = choose_case(case, settings, elements_per_coil)
-    read_count(count, 1, 400, "--count")
+    read_count(count, 1, MOST_COUNTED, "--count")
     if free_end and attached_mass is not None:
         raise InputError("a free end has no mass attached; give --free-end or --attached-mass", "--free-end")
     masses = (0.0,) if free_end else read_amounts(None if attached_mass is None else [attached_mass], "mass", "--attached-mass")
     if len(masses) > 1 or any(mass < 0 for mass in masses):
         raise InputError(f"'{attached_mass}' is no mass; give one of zero or more, such as '50 g'", "--attached-mass")
     state = read_length(compression, "--compression")
-    deliver(compute_modes(chosen, read_models(spring), read_words(spring_set), count, state, masses[0] if masses else None))
+    models, sets = read_models(spring), read_words(spring_set)
+    say_cost(rest_cost(chosen, models, spring_sets=sets, steps=CURVE_OF_MODES, modes=count), read_limits(limit), FEWER_AT_REST)
+    deliver(compute_modes(chosen, models, sets, count, state, masses[0] if masses else None))
 
 
 def compute_modes(

@@ -11,6 +11,9 @@ import typer
 
 from valvetrain.errors import InputError
 
+#: Largest count that an option takes; what a smaller one costs decides whether it is too large.
+MOST_COUNTED = 10**9
+
 
 def matching_cases(begun: str) -> list[str]:
     """Library cases whose names begin so, for the completion of the shell; file names are the shell's own."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +13,9 @@ import typer
 from valvetrain.cli.options import (
     CaseArgument,
     ElementsOption,
+    ImplausibleOption,
     JsonOption,
+    LimitOption,
     OutputOption,
     QuietOption,
     SetOption,
@@ -27,7 +30,8 @@ if TYPE_CHECKING:
 
     from valvetrain.cli.outcome import Outcome
     from valvetrain.parameters.case import Case
-    from valvetrain.studies.uncertainty import UncertaintyStudy
+    from valvetrain.studies.cost import Limits
+    from valvetrain.studies.error_bars import UncertaintyStudy
 
 
 def register(app: typer.Typer) -> None:
@@ -37,54 +41,96 @@ def register(app: typer.Typer) -> None:
 
 @dataclass(frozen=True)
 class RefineRequest:
-    """What was asked for: the case, the folder its file lies in, where results go, and the time."""
+    """What was asked for: the case, the folder its file lies in, where results go, and the time; ``engine_speeds`` (rad/s of the crank,
+    None: the case's own), workers and bounds of the runs, and whether implausible values pass."""
 
     case: Case
     folder: Path
     output: Path | None
     created_at: datetime
+    engine_speeds: tuple[float, ...] | None
+    workers: int
+    limits: Limits
+    implausible: bool
     command: str = "refine"
 
 
 def refine(
     case: CaseArgument, output: OutputOption = None, engine_speed: SpeedOption = None, elements_per_coil: ElementsOption = None,
-    settings: SetOption = None, workers: WorkersOption = None, as_json: JsonOption = False, quiet: QuietOption = False,
+    settings: SetOption = None, workers: WorkersOption = None, limit: LimitOption = None, implausible: ImplausibleOption = False,
+    as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """State the uncertainty of the headline numbers of a spring or a train: finer meshes and steps, other contact constants."""
     from valvetrain.cli.case_choice import choose_case, folder_of
+    from valvetrain.cli.guard import interrupted
+    from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
+    from valvetrain.studies.cost import FEWER_REFINED, read_limits
+    from valvetrain.studies.request_cost import refine_cost
     from valvetrain.studies.run_store import ROOT, check_folder
 
     chosen = choose_case(case, settings, elements_per_coil)
     check_folder(output or ROOT, kept=output is None)
-    request = RefineRequest(chosen, folder_of(case), output, datetime.now(UTC).replace(microsecond=0))
-    deliver(_outcome(request, read_engine_speeds(engine_speed), read_workers(workers)))
+    request = RefineRequest(
+        chosen, folder_of(case), output, datetime.now(UTC).replace(microsecond=0), read_engine_speeds(engine_speed), read_workers(workers),
+        read_limits(limit), implausible,
+    )  # fmt: skip
+    say_cost(refine_cost(chosen, request.engine_speeds, request.workers), request.limits, FEWER_REFINED)
+    study, stopped = _refined(request)
+    outcome = _kept(request, study, stopped)
+    if not stopped:
+        deliver(outcome)
+        return
+    with suppress(typer.Exit):
+        deliver(outcome)
+    words = f"{study.finished} of {study.runs} runs were finished, and their numbers are kept in '{outcome.data['folder']}'"
+    raise typer.Exit(interrupted(f"interrupted: {words}; start the command again for the rest"))
 
 
-def _outcome(request: RefineRequest, engine_speeds: tuple[float, ...] | None, workers: int) -> Outcome:
-    from valvetrain.cli.outcome import Outcome
-    from valvetrain.cli.progress import announce_compilation, busy, progress_bar
-    from valvetrain.cli.study_command import keep_run
-    from valvetrain.report.json import uncertainty_object
-    from valvetrain.report.uncertainty_section import uncertainty_page, uncertainty_table
-    from valvetrain.report.words import rpm
-    from valvetrain.report.write import write_page
-    from valvetrain.solution.atomic import write_text
+def _refined(request: RefineRequest) -> tuple[UncertaintyStudy, bool]:
+    """The study, and whether it was stopped."""
+    from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.studies.refined import refined
+    from valvetrain.studies.stopping import RefinementStopped
 
     case = request.case
     announce_compilation(*(("train",) if case.train is not None else ("statics", "transient")))
-    with progress_bar(case.name) as report:
-        study = refined(case, engine_speeds=engine_speeds, workers=workers, progress=report)
+    try:
+        with progress_bar(case.name) as report:
+            return refined(
+                case, engine_speeds=request.engine_speeds, workers=request.workers, progress=report, limits=request.limits,
+                implausible=request.implausible,
+            ), False  # fmt: skip
+    except RefinementStopped as cut:
+        return cut.study, True
+
+
+def _kept(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Outcome:
+    """The study written to its folder, with a sentence where it was ``stopped`` or a variant failed."""
+    from valvetrain.cli.outcome import Outcome
+    from valvetrain.cli.progress import busy
+    from valvetrain.cli.study_command import keep_run
+    from valvetrain.report.json import uncertainty_object
+    from valvetrain.report.uncertainty_section import levels_table, uncertainty_page, uncertainty_table
+    from valvetrain.report.words import rpm
+    from valvetrain.report.write import write_page
+    from valvetrain.solution.atomic import write_text
+
+    case, engine_speeds = request.case, request.engine_speeds
+    if stopped:
+        rest = f"interrupted: {study.finished} of {study.runs} runs were finished; a speed or variant without all of its runs has no bars"
+        study = replace(study, failures=(*study.failures, rest))
     data = {
         "command": "refine", "case": case.name, "title": case.title, "elements_per_coil": list(study.elements_per_coil),
-        "uncertainties": [uncertainty_object(row) for row in study.rows], "completed": not study.failures, "page": "report.html",
+        "uncertainties": [uncertainty_object(row) for row in study.rows], "completed": not study.failures,
+        "failures": list(study.failures), "page": "report.html",
     }  # fmt: skip
 
     def write(folder: Path) -> list[Path]:
         table = write_text(folder / "uncertainty.csv", uncertainty_table(study.rows).csv())
+        levels = write_text(folder / "levels.csv", levels_table(study).csv())
         page, figures = write_page(uncertainty_page(study), folder)
-        return [table, *figures, page]
+        return [table, levels, *figures, page]
 
     choices = {"engine_speeds": [rpm(speed) for speed in engine_speeds or case.operation.engine_speeds], "engine_speed_unit": "rpm"}
     with busy("writing files"):

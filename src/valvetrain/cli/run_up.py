@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Annotated
 
@@ -10,9 +9,6 @@ import typer
 
 from valvetrain.cli.study_command import StudyRequest, answer_study, study_command
 from valvetrain.errors import InputError
-
-#: Runs to which a request is counted; so many lie beyond every bound.
-MOST_RUNS = 1_000_000
 
 
 def register(app: typer.Typer) -> None:
@@ -29,10 +25,11 @@ def run_up(
     duration: Annotated[str, typer.Option("--duration", metavar="TIME", help="Time between them.")] = "2 s",
 ) -> None:  # fmt: skip
     """Accelerate a train through its speeds: envelope of forces, loss of contact and float over engine speed."""
-    from valvetrain.cli.limits import refuse_beyond
+    from valvetrain.cli.limits import say_cost
     from valvetrain.cli.options import read_engine_speeds
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.studies.request_cost import USUAL_CYCLES
+    from valvetrain.studies.cost import FEWER
+    from valvetrain.studies.request_cost import run_up_cost
     from valvetrain.studies.run_up import run_up_study
     from valvetrain.units import parse_quantity
 
@@ -43,10 +40,7 @@ def run_up(
     if not seconds > 0:
         raise InputError(f"the run-up must take a positive time; it takes {seconds:g} s", "--duration")
     request = replace(request, command="run-up")
-    # as many steady runs as take the same simulated time
-    mean = (begin + end) / 2
-    runs = max(1, math.ceil(min(seconds * mean / (4 * math.pi) / USUAL_CYCLES, MOST_RUNS)))
-    refuse_beyond(replace(request, engine_speeds=(mean,) * runs), whole=False)
+    say_cost(run_up_cost(request, (begin, end, seconds)), request.limits, FEWER)
     announce_compilation("train")
     answer_study(
         request,

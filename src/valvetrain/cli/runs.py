@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.studies.run_store import KeptRun
+    from valvetrain.studies.unfinished_runs import UnfinishedFolder
 
 RootOption = Annotated[Path, typer.Option("--folder", metavar="FOLDER", help="Folder that runs are kept in.")]
 #: Numbers that stand for a run in the list: the first of them that it has, the largest where it has several.
@@ -31,13 +32,21 @@ def runs(
     case: Annotated[str | None, typer.Argument(metavar="[CASE]", help="List the runs of this case only.", show_default=False)] = None,
     folder: RootOption = Path("runs"), as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """List the runs that were kept, newest first."""
+    """List the runs that were kept, newest first, and those that were begun and not finished."""
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.studies.run_store import kept_runs
+    from valvetrain.studies.unfinished_runs import unfinished_runs
 
-    found = kept_runs(case or "", folder)
-    data = {"command": "runs", "runs": [_run_object(run) for run in found]}
-    deliver(Outcome(data, lambda console: _show(console, found, folder)))
+    found, begun = kept_runs(case or "", folder), unfinished_runs(case or "", folder)
+    data = {"command": "runs", "runs": [_run_object(run) for run in found], "unfinished": [_unfinished_object(one) for one in begun]}
+
+    def show(console: Console) -> None:
+        if found or not begun:
+            _show(console, found, folder)
+        if begun:
+            _show_unfinished(console, begun)
+
+    deliver(Outcome(data, show))
 
 
 def _run_object(run: KeptRun) -> dict[str, Any]:
@@ -45,8 +54,25 @@ def _run_object(run: KeptRun) -> dict[str, Any]:
     return {
         "created_at": run.created_at, "case": run.case, "digest": run.digest, "asked": run.answer.get("command"),
         "spring_models": choices.get("spring_models", []), "engine_speeds": {"values": choices.get("engine_speeds", []), "unit": "rpm"},
-        "completed": run.answer.get("completed"), "headline": headline(run.answer), "folder": str(run.folder),
+        "completed": run.answer.get("completed"), "state": state(run), "headline": headline(run.answer), "folder": str(run.folder),
     }  # fmt: skip
+
+
+def _unfinished_object(one: UnfinishedFolder) -> dict[str, Any]:
+    return {
+        "created_at": one.created_at, "case": one.case, "state": "going on" if one.goes_on else "killed", "finished_runs": one.finished,
+        "command_line": list(one.command_line), "folder": str(one.folder),
+    }  # fmt: skip
+
+
+def state(run: KeptRun) -> str:
+    """How a kept run ended: ``completed``, ``failed`` or, by a signal, ``interrupted``."""
+    if run.answer.get("completed"):
+        return "completed"
+    runs, failures = run.answer.get("runs", ()), run.answer.get("failures", ())
+    codes = [one["status"].get("code") for one in runs if isinstance(one.get("status"), dict)]
+    told = isinstance(failures, list) and any(isinstance(words, str) and words.startswith("interrupted") for words in failures)
+    return "interrupted" if told or "interrupted" in codes else "failed"
 
 
 def headline(answer: Any) -> dict[str, Any] | None:
@@ -96,5 +122,20 @@ def _row(run: KeptRun, named: bool) -> tuple[str, ...]:
     return (
         run.created_at[5:16].replace("T", " "), run.case, run.digest, str(run.answer.get("command", "")),
         ",\n".join(models[:2]) + (f" +{len(models) - 2}" if len(models) > 2 else ""), words,
-        "" if run.answer.get("completed") else "failed", told,
+        "" if (ended := state(run)) == "completed" else ended, told,
     )  # fmt: skip
+
+
+def _show_unfinished(console: Console, begun: tuple[UnfinishedFolder, ...]) -> None:
+    from valvetrain.studies.run_store import LIST
+
+    console.print(f"\nbegun and not finished{f', the newest {MOST_ROWS} of {len(begun)}' if len(begun) > MOST_ROWS else ''}:")
+    for one in begun[:MOST_ROWS]:
+        when, how = one.created_at[5:16].replace("T", " "), "goes on" if one.goes_on else "killed"
+        holds = f"{one.finished} finished run{'' if one.finished == 1 else 's'}, {one.files} file{'' if one.files == 1 else 's'}"
+        console.print(f"  {when}  {one.case}, {how}: {holds} in '{one.folder}'", soft_wrap=True)
+        if not one.goes_on and one.command:
+            console.print(f"    again from its begin: {one.command}", soft_wrap=True)
+    if any(not one.goes_on for one in begun):
+        kept = f"numbers of finished runs stand in '{LIST}', their channels in run-0001.nc and so on"
+        console.print(f"\nOf a killed run {kept}; delete its folder to remove it.", soft_wrap=True)

@@ -10,9 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from valvetrain.cli.options import (
+    MOST_COUNTED,
     CaseArgument,
     ElementsOption,
+    ImplausibleOption,
     JsonOption,
+    LimitOption,
     QuietOption,
     SetOption,
     SpringOption,
@@ -62,27 +65,33 @@ def static(
     ] = None,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the curve to a CSV file.", show_default=False)] = None,
     spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
-    as_json: JsonOption = False, quiet: QuietOption = False,
+    limit: LimitOption = None, implausible: ImplausibleOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """Force, stiffness and stress over compression, coils closing, of every spring of a case, and at heights and loads asked for."""
     from valvetrain.cli.case_choice import choose_case
+    from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
     from valvetrain.solution.atomic import check_target
+    from valvetrain.studies.cost import FEWER_AT_REST, read_limits
+    from valvetrain.studies.rest_cost import rest_cost
 
     chosen, largest = choose_case(case, settings, elements_per_coil), read_length(to, "--to")
-    read_count(steps, 2, 2000, "--steps")
+    read_count(steps, 2, MOST_COUNTED, "--steps")
     if csv is not None:
         check_target(csv, "--csv")
-    asked = read_amounts(height, "length", "--height"), read_amounts(load, "force", "--load")
-    deliver(compute_static(chosen, read_models(spring), read_words(spring_set), largest, steps, csv, *asked))
+    heights, loads = read_amounts(height, "length", "--height"), read_amounts(load, "force", "--load")
+    models, sets = read_models(spring), read_words(spring_set)
+    cost = rest_cost(chosen, models, spring_sets=sets, steps=steps, heights=len(heights), loads=len(loads))
+    say_cost(cost, read_limits(limit), FEWER_AT_REST)
+    deliver(compute_static(chosen, models, sets, largest, steps, csv, heights, loads, implausible))
 
 
 def compute_static(
     case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], largest: float | None, steps: int, csv: Path | None = None,
-    heights: tuple[float, ...] = (), loads: tuple[float, ...] = (),
+    heights: tuple[float, ...] = (), loads: tuple[float, ...] = (), implausible: bool = False,
 ) -> Outcome:  # fmt: skip
     """Solve the static curves up to ``largest`` (m; None: a little beyond full lift), and at ``heights`` (m) and ``loads`` (N); write
-    ``csv`` where asked."""
+    ``csv`` where asked. ``implausible``: let values pass that no spring can have."""
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.report.json import study_json
@@ -93,7 +102,7 @@ def compute_static(
     with progress_bar("static curve") as report:
         study = rest_study(
             case, spring_models, spring_sets=spring_sets, command="static", largest_compression=largest, steps=steps, heights=heights,
-            loads=loads, progress=report,
+            loads=loads, progress=report, implausible=implausible,
         )  # fmt: skip
     data = study_json(study)
     if csv is not None:

@@ -40,3 +40,11 @@ def reader_left() -> bool:
     except (OSError, ValueError):
         return False
     return True
+
+
+def unread() -> bool:
+    """As :func:`reader_left`, also where rich has seen it first and put the null device in the place of standard output."""
+    try:
+        return os.path.samestat(os.fstat(sys.stdout.fileno()), os.stat(os.devnull)) or reader_left()
+    except (OSError, ValueError):
+        return False

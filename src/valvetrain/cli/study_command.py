@@ -159,7 +159,8 @@ def answer_study(
     from valvetrain.studies.run_store import unfinished_folder
     from valvetrain.studies.stopping import StudyStopped
 
-    kept = UnfinishedRun(lambda: request.output or unfinished_folder(request.case.name, request.created_at))
+    begun = ("valvetrain", *sys.argv[1:])
+    kept = UnfinishedRun(lambda: request.output or unfinished_folder(request.case.name, request.created_at), begun)
     stopped = False
     try:
         with progress_bar(request.case.name) as report:
@@ -246,7 +247,7 @@ def keep_run(
     from valvetrain.cli.outcome import plain
     from valvetrain.solution.gaps import Gaps
     from valvetrain.solution.provenance import collect_provenance
-    from valvetrain.studies.run_store import Inputs, collect_inputs, finish_folder, keep, link_latest, new_folder
+    from valvetrain.studies.run_store import Inputs, collect_inputs, finish_folder, keep, link_latest, new_folder, remove_unfinished
 
     missing = Gaps() if gaps is None else gaps
     asked = {"command": request.command, **choices}
@@ -254,6 +255,8 @@ def keep_run(
     inputs = missing.part("inputs of the run", bare, collect_inputs, request.case.name, text, request.folder, asked)
     if request.output is not None:
         folder = request.output
+        if unfinished is None:
+            missing.part("what a killed run left in the folder", None, remove_unfinished, folder)
     elif unfinished is not None:
         folder = missing.part("folder of the run", unfinished, finish_folder, unfinished, inputs, request.created_at)
     else:

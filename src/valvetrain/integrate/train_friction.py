@@ -10,7 +10,7 @@ import math
 
 from valvetrain.compiled import njit
 from valvetrain.mechanism.gaps import OPTIONS
-from valvetrain.mechanism.sliding import sliding_gradient
+from valvetrain.mechanism.sliding import SLIDING_SLOTS, sliding_gradient
 
 
 @njit(forceinline=True, **OPTIONS)
@@ -37,7 +37,7 @@ def rub(train, q, cam_angle, cam_speed, step, v, scratch):
             continue
         driven = cam_speed * sliding_gradient(k, train.kinds, index, train.geometry, train.tables, train.table_of, q, cam_angle, slides)
         free, mobility = driven, 0.0
-        for slot in range(4):
+        for slot in range(SLIDING_SLOTS):
             i = index[k, slot]
             if i >= 0:
                 free += slides[k, slot] * v[i]
@@ -45,7 +45,7 @@ def rub(train, q, cam_angle, cam_speed, step, v, scratch):
         limit = step * friction[k, 0] * gaps[k, 2]
         after = slowed(free, limit * mobility, friction[k, 1])
         impulse = limit * math.tanh(after / friction[k, 1])
-        for slot in range(4):
+        for slot in range(SLIDING_SLOTS):
             i = index[k, slot]
             if i >= 0:
                 v[i] -= impulse * slides[k, slot] / scratch.guides[i, 0]
@@ -59,7 +59,7 @@ def friction_loss(index, v, scratch):
     for k in range(index.shape[0]):
         if rubbing[k, 0] != 0.0:
             rate = rubbing[k, 1]
-            for slot in range(4):
+            for slot in range(SLIDING_SLOTS):
                 if index[k, slot] >= 0:
                     rate += 0.5 * slides[k, slot] * (old[index[k, slot]] + v[index[k, slot]])
             lost += rubbing[k, 0] * rate

@@ -293,7 +293,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
 def scratch_of(n, count, states):
     """Empty working memory for n interactions, ``count`` coordinates and ``states`` numbers that the laws remember."""
     return Scratch(
-        np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 2)), np.zeros((n, n)), np.zeros((n, count)),
+        np.zeros(count), np.zeros((n, 4)), np.zeros((n, 4)), np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((n, n)), np.zeros((n, count)),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros((n, 2)),
         np.zeros((n, 4)), np.zeros(n, dtype=np.int64), np.zeros((count, 3)), np.zeros(n), np.zeros(n),
         np.zeros((n, 4)), np.zeros(states), np.ones(n),

@@ -93,9 +93,10 @@ class Scratch(NamedTuple):
     """Working memory of the loop.
 
     ``old`` (N,): velocities before the step. ``gaps`` (n, 4): penetration, gap rate of the cam alone, rate-free force that becomes the
-    whole force, damping coefficient. ``gradients``, ``slides`` (n, 4) per coordinate slot; ``rubbing`` (n, 2): friction impulse, sliding
-    of the cam. ``matrix`` to ``held``: the damping solve. ``before`` (n, 2): penetrations one and two steps ago. ``track`` (n, 4): largest
-    gap, its cam angle and largest force since the last transition, force of the step before; ``latest`` (n,): its row, -1 for none.
+    whole force, damping coefficient. ``gradients`` (n, 4) per coordinate slot, ``slides`` (n, 2) of the first two; ``rubbing`` (n, 2):
+    friction impulse, sliding of the cam. ``matrix`` to ``held``: the damping solve. ``before`` (n, 2): penetrations one and two steps
+    ago. ``track`` (n, 4): largest gap, its cam angle and largest force since the last transition, force of the step before; ``latest``
+    (n,): its row, -1 for none.
     ``guides`` (N, 3): see
     ``train_damping.guide``. ``rate``, ``bend`` (n,): rate of the penetration before the step, and by how much it exceeds the change of
     the penetration. ``blows`` (n, 4): see ``train_blows.finest_step``;

@@ -117,7 +117,7 @@ def build_single_mass(planar: AssembledMechanism) -> AssembledMechanism:
     return AssembledMechanism(
         f"{planar.name}, single mass",
         (valve,),
-        (cam, replace(seat, coordinates=("valve",))),
+        (cam, seat),
         {"cam lift": scaled},
         "valve",
         "valve",

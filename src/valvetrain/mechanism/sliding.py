@@ -14,14 +14,14 @@ from valvetrain.mechanism.gap_kinds import ARC_RADIUS, CAM_FLAT, CAM_ROUND, POIN
 from valvetrain.mechanism.gaps import OPTIONS, _planar_point, table_value
 
 SLIDING_KINDS = (CAM_FLAT, CAM_ROUND, POINT_PLANE)
+SLIDING_SLOTS = 2
+"""A contact slides with its body and the support alone: the partner of a plane moves along the normal, a bar's ends slide nowhere."""
 
 
 @njit(forceinline=True, **OPTIONS)
 def sliding_gradient(k, kinds, index, geometry, tables, table_of, q, cam_angle, slides):
-    """Sliding velocity of interaction ``k`` per cam speed (m/rad); row k of ``slides`` (n, 4) is filled with that per coordinate."""
+    """Sliding velocity of interaction ``k`` per cam speed (m/rad); row k of ``slides`` (n, 2) is filled with that per coordinate."""
     kind, sense = kinds[k], geometry[k, 10]
-    for slot in range(4):
-        slides[k, slot] = 0.0
     x, y, dx, dy, turn = _planar_point(k, index, geometry, q)
     if kind == POINT_PLANE:
         nx, ny = geometry[k, 8], geometry[k, 9]

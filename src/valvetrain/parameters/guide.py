@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,7 +35,7 @@ class Guide:
             raise InputError("a guide needs the diameter of its bore, of its rod, or both; give one, or leave the guide out")
         for name in ("bore", "rod", "stiffness"):
             value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0):
+            if value is not None and not value > 0:
                 raise InputError(f"{name} of the guide must be positive; it is {value:g}")
 
     def check_fit(self, spring: SpringDefinition) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -32,7 +31,7 @@ class CoilContact:
         keep_si(self, "the coil contact", stiffness="line stiffness", damping_time="time")
         for name in ("stiffness", "damping_time"):
             value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0):
+            if not value >= 0:
                 raise InputError(f"{name} of the coil contact must be zero or a positive number; it is {value:g}")
 
 

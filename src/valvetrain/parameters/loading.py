@@ -37,7 +37,11 @@ _DEEP_KEY = re.compile(rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[
 
 def case_of(case: AnyCase) -> Case:
     """The case itself, or the one of that name or path; errors as :func:`load_case`."""
-    return case if isinstance(case, Case) else load_case(case)
+    if isinstance(case, Case):
+        return case
+    if not isinstance(case, (str, os.PathLike)):
+        raise InputError(f"'{str(case)[:40]}' is no case; give a Case, the name of a library case or the path of a case file")
+    return load_case(case)
 
 
 def load_case(name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None) -> Case:

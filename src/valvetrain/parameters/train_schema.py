@@ -218,7 +218,7 @@ class TrainModel(StrictModel):
         """The frozen parameters; raises a located problem."""
         guarded(lambda: check_kind(self.kind), path=("kind",))
         parts = {
-            name: guarded(part.build, path=(name,))
+            name: placed(name, part.build)
             for name in ("cam", "follower", "valve", "lever", "pushrod", "support", "crank", "gas")
             if (part := getattr(self, name)) is not None
         }

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from valvetrain.cam.contract import TURN, LiftLaw
 from valvetrain.errors import InputError
 from valvetrain.solution.result import Solution
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.status import Status
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +113,35 @@ def implausible(solution: Solution) -> str:
     return ""
 
 
+def plausible_rest(one: SpringAtRest) -> SpringAtRest:
+    """The spring at rest, its curve or, where it has none, nothing as ``diverged`` where a number of it is nonsense; all numbers stay."""
+    if one.curve is None or not (found := _implausible_rest(one)):
+        return one
+    words, compression = found
+    status = Status("diverged", words, where=f"{compression * 1e3:.4g} mm", remedy=REMEDY)
+    return replace(one, curve=replace(one.curve, status=status))
+
+
+def _implausible_rest(one: SpringAtRest) -> tuple[str, float] | None:
+    """The first nonsense of a spring at rest, in words without a remedy, and the compression (m) it comes out at."""
+    assert one.curve is not None
+    curve, nominal = one.curve, one.stress_per_force
+    rows = [("peak_spring_force", curve.compression, curve.force)]
+    if nominal is not None:
+        rows.append(("nominal_peak_shear_stress", curve.compression, nominal * curve.force))
+    if one.stress is not None and one.stress.shear.size:
+        rows.append(("peak_shear_stress", one.stress.compression, np.max(one.stress.shear, axis=1)))
+    if curve.leaning is not None:
+        rows.append(("guide_force", curve.compression[-1:], np.array([curve.leaning.force])))
+    rows += [("peak_spring_force", np.array([point.compression]), np.array([point.force])) for point in one.points]
+    for name, places, values in rows:
+        for limit in FOUND:
+            wrong = [place for place, value in enumerate(values.tolist()) if limit.holds(name) and limit.why_not(value)]
+            if wrong:
+                return limit.why_not(float(values[wrong[0]])), float(places[wrong[0]])
+    return None
+
+
 def _numbers(solution: Solution) -> Iterator[tuple[str, float]]:
     yield from solution.quantities.items()
     for name in ("retainer_velocity", "valve_velocity", "axial_velocity", "outer_axial_velocity", "inner_axial_velocity"):
@@ -125,8 +156,8 @@ def plausible_page() -> str:
     lines = [
         "# Plausible values\n",
         "Equations have solutions for numbers that no valvetrain has. Beyond these ranges a request is refused before it is run,",
-        "and a run that reaches one ends with the status `diverged`, its numbers kept. `--implausible`, or `implausible=True` in",
-        "Python, lets all of them pass; `scripts/write_plausible.py` writes this page.\n",
+        "and a run, or a static curve, that reaches one ends with the status `diverged`, its numbers kept. `--implausible`, or",
+        "`implausible=True` in Python, lets all of them pass; `scripts/write_plausible.py` writes this page.\n",
         "| | quantity | least | largest | reason |",
         "|---|---|---|---|---|",
     ]

@@ -23,7 +23,7 @@ from valvetrain.solution.study import Study
 from valvetrain.studies.uncertainty_file import fresh_uncertainty
 
 if TYPE_CHECKING:
-    from valvetrain.studies.uncertainty import Uncertainty
+    from valvetrain.studies.error_bars import Uncertainty
 
 #: Units of numbers whose names do not tell them; an event's details, options and statistics of a run, facts of a spring at rest.
 _UNITS = {

@@ -10,7 +10,7 @@ from valvetrain.report.words import number, rpm, speed_words
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.quantity import Quantity
-from valvetrain.studies.uncertainty import CONTACT_FACTORS, DAMPING_FACTORS, STIFFNESS_FACTORS, Range, Uncertainty, UncertaintyStudy
+from valvetrain.studies.error_bars import CONTACT_FACTORS, DAMPING_FACTORS, STIFFNESS_FACTORS, Range, Uncertainty, UncertaintyStudy
 
 _HEADERS = ("quantity", "value", "± numerical", "", "unit", "order", "extrapolated")
 
@@ -60,6 +60,18 @@ def uncertainty_table(rows: Sequence[Uncertainty]) -> Table:
     variant = (("variant", "", [row.label for row in rows]),) if any(row.label for row in rows) else ()
     head = (("quantity", "", [row.quantity for row in rows]), *variant, ("engine speed", "rpm", speeds), ("unit", "", units))
     return table(*head, *((name, "", values) for name, values in numbers.items()))
+
+
+def levels_table(study: UncertaintyStudy) -> Table:
+    """Every number (SI) of every run behind the error bars for ``levels.csv``, as :func:`uncertainty_table`."""
+    found = [(level, speed, name, value) for level, by_speed in study.values.items() for speed, numbers in by_speed.items()
+             for name, value in numbers.items()]  # fmt: skip
+    speeds = [float("nan") if speed is None else rpm(speed) for _, speed, _, _ in found]
+    names = [name for _, _, name, _ in found]
+    return table(
+        ("level", "", [level for level, _, _, _ in found]), ("engine speed", "rpm", speeds), ("quantity", "", names),
+        ("unit", "", [Quantity(name).unit for name in names]), ("value", "", [value for _, _, _, value in found]),
+    )  # fmt: skip
 
 
 def uncertainty_page(study: UncertaintyStudy) -> Page:

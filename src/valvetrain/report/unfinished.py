@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +19,13 @@ class UnfinishedRun:
     """Keeps solutions as they come, in a folder that ``make_folder`` makes for the first of them.
 
     ``unfinished-runs.jsonl`` holds a line per solution: label, model, engine speed, status, quantities and, where it keeps channels, its
-    ``file`` (NetCDF). Nothing here ends a study: what cannot be written is among the ``gaps``.
+    ``file`` (NetCDF); the first holds the ``command_line`` too, words of the command that began it. Nothing here ends a study: what
+    cannot be written is among the ``gaps``.
     """
 
-    def __init__(self, make_folder: Callable[[], Path]) -> None:
+    def __init__(self, make_folder: Callable[[], Path], command_line: Sequence[str] = ()) -> None:
         self._make_folder = make_folder
+        self._command_line = tuple(command_line)
         self._handle: int | None = None
         self._files: dict[int, tuple[Solution, str]] = {}
         self.folder: Path | None = None
@@ -54,14 +56,17 @@ class UnfinishedRun:
         self._handle = None
 
     def _add(self, place: int, solution: Solution) -> None:
+        begins = self.folder is None
         if self.folder is None:
-            self.folder = self._make_folder()
-            self._handle = mark_unfinished(self.folder)
+            folder = self._make_folder()
+            self._handle, self.folder = mark_unfinished(folder), folder
         assert self._handle is not None
         row: dict[str, Any] = {
             "label": solution.label, "model": solution.model, "engine_speed": engine_speed_object(solution.engine_speed),
             "status": status_object(solution.status), "quantities": quantities_object(solution.quantities),
         }  # fmt: skip
+        if begins:
+            row["command_line"] = list(self._command_line)
         if solution.arrays.variables and len(solution.time):
             name = row["file"] = f"run-{place + 1:04d}.nc"
             save_netcdf(solution, self.folder / name)

@@ -103,6 +103,11 @@ def is_abandoned(path: Path) -> bool:
     return True
 
 
+def is_living(path: Path) -> bool:
+    """Whether a process that lives holds the lock of a file; never where there are no such locks."""
+    return fcntl is not None and not is_abandoned(path)
+
+
 def lock(handle: int) -> bool:
     """Lock an open file for as long as this process lives or keeps it open; False where another process has it.
 

@@ -38,6 +38,8 @@ class Status:
         if self.completed and not self.message:
             return "completed"
         place = f" at {self.where}" if self.where else ""
+        if self.where and not self.time and self.code in ("not-converged", "diverged"):  # of a spring at rest
+            return f"{self.code}: {self.message}, at {self.where}{f'; {self.remedy}' if self.remedy else ''}"
         timeless = self.completed or self.code in ("refused", "buckled", "worker-lost") or (self.code == "interrupted" and not self.time)
         when = "" if timeless else f", at time {self.time:.6g} s{place}"
         remedy = f"; {self.remedy}" if self.remedy else ""

@@ -50,7 +50,7 @@ class EquivalentSpring:
 
     def __post_init__(self) -> None:
         keep_si(self, f"spring '{self.name}'", rate="spring_rate", preload="force", active_mass="mass", inactive_mass="mass")
-        if not (np.isfinite(self.rate) and self.rate > 0):
+        if not self.rate > 0:
             raise InputError(f"rate of spring '{self.name}' is {self.rate} N/m; give a positive rate")
         if not self.active_mass > 0:
             raise InputError(f"mass of spring '{self.name}' is {self.active_mass} kg; a vibrating spring needs a positive mass")

@@ -53,7 +53,7 @@ class RodModel:
 
     def __post_init__(self) -> None:
         keep_si(self, f"spring '{self.name}'", precompression="compression", time_step="time")
-        if not (np.isfinite(self.precompression) and self.precompression >= 0):
+        if not self.precompression >= 0:
             raise InputError(f"precompression of spring '{self.name}' is {self.precompression} m; give zero or a positive length")
         if self.seats not in ("planes", "clamps"):
             raise InputError(f"seats '{self.seats}' of spring '{self.definition.name}' is unknown; use planes or clamps")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from valvetrain.errors import InputError
 
 #: Share of the wire's mass that moves with the retainer in the static shape (Rayleigh).
@@ -12,9 +10,9 @@ RAYLEIGH_FRACTION = 1.0 / 3.0
 
 def check_masses(name: str, preload: float, active_mass: float, fraction: float, inactive_mass: float) -> None:
     """Raise :class:`InputError` for a preload or mass no spring has."""
-    if not np.isfinite(preload) or preload < 0:
+    if preload < 0:
         raise InputError(f"preload of spring '{name}' is {preload} N; give zero or a positive force")
-    if not (np.isfinite(active_mass) and np.isfinite(inactive_mass) and active_mass >= 0 and inactive_mass >= 0):
+    if active_mass < 0 or inactive_mass < 0:
         raise InputError(f"mass of spring '{name}' is {active_mass} kg (fixed ends {inactive_mass} kg); give zero or positive masses")
     if not 0 <= fraction <= 1:
         raise InputError(f"effective_mass_fraction of spring '{name}' is {fraction}; it must lie between 0 and 1 (one third is usual)")

@@ -49,7 +49,7 @@ class MasslessSpring:
 
     def __post_init__(self) -> None:
         keep_si(self, f"spring '{self.name}'", rate="spring_rate", preload="force", active_mass="mass", inactive_mass="mass")
-        if not (np.isfinite(self.rate) and self.rate > 0):
+        if not self.rate > 0:
             raise InputError(f"rate of spring '{self.name}' is {self.rate} N/m; give a positive rate")
         check_masses(self.name, self.preload, self.active_mass, self.effective_mass_fraction, self.inactive_mass)
 
@@ -128,8 +128,6 @@ class MasslessTable:
         keep_si(self, f"spring '{self.name}'", active_mass="mass", inactive_mass="mass")
         if len(self.displacements) != len(self.forces) or len(self.forces) < 2:
             raise InputError(f"static curve of spring '{self.name}' needs at least two points, each with displacement and force")
-        if not (np.all(np.isfinite(self.displacements)) and np.all(np.isfinite(self.forces))):
-            raise InputError(f"static curve of spring '{self.name}' holds a value that is not a finite number; replace it")
         if np.any(np.diff(self.displacements) <= 0) or np.any(np.diff(self.forces) <= 0):
             raise InputError(f"static curve of spring '{self.name}' must rise in displacement and force; sort it and remove repeats")
         preload = float(np.interp(0.0, self.displacements, self.forces))

@@ -64,7 +64,7 @@ class ModalUniform:
         if self.natural_frequencies and (min(self.natural_frequencies) <= 0 or np.any(np.diff(self.natural_frequencies) <= 0)):
             raise InputError(f"frequencies of {label} must be positive and rising")
         for key in ("damping_ratio", "mass_damping", "stiffness_damping"):
-            if not (np.isfinite(getattr(self, key)) and getattr(self, key) >= 0):
+            if not getattr(self, key) >= 0:
                 raise InputError(f"{key} of {label} is {getattr(self, key)}; give zero or a positive number")
         if np.max(self.ratios) >= 1:
             raise InputError(f"damping of {label} exceeds critical in its highest mode; lower stiffness_damping or take fewer modes")

@@ -52,7 +52,7 @@ class MultiMassSpring:
         keep_si(self, f"spring '{self.name}'", precompression="compression", mass_damping="damping rate", stiffness_damping="time",
                 contact_damping_time="time")  # fmt: skip
         for key in ("precompression", "mass_damping", "stiffness_damping", "contact_damping_time"):
-            if not (np.isfinite(getattr(self, key)) and getattr(self, key) >= 0):
+            if not getattr(self, key) >= 0:
                 raise InputError(f"{key} of spring '{self.name}' is {getattr(self, key)}; give zero or a positive number")
 
     @classmethod

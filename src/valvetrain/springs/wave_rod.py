@@ -54,7 +54,7 @@ class WaveRod:
         keep_si(self, f"the rod of spring '{self.spring.name}'", friction="damping rate")
         if self.cells < 3:
             raise InputError(f"the rod of spring '{self.spring.name}' has {self.cells} cells; give at least 3 (200 is usual)")
-        if not (np.isfinite(self.friction) and self.friction >= 0):
+        if not self.friction >= 0:
             raise InputError(f"friction of the rod of spring '{self.spring.name}' is {self.friction} 1/s; give zero or a positive number")
 
     @property

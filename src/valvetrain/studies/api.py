@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -12,14 +14,16 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
-from valvetrain.studies.batch import available_cores
+from valvetrain.studies.batch import worker_count
 from valvetrain.studies.compare import compare_study
-from valvetrain.studies.cost import Limits, read_limits, refuse_cost
+from valvetrain.studies.cost import FEWER_AT_REST, Limits, limits_of, refuse_cost
 from valvetrain.studies.critical_speeds import read_options
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.largest_lift import largest_lift
-from valvetrain.studies.request_cost import Asked, request_cost
+from valvetrain.studies.planned import Asked
+from valvetrain.studies.request_cost import request_cost
 from valvetrain.studies.rest import STEPS
+from valvetrain.studies.rest_cost import spring_cost
 from valvetrain.studies.rest_study import curve_by_model
 from valvetrain.studies.run import run_study
 from valvetrain.studies.sweep import sweep_study
@@ -186,7 +190,7 @@ def critical_speeds(
 
 def static_curve(
     spring: SpringDefinition | InstalledSpring | AnyCase, largest_compression: Given | None = None, *, spring_model: str = "finite-element",
-    steps: int = STEPS,
+    steps: int = STEPS, limit: str = "", implausible: bool = False,
 ) -> StaticCurve:  # fmt: skip
     """Force and stiffness over compression of one spring from its free state, coils closing.
 
@@ -197,14 +201,16 @@ def static_curve(
         of the way to coil bind where there is no lift
     spring_model : word of the spring model; one that knows the installed state only (a card) holds from there on
     steps : even steps of the curve
+    limit, implausible : as for :func:`simulate`
 
     Returns
     -------
-    StaticCurve of arrays (steps + 1,): compression m, force N, stiffness N/m; shorter, with a status, where no equilibrium is found
+    StaticCurve of arrays (steps + 1,): compression m, force N, stiffness N/m; shorter, with a status, where no equilibrium is found, and
+    with the status "diverged" where its force is none that a spring can have
 
     Raises
     ------
-    InputError : a compression beyond coil bind, several springs in the case, a model that cannot stand for the spring
+    InputError : a compression beyond coil bind, several springs in the case, a model that cannot stand for the spring, too many steps
 
     Examples
     --------
@@ -222,10 +228,12 @@ def static_curve(
                 f"case '{problem.record.name}' holds {len(problem.springs)} springs ({names}); give one, such as case.springs[0]"
             )
         installed, lift = problem.springs[0], largest_lift(problem)
-    if steps < 1:
-        raise InputError(f"a static curve needs one step or more; it has {steps}")
+    if not (isinstance(steps, (int, np.integer)) and steps >= 1):
+        raise InputError(f"a static curve needs a whole number of steps, one or more; '{str(steps)[:40]}' is none", "steps")
     wanted = None if largest_compression is None else si(largest_compression, "compression", "largest_compression")
-    return curve_by_model(installed, spring_model, lift, wanted, steps)
+    limits = limits_of(limit)
+    refuse_cost(spring_cost(installed, spring_model, steps), limits, "limit=", FEWER_AT_REST)
+    return curve_by_model(installed, spring_model, lift, wanted, steps, implausible)
 
 
 def _checked(
@@ -233,8 +241,8 @@ def _checked(
     whole: bool = True, searches: bool = False,
 ) -> Limits:  # fmt: skip
     """The bounds of ``limit``. Raises :class:`InputError` for a request whose estimated cost is beyond them."""
-    limits = read_limits((limit,) if limit else (), "limit")
-    asked = Asked(command, case, speeds, tuple(models), tuple(sets), available_cores() if workers is None else workers)
+    limits = limits_of(limit)
+    asked = Asked(command, case, speeds, tuple(models), tuple(sets), worker_count(workers))
     refuse_cost(request_cost(asked, whole, searches), limits, "limit=")
     return limits
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from numbers import Integral
 from typing import Any, TypeVar
 
 from valvetrain.errors import InputError, RunFailedError
@@ -43,10 +44,7 @@ def map_cases(
     ['job-t', 'gu2021-beehive']
     """
     items: Sequence[Case] = tuple(cases)
-    count = available_cores() if workers is None else workers
-    if count < 1:
-        raise InputError(f"workers must be 1 or more; it is {count}")
-    count = min(count, max(len(items), 1))
+    count = min(worker_count(workers), max(len(items), 1))
     results: dict[int, Result] = {}
     for place, result in _results(function, items, count):
         if isinstance(result, Lost):
@@ -55,6 +53,15 @@ def map_cases(
         if progress is not None:
             progress(len(results), len(items))
     return tuple(results[place] for place in range(len(items)))
+
+
+def worker_count(workers: int | None) -> int:
+    """``workers``, None for the cores there are. Raises :class:`InputError` for what is no whole number of 1 or more."""
+    if workers is None:
+        return available_cores()
+    if not (isinstance(workers, Integral) and workers >= 1):
+        raise InputError(f"workers must be 1 or more, a whole number; it is {str(workers)[:40]}", "--workers")
+    return int(workers)
 
 
 def available_cores() -> int:

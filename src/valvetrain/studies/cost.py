@@ -15,6 +15,8 @@ BYTES = {"MB": 1e6, "GB": 1e9, "TB": 1e12}
 RUN, REDUCED = 0.03, 40_000.0
 #: Copies of a channel that stand side by side while a run is recorded, evaluated and written.
 COPIES = 2.0
+#: What makes a run, curves and modes, or a refinement large.
+FEWER, FEWER_AT_REST, FEWER_REFINED = "speeds, cycles or unknowns", "steps, modes or unknowns", "speeds, variants or unknowns"
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +70,16 @@ def read_limits(texts: Sequence[str] | None, where: str = "--limit") -> Limits:
     return limits
 
 
-def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ") -> str:
-    """The cost in words. Raises :class:`InputError` with the numbers, and the ``option`` that raises the bound, where it is too large."""
+def limits_of(limit: str) -> Limits:
+    """Bounds as a program gives them: ``"2 h, 8 GB"``, empty for the usual ones. Raises :class:`InputError` for anything else."""
+    if not isinstance(limit, str):
+        raise InputError(f"'{str(limit)[:40]}' is no bound; write a time and a memory such as '2 h, 8 GB'", "limit")
+    return read_limits((limit,) if limit else (), "limit")
+
+
+def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str = FEWER) -> str:
+    """The cost in words. Raises :class:`InputError` with the numbers, what to ask for ``fewer`` of, and the ``option`` that raises the
+    bound, where it is too large."""
     told = f"about {time_words(cost.seconds)} and {memory_words(cost.bytes)}"
     over = []
     if cost.seconds > limits.seconds:
@@ -79,7 +89,7 @@ def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ") -> str:
     if over:
         bounds = " and ".join(bound for _, bound in over)
         raised = ", ".join(value for value, _ in over)
-        remedy = f"ask for fewer speeds, cycles or unknowns, or raise the bound with {option}'{raised}'"
+        remedy = f"ask for fewer {fewer}, or raise the bound with {option}'{raised}'"
         raise InputError(f"this request will take {told}, beyond the bound of {bounds}; {remedy}")
     return told
 
@@ -94,7 +104,8 @@ def time_words(seconds: float) -> str:
 
 def memory_words(size: float) -> str:
     """A memory as people say it."""
-    return f"{size / 1e9:.3g} GB" if size >= 1e9 else f"{max(1.0, size / 1e6):.0f} MB"
+    unit, scale = next((one for one in (("TB", 1e12), ("GB", 1e9)) if size >= one[1]), ("MB", 1e6))
+    return f"{size / scale:.3g} {unit}" if unit != "MB" else f"{max(1.0, size / scale):.0f} MB"
 
 
 def _rounded_up(value: float, units: Mapping[str, float]) -> str:

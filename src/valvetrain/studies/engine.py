@@ -7,8 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
-from valvetrain.errors import InputError, RunFailedError
-from valvetrain.studies.batch import available_cores
+from valvetrain.errors import RunFailedError
+from valvetrain.studies.batch import worker_count
 from valvetrain.studies.stopping import PointsStopped, look
 from valvetrain.studies.workers import Lost, as_they_come, in_processes
 
@@ -33,9 +33,7 @@ def map_points(
     killed is tried again; ``lost(point)`` stands for one that is not to be had. Raises :class:`InputError` for fewer than one worker,
     :class:`RunFailedError` for a lost point where nothing stands for it, and :class:`PointsStopped` with what is finished.
     """
-    count = available_cores() if workers is None else workers
-    if count < 1:
-        raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
+    count = worker_count(workers)
     count = min(count, max(len(points), 1))
     results: dict[int, Result] = {}
     try:

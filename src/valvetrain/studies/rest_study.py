@@ -13,6 +13,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.buckling import buckling_quantities
 from valvetrain.quantities.design import size_quantities
+from valvetrain.quantities.plausible import plausible_rest, refuse_implausible_motion
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.static import SpringAtRest, StaticCurve
@@ -28,34 +29,43 @@ from valvetrain.system.build import build
 
 #: What computes a spring at rest where nothing else is asked for: of a wire, of a card with and without a mass.
 WIRE, CARD, BARE = "finite-element", "modal-uniform", "massless"
+#: Steps of the curve beside modes.
+CURVE_OF_MODES = 24
 
 
 def rest_study(
     case: Case, spring_models: Sequence[str] = (), *, spring_sets: Sequence[str] = (), command: str = "static",
-    largest_compression: float | None = None, compression: float | None = None, steps: int = 24, modes: int = 0,
+    largest_compression: float | None = None, compression: float | None = None, steps: int = CURVE_OF_MODES, modes: int = 0,
     heights: Sequence[float] = (), loads: Sequence[float] = (), attached_mass: float | None = None, progress: Progress | None = None,
+    implausible: bool = False,
 ) -> Study:  # fmt: skip
     """Static curve and natural frequencies of every spring of a case by each of ``spring_models`` (empty: the one that knows it best).
 
     ``largest_compression`` (m from the free state): end of the curve, None for a little beyond full lift. ``compression`` (m): state that
     the ``modes`` lowest modes are about, None for the installed one. ``heights`` (m), ``loads`` (N): states to solve as well.
-    ``attached_mass`` (kg): moves with the retainer in the modes of a wire, 0 for a free end, None for both ends fixed. Raises
-    :class:`InputError` for a compression beyond coil bind and for a model that cannot stand for a spring.
+    ``attached_mass`` (kg): moves with the retainer in the modes of a wire, 0 for a free end, None for both ends fixed. ``implausible``:
+    let pass what :mod:`valvetrain.quantities.plausible` calls nonsense. Raises :class:`InputError` for a compression beyond coil bind, a
+    model that cannot stand for a spring and a lift that no cam gives.
     """
     begun = time.perf_counter()
     problem = build(case, spring_sets=spring_sets)
+    if problem.moves and not implausible:
+        refuse_implausible_motion(problem.valve_lift, ())
     lift = largest_lift(problem)
     found: list[SpringAtRest] = []
     still: dict[str, dict[str, float]] = {}
     for installed in problem.springs:
         spring = installed if compression is None else _compressed(installed, compression)
         reach = _reach(spring, lift, largest_compression)
-        words = tuple(spring_models) or (WIRE if spring.wire else CARD if spring.card and spring.card.mass else BARE,)
+        words = tuple(spring_models) or (usual_word(spring),)
         rest = None
         for word in words:
             spec = spring_model(word, "--spring")
             if reason := spec.why_not(spring):
                 raise InputError(reason, "--spring")
+            if spec.no_motion:
+                remedy = f"its curve and modes stand beside the rod's in 'valvetrain compare CASE --spring {WIRE},{word}'"
+                raise InputError(f"{word} finite elements are asked for by compare: {remedy}", "--spring")
             if spec.needs_rest and rest is None:
                 rest = _by_rod(problem.model_of(WIRE, spring), reach, None, max(modes, 8))
             if attached_mass is not None and word != WIRE:
@@ -64,7 +74,8 @@ def rest_study(
             one = _by_rod(model, reach, steps, modes, attached_mass) if word == WIRE else rest_by_model(
                 spring, word, model, np.linspace(0.0, reach, steps + 1), modes
             )  # fmt: skip
-            found.append(replace(one, points=points_asked(spring, model, one, heights, loads)))
+            one = replace(one, points=points_asked(spring, model, one, heights, loads))
+            found.append(one if implausible else plausible_rest(one))
             label = f"{one.spring}, {one.model}"
             again = sum(other == label or other.startswith(f"{label}, ") for other in still)
             told = size_quantities(spring) | rest_quantities(one) | buckling_quantities(installed, one, lift)
@@ -78,8 +89,16 @@ def rest_study(
     return Study(record, command, (), tuple(found), still, provenance=origin, wall_time=time.perf_counter() - begun)
 
 
-def curve_by_model(spring: InstalledSpring, word: str, valve_lift: float, wanted: float | None, steps: int) -> StaticCurve:
-    """Static curve of one spring by a model up to ``wanted`` (m from the free state), None for a little beyond ``valve_lift`` (m).
+def usual_word(spring: InstalledSpring) -> str:
+    """The model that knows a spring at rest best, of what is told of it."""
+    return WIRE if spring.wire else CARD if spring.card and spring.card.mass else BARE
+
+
+def curve_by_model(
+    spring: InstalledSpring, word: str, valve_lift: float, wanted: float | None, steps: int, implausible: bool = False
+) -> StaticCurve:
+    """Static curve of one spring by a model up to ``wanted`` (m from the free state), None for a little beyond ``valve_lift`` (m);
+    ``implausible`` as for :func:`rest_study`.
 
     Raises :class:`InputError` for a model that cannot stand for the spring or has no static curve, and for a compression beyond coil bind.
     """
@@ -89,7 +108,8 @@ def curve_by_model(spring: InstalledSpring, word: str, valve_lift: float, wanted
     if spec.no_motion:
         raise InputError(f"{word} is asked for by compare, or by SolidSpring.static_curve; choose another model", "spring_model")
     rest = _by_rod(spring_model(WIRE).build(spring), reach, None, 8) if spec.needs_rest else None
-    curve = rest_by_model(spring, word, spec.build(spring, rest), np.linspace(0.0, reach, steps + 1), 0).curve
+    one = rest_by_model(spring, word, spec.build(spring, rest), np.linspace(0.0, reach, steps + 1), 0)
+    curve = (one if implausible else plausible_rest(one)).curve
     assert curve is not None
     return curve
 

@@ -28,7 +28,7 @@ from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 from valvetrain.sources.contract import against_source
 from valvetrain.springs.spec import spring_model
-from valvetrain.studies.batch import available_cores
+from valvetrain.studies.batch import worker_count
 from valvetrain.studies.before_run import refuse_implausible, refuse_speeds
 from valvetrain.studies.cost import Limits
 from valvetrain.studies.critical_speeds import CriticalOptions, find_critical_speeds
@@ -97,9 +97,7 @@ def run_problem(
         samples = 720
     keep: Keep = "all" if whole else "ends" if problem.kind == TRAIN else "contacts"
     plan = Plan(keep, samples, whole, problem.cycles, problem.cycles_to_settle, created_at, limits.bytes, implausible)
-    count = available_cores() if workers is None else workers
-    if count < 1:
-        raise InputError(f"workers must be 1 or more; it is {count}", "--workers")
+    count = worker_count(workers)
     found, stopped = CriticalSpeeds(), False
     if problem.kind == TRAIN:
         ready, rest = ready_trains(problem, speeds, gaps)

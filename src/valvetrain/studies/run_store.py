@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.solution.atomic import SUFFIX, is_abandoned, lock, remove_abandoned, write_bytes, write_text
+from valvetrain.solution.atomic import SUFFIX, is_abandoned, is_living, lock, remove_abandoned, write_bytes, write_text
 from valvetrain.studies.run_answer import ANSWER, answer_text, read_answer
 from valvetrain.units.text import clipped
 
@@ -137,10 +137,23 @@ def finish_folder(folder: Path, inputs: Inputs, created_at: datetime, root: Path
 def mark_unfinished(folder: Path) -> int:
     """Begin the list of finished runs in ``folder``, locked for as long as this process lives; the open file."""
     folder.mkdir(parents=True, exist_ok=True)
-    _remove(folder, (name for name in _listed(folder) if _RUN_FILE.fullmatch(name)))
+    refuse_living(folder)
+    remove_unfinished(folder)
     handle = os.open(folder / LIST, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
     lock(handle)
     return handle
+
+
+def refuse_living(folder: Path) -> None:
+    """Refuse, with an :class:`InputError`, a folder into which another run, which lives, writes."""
+    if (folder / LIST).is_file() and is_living(folder / LIST):
+        raise InputError(f"another run writes into folder '{clipped(str(folder), 120)}'; wait for it or choose another", "--output")
+
+
+def remove_unfinished(folder: Path) -> None:
+    """Remove what a killed run listed in ``folder``, which another one takes."""
+    if (folder / LIST).is_file() and not is_living(folder / LIST):
+        _remove(folder, (*(name for name in _listed(folder) if _RUN_FILE.fullmatch(name)), LIST))
 
 
 def _listed(folder: Path) -> list[str]:
@@ -197,6 +210,7 @@ def check_folder(folder: Path, kept: bool = False) -> None:
         os.rmdir(tempfile.mkdtemp(prefix=".valvetrain.", dir=there))  # some folders take nothing, whatever their permissions say
     except OSError as error:
         raise InputError(f"folder '{place}' may not be written to ({error.strerror}); choose another", "--output") from None
+    refuse_living(folder)
     if foreign:
         raise InputError(f"folder '{shown}' holds files that no run wrote; choose an empty or a new one", "--output")
 
@@ -242,11 +256,15 @@ def link_latest(folder: Path) -> None:
     write_text(link, folder.name + "\n")
 
 
+def homes(case: str = "", root: Path = ROOT) -> list[Path]:
+    """Folders that hold the runs of a case each: of ``case``, or of all."""
+    return [root / safe_name(case)] if case else sorted(path for path in root.glob("*") if path.is_dir() and not path.is_symlink())
+
+
 def kept_runs(case: str = "", root: Path = ROOT) -> tuple[KeptRun, ...]:
     """Every run under ``root``, newest first, of one ``case`` where given. Folders without a readable ``run.json`` are left out."""
     found = []
-    homes = [root / safe_name(case)] if case else sorted(path for path in root.glob("*") if path.is_dir() and not path.is_symlink())
-    for home in homes:
+    for home in homes(case, root):
         for folder in home.glob("*"):
             if not folder.is_symlink() and (answer := _read_answer(folder)):
                 found.append(KeptRun(folder, answer))

@@ -22,10 +22,14 @@ from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
+from valvetrain.studies.batch import worker_count
 from valvetrain.studies.before_run import refuse_implausible
+from valvetrain.studies.cost import limits_of, refuse_cost
 from valvetrain.studies.critical_speeds import CriticalOptions
 from valvetrain.studies.engine import Progress, map_points
+from valvetrain.studies.planned import Asked
 from valvetrain.studies.ready import FAILURES, Plan, Ready, make_ready, provenance_of, unfinished
+from valvetrain.studies.request_cost import run_up_cost
 from valvetrain.studies.run import STOPPED, WORKER_LOST, member_rest
 from valvetrain.studies.stopping import PointsStopped, StudyStopped
 from valvetrain.system.build import build
@@ -42,7 +46,8 @@ LEAST_TURNS = 1
 
 def run_up(
     case: AnyCase, first_engine_speed: Given, last_engine_speed: Given, duration: Given, *, spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (), workers: int | None = None, progress: Progress | None = None,
+    spring_sets: Sequence[str] = (), workers: int | None = None, progress: Progress | None = None, limit: str = "",
+    implausible: bool = False,
 ) -> Study:  # fmt: skip
     """A train from one engine speed to another at constant acceleration, from the steady motion of the first; the envelope over speed.
 
@@ -55,6 +60,8 @@ def run_up(
     spring_sets : names of spring sets of the train
     workers : variants at a time; results do not depend on it
     progress : told the share done and what was done
+    limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
+    implausible : let values pass that no valvetrain can have (docs/plausible.md)
 
     Returns
     -------
@@ -62,7 +69,7 @@ def run_up(
 
     Raises
     ------
-    InputError : a case without a train, speeds or a duration that lead nowhere, what cannot be built
+    InputError : a case without a train, speeds or a duration that lead nowhere, what cannot be built, is too large or implausible
 
     Examples
     --------
@@ -76,7 +83,11 @@ def run_up(
         si(first_engine_speed, "engine_speed", "first_engine_speed"), si(last_engine_speed, "engine_speed", "last_engine_speed"),
         si(duration, "time", "duration"),
     )  # fmt: skip
-    return run_up_study(case_of(case), ramp, spring_models=spring_models, spring_sets=spring_sets, workers=workers, progress=progress)
+    asked = Asked("run-up", case_of(case), None, tuple(spring_models), tuple(spring_sets), worker_count(workers))
+    refuse_cost(run_up_cost(asked, ramp), limits_of(limit), "limit=")
+    return run_up_study(
+        asked.case, ramp, spring_models=spring_models, spring_sets=spring_sets, workers=workers, progress=progress, implausible=implausible
+    )
 
 
 def run_up_study(

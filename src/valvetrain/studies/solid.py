@@ -20,7 +20,7 @@ from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.solid.calculix import find_solver
-from valvetrain.springs.solid.installed import installed_statics, motion_seconds, statics_seconds
+from valvetrain.springs.solid.installed import COARSER_MESH, installed_statics, motion_seconds, statics_seconds
 from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.springs.solid.spec import SolidOptions, solid_spring
 from valvetrain.springs.solid.transient import MOTION_CONTACT, TransientJob, run_transient
@@ -74,8 +74,7 @@ def solid_cost(spring: InstalledSpring, motion: SolidMotion | None = None) -> So
     mesh = solid_of(spring).mesh
     duration = 0.0 if motion is None else 2 * (motion.last_cam_angle - motion.first_cam_angle) / motion.engine_speed
     increments = 0 if motion is None else int(np.ceil(duration / TransientJob.time_step)) + 10
-    # the coarser mesh of the error bar has two thirds of the unknowns and finds no modes
-    statics = 1.4 * statics_seconds(mesh.unknowns)
+    statics = COARSER_MESH * statics_seconds(mesh.unknowns)
     return SolidCost(mesh.unknowns, len(mesh.elements), statics, increments, motion_seconds(mesh.unknowns, increments))
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from valvetrain.solution.study import Study
+    from valvetrain.studies.error_bars import UncertaintyStudy
 
 #: Time (s) between two looks at the note while something is waited for.
 LOOK = 0.1
@@ -39,6 +40,14 @@ class StudyStopped(Stopped):
     """A study was stopped; ``study`` holds what was finished, the rest as runs of status ``interrupted``."""
 
     def __init__(self, study: Study) -> None:
+        super().__init__("stopped")
+        self.study = study
+
+
+class RefinementStopped(Stopped):
+    """A refinement was stopped; ``study`` holds the bars whose runs are all there, and the numbers of every run that was finished."""
+
+    def __init__(self, study: UncertaintyStudy) -> None:
         super().__init__("stopped")
         self.study = study
 

@@ -15,11 +15,14 @@ from valvetrain.parameters.train import ContactParameters
 from valvetrain.solution.gaps import reason
 from valvetrain.solution.result import Solution
 from valvetrain.springs.contract import LargeSpring
-from valvetrain.studies.engine import LOST, LOST_REMEDY, Progress, map_points
+from valvetrain.studies.before_run import refuse_implausible, refuse_speeds
+from valvetrain.studies.engine import LOST, LOST_REMEDY, Progress
+from valvetrain.studies.error_bars import CONTACT_FACTORS, Numbers, Range, Uncertainty, UncertaintyStudy
 from valvetrain.studies.grid_convergence import grid_convergence, two_grids
 from valvetrain.studies.ready import FAILURES, Plan, Ready, judge, make_ready, provenance_of
 from valvetrain.studies.run import member_rest
-from valvetrain.studies.uncertainty import CONTACT_FACTORS, OWN, Numbers, Range, Uncertainty, UncertaintyStudy
+from valvetrain.studies.stages import Stages
+from valvetrain.studies.uncertainty import OWN
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
 
@@ -53,61 +56,92 @@ class _Job:
 
 
 def train_uncertainty(
-    case: Case, engine_speeds: Sequence[float] | None = None, *, workers: int = 2, progress: Progress | None = None
-) -> UncertaintyStudy:
+    case: Case, engine_speeds: Sequence[float] | None = None, *, workers: int = 2, progress: Progress | None = None,
+    implausible: bool = False,
+) -> UncertaintyStudy:  # fmt: skip
     """Every variant of a train's case at ``engine_speeds`` (rad/s of the crank; None: the case's own), each number with its uncertainty.
 
     Runs go over ``workers`` processes. A run on finite-element springs takes seconds and a finer one many times as long: those get two
-    grids of each kind instead of three (:func:`two_grids`).
-    Raises :class:`InputError` for a case that cannot be built.
+    grids of each kind instead of three (:func:`two_grids`). A run that fails is one of the ``failures``. Raises :class:`InputError` for
+    a case that cannot be built and what :func:`valvetrain.studies.run.run_study` refuses; :class:`RefinementStopped` when it is stopped.
     """
     problem = build(case)
     speeds = problem.engine_speeds if engine_speeds is None else tuple(float(speed) for speed in engine_speeds)
+    refuse_speeds(problem, speeds)
+    if not implausible:
+        refuse_implausible(problem, speeds)
     places = range(len(problem.members))
-    variants: dict[str, dict[int, Ready]] = {
-        name: {
-            place: ready for place in places
-            if not (name == TOO_FINE and _is_large(problem, place)) and (ready := _ready(other, place, factor)) is not None
-        }
-        for name, (other, factor) in _problems(case, problem).items()
-    }  # fmt: skip
-    failures = [f"{problem.members[place].label}: {_refusal(problem, place)}" for place in places if place not in variants[OWN]]
+    variants, failures = _all_variants(case, problem)
     jobs = [
         job for speed in speeds for place in places if place in variants[OWN]
         for job in _jobs(variants, place, speed, _is_large(problem, place))
     ]  # fmt: skip
-    total = len(jobs)
 
-    def tell(done: int, _: int) -> None:
+    def tell(done: int, total: int) -> None:
         if progress is not None:
             progress(done / total, f"run {done} of {total}")
 
     def lost(job: _Job) -> tuple[Numbers, str]:
         return {}, f"{problem.members[job.place].label}, {job.variant}: {LOST}; {LOST_REMEDY}"
 
-    found = map_points(_one, (problem, variants), jobs, workers, processes=True, tell=tell, lost=lost)
+    stages = Stages()
+    found = stages.map(_one, (problem, variants, implausible), jobs, workers, processes=True, tell=tell, lost=lost)
     values: dict[tuple[float, int], dict[str, Numbers]] = {}
-    for job, (numbers, failed) in zip(jobs, found, strict=True):
+    for place, (numbers, failed) in sorted(found.items()):
+        job = jobs[place]
         values.setdefault((job.engine_speed, job.place), {})[job.variant] = numbers
-        if failed and (job.variant == OWN or LOST in failed):
-            failures.append(failed)
-    rows = [row for (speed, place), here in values.items() for row in _rows(here, speed, problem.members[place].label)]
+        failures += [failed] if failed else []
+    missing = {(job.engine_speed, job.place) for place, job in enumerate(jobs) if place not in found}
+    rows = [
+        row for (speed, place), here in values.items() if (speed, place) not in missing
+        for row in _rows(here, speed, problem.members[place].label)
+    ]  # fmt: skip
     whole: dict[str, dict[float | None, Numbers]] = {}
     for (speed, place), here in values.items():
         for name, numbers in here.items():
             whole.setdefault(f"{problem.members[place].label}, {name}", {})[speed] = numbers
-    return UncertaintyStudy(problem.record, (), tuple(rows), whole, tuple(failures), CONTACT_FACTORS, CONTACT_FACTORS)
+    return stages.closed(UncertaintyStudy(
+        problem.record, (), tuple(rows), whole, tuple(failures), CONTACT_FACTORS, CONTACT_FACTORS, len(jobs), len(found)
+    ))  # fmt: skip
 
 
-def _problems(case: Case, problem: Problem) -> dict[str, tuple[Problem, float]]:
-    """Problem and division of the springs of every variant."""
+def _all_variants(case: Case, problem: Problem) -> tuple[dict[str, dict[int, Ready]], list[str]]:
+    """What can run of every variant by the place of its member, and why the others cannot; members that cannot run at all are told once."""
+    found: dict[str, dict[int, Ready]] = {OWN: {}}
+    failures: list[str] = []
+    for name, (other, factor) in _problems(case, problem).items():
+        found[name] = {}
+        try:
+            built = build(other) if isinstance(other, Case) else other
+        except FAILURES as error:
+            failures.append(f"{name}: {reason(error)}")
+            continue
+        for place, member in enumerate(problem.members):
+            if name != OWN and (place not in found[OWN] or (name == TOO_FINE and _is_large(problem, place))):
+                continue
+            try:
+                ready = _ready(built, place, factor)
+                refusal = "" if ready is None else ready.refusal
+            except FAILURES as error:
+                ready, refusal = None, reason(error)
+            if refusal:
+                failures.append(f"{member.label}{'' if name == OWN else f', {name}'}: {refusal}")
+            elif ready is not None:
+                found[name][place] = ready
+    return found, failures
+
+
+def _problems(case: Case, problem: Problem) -> dict[str, tuple[Problem | Case, float]]:
+    """Problem, or the case that it is to be built of, and division of the springs of every variant."""
     assert case.train is not None
-    found = {OWN: (problem, 1.0)} | {f"springs {n}": (problem, factor) for n, factor in enumerate(SPRINGS, start=2)}
+    found: dict[str, tuple[Problem | Case, float]] = {OWN: (problem, 1.0)}
+    for n, factor in enumerate(SPRINGS, start=2):
+        found[f"springs {n}"] = problem, factor
     for word in ("stiffness", "damping"):
         for n, factor in enumerate(CONTACT_FACTORS, start=1):
             contacts = {place: _with(contact, word, factor) for place, contact in case.train.contacts.items()}
             if contacts != dict(case.train.contacts):
-                found[f"contact {word} {n}"] = (build(case.replace(train=case.train.replace(contacts=contacts))), 1.0)
+                found[f"contact {word} {n}"] = (case.replace(train=case.train.replace(contacts=contacts)), 1.0)
     return found
 
 
@@ -124,21 +158,14 @@ def _with(contact: ContactParameters, word: str, factor: float) -> ContactParame
 
 
 def _ready(problem: Problem, place: int, factor: float) -> Ready | None:
-    """A member ready to run with its springs divided more finely; None where that changes nothing or it cannot run."""
+    """A member with its springs divided more finely, ready or with its refusal; None where that changes nothing."""
     member = problem.members[place]
     if factor != 1.0:
         finer = replace(member, springs=tuple(_divided(member, spring, factor) for spring in member.springs))
         if finer.springs == member.springs:
             return None
         member = finer
-    ready = make_ready(problem, member, member_rest(problem, member), problem.record.study)
-    return None if ready.refusal else ready
-
-
-def _refusal(problem: Problem, place: int) -> str:
-    """Why a member cannot run as it is."""
-    member = problem.members[place]
-    return make_ready(problem, member, member_rest(problem, member), problem.record.study).refusal
+    return make_ready(problem, member, member_rest(problem, member), problem.record.study)
 
 
 def _divided(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
@@ -164,12 +191,12 @@ def _jobs(variants: Mapping[str, Mapping[int, Ready]], place: int, speed: float,
     return own + [_Job(name, place, speed) for name, members in variants.items() if name != OWN and place in members]
 
 
-def _one(shared: tuple[Problem, Mapping[str, Mapping[int, Ready]]], job: _Job) -> tuple[Numbers, str]:
+def _one(shared: tuple[Problem, Mapping[str, Mapping[int, Ready]], bool], job: _Job) -> tuple[Numbers, str]:
     """Headline numbers of one run and, where it failed, why."""
-    problem, variants = shared
+    problem, variants, implausible = shared
     ready = variants.get(job.variant, variants[OWN])[job.place]
     try:
-        solution = _solution(problem, ready, job)
+        solution = _solution(problem, ready, job, implausible)
     except FAILURES as error:
         return {}, f"{ready.member.label}, {job.variant}: {reason(error)}"
     if not solution.status.completed:
@@ -178,7 +205,7 @@ def _one(shared: tuple[Problem, Mapping[str, Mapping[int, Ready]]], job: _Job) -
     return {name: float(solution.quantities[name]) for name in names if name in solution.quantities}, ""
 
 
-def _solution(problem: Problem, ready: Ready, job: _Job) -> Solution:
+def _solution(problem: Problem, ready: Ready, job: _Job, implausible: bool) -> Solution:
     from valvetrain.integrate.train_leapfrog import LARGE_SAMPLES
     from valvetrain.integrate.train_leapfrog import SAMPLES as TRAIN_SAMPLES
     from valvetrain.integrate.train_run import TrainOptions, runner
@@ -194,7 +221,7 @@ def _solution(problem: Problem, ready: Ready, job: _Job) -> Solution:
     options = RunOptions(job.samples, time_step=step, rest=ready.rest, window=ready.window, nose=ready.nose)
     provenance = provenance_of(problem, ready.member, job.engine_speed, "")
     found = run(ready.system, job.engine_speed / 2, Periodic(problem.cycles_to_settle), options, provenance)
-    return judge(ready, found, Plan(), {})
+    return judge(ready, found, Plan(implausible=implausible), {})
 
 
 def _rows(values: Mapping[str, Numbers], speed: float, label: str) -> list[Uncertainty]:

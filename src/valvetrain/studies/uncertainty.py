@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,25 +14,24 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.main_clash import ClashWindow, find_clash_window, main_clash_quantities
 from valvetrain.quantities.statics import modal_quantities
 from valvetrain.solution.definition import pattern_of, tables
-from valvetrain.solution.record import CaseRecord
+from valvetrain.solution.gaps import reason
 from valvetrain.solution.result import Solution
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_rest import modal_result
-from valvetrain.studies.engine import Progress, map_points
-from valvetrain.studies.grid_convergence import TRUSTED, grid_convergence
-from valvetrain.studies.ready import Plan, Ready, integrate_point, judge, make_ready, provenance_of
+from valvetrain.studies.before_run import refuse_implausible, refuse_speeds
+from valvetrain.studies.cost import Limits
+from valvetrain.studies.engine import Progress
+from valvetrain.studies.error_bars import DAMPING_FACTORS, STIFFNESS_FACTORS, Numbers, Uncertainty, UncertaintyStudy
+from valvetrain.studies.grid_convergence import TRUSTED, GridConvergence, grid_convergence, two_grids
+from valvetrain.studies.ready import FAILURES, Plan, Ready, integrate_point, judge, make_ready, provenance_of
 from valvetrain.studies.rest import MODES
+from valvetrain.studies.stages import Stages
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import names_of
 from valvetrain.system.problem import Problem
 
 #: Elements per coil over those of the case.
 REFINEMENTS = (1.0, 1.5, 2.25)
-#: Contact stiffness over the case's (7e9 to 5e10 Pa for 2e10) and contact damping time over the case's (0 to 2 us for 1 us).
-STIFFNESS_FACTORS, DAMPING_FACTORS = (0.35, 2.5), (0.0, 2.0)
-#: Contact stiffness and damping of a train over the case's: contacts between parts of an engine are known to a factor of two.
-CONTACT_FACTORS = (0.5, 2.0)
-
 #: Headline numbers of a run; those that a case does not have are left out. The forces of a source study's own table follow them.
 HEADLINES = (
     "peak_spring_force", "minimum_spring_force", "below_20_khz_peak_spring_force", "below_10_khz_peak_spring_force",
@@ -42,53 +41,17 @@ HEADLINES = (
 
 #: The case's own mesh.
 OWN = "mesh 1"
-Range = tuple[float, float]
-Numbers = Mapping[str, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Uncertainty:
-    """One headline number (SI) of the case's own mesh, at ``engine_speed`` (rad/s of the crank; None for statics and modes).
-
-    ``numerical``: uncertainty from meshes and step. ``observed_order``: None where the series is not monotonic. ``extrapolated``:
-    Richardson value, or the finest one. ``step_part``: what the step alone contributes. ``contact_stiffness`` and ``contact_damping``:
-    least and largest value over the range of each constant, the case's own included. ``label``: variant of a train.
-    """
-
-    quantity: str
-    engine_speed: float | None
-    value: float
-    numerical: float
-    observed_order: float | None
-    extrapolated: float
-    step_part: float
-    contact_stiffness: Range
-    contact_damping: Range
-    label: str = ""
-
-
-@dataclass(frozen=True)
-class UncertaintyStudy:
-    """All rows of one case with the meshes behind them (none: a train); ``values`` holds every number by (variant, speed, quantity),
-    the factors what the contact constants of the case were multiplied by."""
-
-    record: CaseRecord
-    elements_per_coil: tuple[int, ...]
-    rows: tuple[Uncertainty, ...]
-    values: Mapping[str, Mapping[float | None, Numbers]]
-    failures: tuple[str, ...] = ()
-    stiffness_factors: Range = STIFFNESS_FACTORS
-    damping_factors: Range = DAMPING_FACTORS
 
 
 def uncertainty_study(
     case: Case, engine_speeds: Sequence[float] | None = None, *, refinements: Sequence[float] = REFINEMENTS, workers: int = 2,
-    progress: Progress | None = None,
+    progress: Progress | None = None, limits: Limits = Limits(), implausible: bool = False,
 ) -> UncertaintyStudy:  # fmt: skip
     """Refine meshes and step, vary the contact, and state the uncertainty of each headline number.
 
-    ``engine_speeds`` in rad/s of the crank (None: the case's own). Runs go over ``workers`` threads. Raises :class:`InputError` for a
-    valvetrain, a case without wire or lift law, and other than three meshes.
+    ``engine_speeds`` in rad/s of the crank (None: the case's own). Runs go over ``workers`` threads. A variant that fails is one of the
+    ``failures``; of two meshes the declared order is taken. Raises :class:`InputError` for a valvetrain, a case without wire or lift law,
+    other than three meshes, and what :func:`valvetrain.studies.run.run_study` refuses; :class:`RefinementStopped` when it is stopped.
     """
     if len(refinements) != 3 or list(refinements) != sorted(set(refinements)):
         raise InputError("three meshes are needed, coarse to fine, such as 1, 1.5 and 2.25 times the elements per coil")
@@ -98,30 +61,51 @@ def uncertainty_study(
         raise InputError(f"case '{case.name}' needs a [spring] with its wire and a [lift_law] to be refined; give it both")
     problem = build(case, spring_models=("finite-element",))
     speeds = problem.engine_speeds if engine_speeds is None else tuple(float(speed) for speed in engine_speeds)
-    plan = Plan(samples=round(2 * np.pi / problem.output_step), cycles=problem.cycles)
+    refuse_speeds(problem, speeds)
+    if not implausible:
+        refuse_implausible(problem, speeds)
+    samples = round(2 * np.pi / problem.output_step)
+    plan = Plan(samples=samples, cycles=problem.cycles, most_bytes=limits.bytes, implausible=implausible)
     # the case's own mesh comes first: its surge frequency and its clash windows name the numbers of every variant
     base, still = _prepare((problem, ()), problem.members[0].springs)
-    changed = _variants(base, refinements)
+    changed, failures, stages = _variants(base, refinements), list[str](), Stages()
     surge = base.frame.surge_frequencies
-    ready = map_points(_prepare, (problem, surge), tuple(changed.values()), workers, tell=_part(progress, 0.0, 0.05, "statics and modes"))
-    variants = {OWN: (base, still), **dict(zip(changed, ready, strict=True))}
+    shown = _part(progress, 0.0, 0.05, "statics and modes")
+    ready = stages.map(_prepare_or_say, (problem, surge), tuple(changed.items()), workers, tell=shown)
+    failures += [words for _, _, words in ready.values() if words]
+    names = tuple(changed)
+    made = {names[place]: (one, at_rest) for place, (one, at_rest, _) in sorted(ready.items()) if one is not None}
+    variants = {OWN: (base, still)} | made
     points = [(base, speed) for speed in speeds]
-    own = dict(zip(speeds, map_points(_run, (problem, plan), points, workers, tell=_part(progress, 0.05, 0.1, "own mesh")), strict=True))
+    raw = stages.map(_run, (problem, plan), points, workers, tell=_part(progress, 0.05, 0.1, "own mesh"))
+    own = {speeds[place]: solution for place, solution in raw.items()}
     windows = {speed: _window(base, solution) for speed, solution in own.items()}
 
-    def one(shared: tuple[Problem, Plan], job: tuple[str, float]) -> tuple[Numbers, str]:
-        name, speed = job
-        solution = own[speed] if name == OWN else _run(shared, (variants[name][0], speed))
-        failed = "" if solution.status.completed else f"{name} at {speed * 30 / np.pi:.0f} rpm: {solution.status.sentence()}"
-        return _moving(solution, windows[speed], problem.record.study), failed
+    def one(shared: tuple[Problem, Plan], job: tuple[float, str]) -> tuple[Numbers, str]:
+        speed, name = job
+        place = f"{name} at {speed * 30 / np.pi:.0f} rpm"
+        try:
+            solution = own[speed] if name == OWN else _run(shared, (variants[name][0], speed))
+            failed = "" if solution.status.completed else f"{place}: {solution.status.sentence()}"
+            return _moving(solution, windows[speed], problem.record.study), failed
+        except FAILURES as error:
+            return {}, f"{place}: {reason(error)}"
 
-    jobs = [(name, speed) for speed in speeds for name in variants]
-    moving = map_points(one, (problem, plan), jobs, workers, tell=_part(progress, 0.1, 1.0, "variants"))
+    jobs = [(speed, name) for speed in speeds for name in variants]
+    moving = stages.map(one, (problem, plan), jobs, workers, tell=_part(progress, 0.1, 1.0, "variants"))
     values: dict[str, dict[float | None, Numbers]] = {name: {None: numbers} for name, (_, numbers) in variants.items()}
-    for (name, speed), (numbers, _) in zip(jobs, moving, strict=True):
-        values[name][speed] = numbers
-    elements = tuple(_rods(variants[f"mesh {n}"][0])[0].elements_per_coil for n in (1, 2, 3))
-    return UncertaintyStudy(problem.record, elements, tuple(_rows(values, elements)), values, tuple(words for _, words in moving if words))
+    for place, (numbers, words) in moving.items():
+        values[jobs[place][1]][jobs[place][0]] = numbers
+        failures += [words] if words else []
+    if not moving:  # stopped before: the own mesh is there
+        values[OWN] |= {speed: _moving(solution, windows[speed], problem.record.study) for speed, solution in own.items()}
+    missing = {jobs[place][0] for place in range(len(jobs)) if place not in moving} if raw else set(speeds)
+    whole = [speed for speed in (None, *speeds) if speed not in missing and (speed is not None or len(ready) == len(changed))]
+    elements = _meshes(base, refinements)
+    return stages.closed(UncertaintyStudy(
+        problem.record, elements, tuple(_rows(values, elements, whole)), values, tuple(failures), runs=len(speeds) * (1 + len(changed)),
+        finished=len(moving) or len(own),
+    ))  # fmt: skip
 
 
 def _part(progress: Progress | None, begin: float, end: float, words: str) -> Callable[[int, int], None]:
@@ -146,6 +130,16 @@ def _prepare(shared: tuple[Problem, tuple[float, ...]], springs: tuple[Installed
     names = [f"{name}_" if len(rods) > 1 else "" for name in names_of(rods)]
     still = {name + key: value for name, numbers in zip(names, found, strict=True) for key, value in numbers.items()}
     return replace(one, frame=replace(one.frame, surge_frequencies=surge)), still
+
+
+def _prepare_or_say(
+    shared: tuple[Problem, tuple[float, ...]], variant: tuple[str, tuple[InstalledSpring, ...]]
+) -> tuple[Ready | None, Numbers, str]:
+    """A named variant as :func:`_prepare` makes it, or why it cannot be made."""
+    try:
+        return (*_prepare(shared, variant[1]), "")
+    except FAILURES as error:
+        return None, {}, f"{variant[0]}: {reason(error)}"
 
 
 def _rods(ready: Ready) -> tuple[FiniteElementRod, ...]:
@@ -181,6 +175,12 @@ def _variants(base: Ready, refinements: Sequence[float]) -> dict[str, tuple[Inst
     )
 
 
+def _meshes(base: Ready, refinements: Sequence[float]) -> tuple[int, ...]:
+    """Elements per coil of the case's own mesh and of the finer ones."""
+    own = _rods(base)[0].elements_per_coil
+    return (own, *(round(own * ratio) for ratio in refinements[1:]))
+
+
 def _window(base: Ready, solution: Solution) -> ClashWindow | None:
     """The main clash of the case's own mesh: all variants are read within its window."""
     surge, event = base.frame.surge_frequency, base.frame.lift_event
@@ -200,20 +200,21 @@ def _moving(solution: Solution, window: ClashWindow | None, study: str) -> dict[
     return {name: float(found[name]) for name in dict.fromkeys((*HEADLINES, *sourced)) if name in found}
 
 
-def _rows(values: Mapping[str, Mapping[float | None, Numbers]], elements: tuple[int, ...]) -> list[Uncertainty]:
-    sizes = (1 / elements[0], 1 / elements[1], 1 / elements[2])
+def _rows(
+    values: Mapping[str, Mapping[float | None, Numbers]], elements: tuple[int, ...], speeds: Sequence[float | None]
+) -> list[Uncertainty]:  # fmt: skip
+    """Numbers with bars at ``speeds`` (None: statics and modes); none of a number without a finer mesh or the halved step."""
     rows = []
-    for speed, base in values[OWN].items():
-        for name, value in base.items():
+    for speed in speeds:
+        for name, value in values[OWN].get(speed, {}).items():
 
             def of(variant: str, speed: float | None = speed, name: str = name) -> float | None:
-                return values[variant].get(speed, {}).get(name)
+                return values.get(variant, {}).get(speed, {}).get(name)
 
-            middle, fine = of("mesh 2"), of("mesh 3")
-            if middle is None or fine is None:
-                continue
-            mesh = grid_convergence((value, middle, fine), sizes)
             halved = of("half step")
+            mesh = _mesh_part((value, of("mesh 2"), of("mesh 3")), elements)
+            if mesh is None or (halved is None and speed is not None):
+                continue
             # Second order in the step: a quarter of its error is left after halving.
             step = 0.0 if halved is None or speed is None else TRUSTED * 4 / 3 * abs(value - halved)
             ranges = []
@@ -224,3 +225,12 @@ def _rows(values: Mapping[str, Mapping[float | None, Numbers]], elements: tuple[
                 Uncertainty(name, speed, value, mesh.uncertainty + step, mesh.observed_order, mesh.extrapolated, step, ranges[0], ranges[1])
             )
     return rows
+
+
+def _mesh_part(values: tuple[float, float | None, float | None], elements: tuple[int, ...]) -> GridConvergence | None:
+    """What the mesh contributes, from three meshes or, where one of the finer two failed, from two; None where both did."""
+    value, middle, fine = values
+    if middle is not None and fine is not None:
+        return grid_convergence((value, middle, fine), (1 / elements[0], 1 / elements[1], 1 / elements[2]))
+    finer, ratio = (fine, elements[2] / elements[0]) if middle is None else (middle, elements[1] / elements[0])
+    return None if finer is None else two_grids(value, finer, ratio)

@@ -12,10 +12,11 @@ from valvetrain.parameters.loading import library_names
 from valvetrain.solution.definition import shown
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.record import CaseRecord
+from valvetrain.studies.error_bars import Uncertainty
 
 if TYPE_CHECKING:
     from valvetrain.solution.study import Study
-    from valvetrain.studies.uncertainty import Uncertainty, UncertaintyStudy
+    from valvetrain.studies.error_bars import UncertaintyStudy
 
 _STILL = "statics"
 #: Between engine speed and variant in the heading of a train's rows.
@@ -156,8 +157,6 @@ def _clash_sentence(speed: float, here: Mapping[str, Uncertainty], meshes: str) 
 
 
 def _row(name: str, label: str, numbers: list[float]) -> Uncertainty:
-    from valvetrain.studies.uncertainty import Uncertainty  # brings the rod, which a train on other springs does not need
-
     place, _, variant = label.partition(_OF)
     speed = None if place == _STILL else float(place.split()[0]) * math.pi / 30
     value, numerical, order, extrapolated, step, *ranges = map(float, numbers)

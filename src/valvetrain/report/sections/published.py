@@ -15,7 +15,7 @@ from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.study import Study
-from valvetrain.studies.uncertainty import Uncertainty
+from valvetrain.studies.error_bars import Uncertainty
 from valvetrain.studies.uncertainty_file import load_uncertainty
 
 #: Ends of the ratio axis; what lies beyond stands at the end as a triangle, its number on hover.

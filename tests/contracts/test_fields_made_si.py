@@ -1,0 +1,141 @@
+"""Every field and argument that the package makes SI takes text with a unit; those of the source are found, so none is forgotten."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import inspect
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from valvetrain.cosserat.batch import simulate_batch
+from valvetrain.measurements.catalogue_card import CatalogueCard, SpringLoad
+from valvetrain.parameters.case import Operation
+from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
+from valvetrain.quantities.buckling import buckling_compression
+from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.status import Status
+from valvetrain.springs.solid.jobs import SolidSpring
+from valvetrain.studies.critical_speeds import read_options
+
+SOURCE = Path(vt.__file__).parent
+SPRING = vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
+UNIFORM = vt.EquivalentSpring(40e3, 300.0, 0.05)
+RATE, MASS, FORCE, LENGTH, SECOND, PER_SECOND = "40 N/mm", "50 g", "300 N", "5 mm", "2 us", "25 1/s"
+IN_SI = {RATE: 40e3, MASS: 0.05, FORCE: 300.0, LENGTH: 0.005, SECOND: 2e-6, PER_SECOND: 25.0, "30 N/mm^2": 30e6, "2 deg": np.pi / 90,
+         "2000 rpm": 2000 * np.pi / 30, "8 mm": 0.008, "12 mm": 0.012}  # fmt: skip
+LOADS = SpringLoad("46 mm", "350 N"), SpringLoad("34 mm", "830 N")
+CATALOGUE = CatalogueCard(wire_diameter=4.2e-3, outer_diameter=0.032, installed_load=LOADS[0], open_load=LOADS[1])
+IN_SI |= {"4.2 mm": 4.2e-3, "32 mm": 0.032, "30 mm": 0.030, "29 mm": 0.029, "54.75 mm": 0.05475, "46 mm": 0.046}
+#: Class -> one of it, and the fields that are given in text.
+PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
+    "CoilContact": (CoilContact, {"stiffness": "30 N/mm^2", "damping_time": SECOND}),
+    "InstalledSpring": (lambda: InstalledSpring(wire=SPRING), {"precompression": LENGTH}),
+    "Operation": (Operation, {"output_step": "2 deg"}),
+    "Guide": (lambda: vt.Guide(bore=0.03, rod=0.012), {"bore": LENGTH, "rod": "8 mm", "stiffness": "30 N/mm^2"}),
+    "Quantity": (lambda: vt.Quantity("peak_seat_force"), {"engine_speed": "2000 rpm"}),
+    "EquivalentSpring": (lambda: UNIFORM, {"rate": RATE, "preload": FORCE, "active_mass": MASS, "inactive_mass": MASS}),
+    "MasslessSpring": (lambda: vt.MasslessSpring(1e4, 10.0),
+                       {"rate": RATE, "preload": FORCE, "active_mass": MASS, "inactive_mass": MASS}),
+    "MasslessTable": (lambda: vt.MasslessTable((0.0, 0.01), (0.0, 300.0)), {"active_mass": MASS, "inactive_mass": MASS}),
+    "ModalUniform": (lambda: vt.ModalUniform(UNIFORM, 2), {"mass_damping": PER_SECOND, "stiffness_damping": SECOND}),
+    "ModalVaried": (lambda: vt.ModalVaried((450.0,), 0.01, (0.0, 0.02), (0.0, 800.0), 6e-3),
+                    {"precompression": LENGTH, "residual_mass": MASS}),
+    "MultiMassSpring": (lambda: vt.MultiMassSpring.from_definition(SPRING, 6e-3),
+                        {"precompression": LENGTH, "mass_damping": PER_SECOND, "stiffness_damping": SECOND,
+                         "contact_damping_time": SECOND}),
+    "WaveRod": (lambda: vt.WaveRod(UNIFORM), {"friction": PER_SECOND}),
+    "WaveRodWithClash": (lambda: vt.WaveRodWithClash.from_definition(SPRING, 5e-3), {"friction": PER_SECOND}),
+    "SpringLoad": (lambda: LOADS[0], {"height": "46 mm", "force": FORCE}),
+    "CatalogueCard": (lambda: CATALOGUE, {"wire_diameter": "4.2 mm", "outer_diameter": "32 mm", "top_outer_diameter": "30 mm",
+                                          "solid_height": "29 mm", "mass": MASS, "free_length": "54.75 mm"}),
+    "RodModel": (lambda: vt.FiniteElementRod(SPRING, 6e-3, 6), {"precompression": LENGTH, "time_step": SECOND}),
+}  # fmt: skip
+
+
+def calls(name: str) -> list[tuple[str, str, ast.Call]]:
+    """Class or function around, and the call, of every call of ``name`` in the package."""
+    found = []
+    for path in sorted(SOURCE.rglob("*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        for owner in ast.walk(tree):
+            if isinstance(owner, ast.ClassDef if name == "keep_si" else ast.FunctionDef):
+                inside = [one for one in ast.walk(owner) if isinstance(one, ast.Call) and getattr(one.func, "id", "") == name]
+                found += [(str(path.relative_to(SOURCE)), owner.name, one) for one in inside]
+    return found
+
+
+def test_every_field_that_is_made_si_stands_in_the_table():
+    found = {owner: {word.arg for word in call.keywords} for _, owner, call in calls("keep_si")}
+    assert {name: set(fields) for name, (_, fields) in PARTS.items()} == found
+
+
+@pytest.mark.parametrize(("name", "field"), [(name, field) for name, (_, fields) in PARTS.items() for field in fields])
+def test_a_field_takes_text_and_keeps_si(name, field):
+    make, fields = PARTS[name]
+    found = getattr(dataclasses.replace(make(), **{field: fields[field]}), field)
+    assert isinstance(found, float) and found == pytest.approx(IN_SI[fields[field]], rel=1e-12)
+    with pytest.raises(vt.InputError, match="apples"):
+        dataclasses.replace(make(), **{field: "3 apples"})
+
+
+CURVE = StaticCurve(
+    np.array([0.0, 0.008, 0.016]), np.array([0.0, 320.0, 640.0]), np.full(3, 4e4), np.zeros((3, 0)), np.zeros((3, 0)), np.zeros(0),
+    np.zeros((3, 2)), np.array([0.0, 7.0]), Status("completed", ""),
+)  # fmt: skip
+
+
+def rod() -> vt.FiniteElementRod:
+    return vt.FiniteElementRod(SPRING, 5e-3, 6)
+
+
+def batch(interval: Any = 2e-6, step: Any = 2e-7) -> Any:
+    one = rod()
+    return simulate_batch([one.mesh], [one.installed.state], lambda t: 5e-3 + 0.1 * np.asarray(t), interval, 2, one.dynamics, step)
+
+
+#: A number given in SI and as text: what is read of both is the same, and of twice the number something else.
+ARGUMENTS: dict[str, tuple[Callable[[Any], Any], float, str]] = {
+    "force_at": (CURVE.force_at, 0.008, "8 mm"),
+    "compression_at": (CURVE.compression_at, 300.0, FORCE),
+    "static_curve of a rod": (lambda x: rod().static_curve(x, 2).compression[-1], 0.005, LENGTH),
+    "static_point of a rod": (lambda x: rod().static_point(x).force, 0.005, LENGTH),
+    "modes of a rod": (lambda x: rod().modes(1, attached_mass=x).natural_frequency[0], 0.05, MASS),
+    "static_curve": (lambda x: vt.static_curve(SPRING, spring_model="massless", largest_compression=x, steps=2).compression[-1],
+                     0.005, LENGTH),
+    "buckling, length": (lambda x: buckling_compression(x, 0.01), 0.08, "80 mm"),
+    "buckling, diameter": (lambda x: buckling_compression(0.08, x), 0.005, LENGTH),
+    "resolution": (lambda x: read_options(x, 5e-5, 1e-4).resolution, 20 * np.pi / 30, "20 rpm"),
+    "float lift": (lambda x: read_options("20 rpm", x, 1e-4).float_lift, 0.005, LENGTH),
+    "bounce height": (lambda x: read_options("20 rpm", 5e-5, x).bounce_height, 0.005, LENGTH),
+    "shear modulus": (lambda x: vt.Material("steel", 206e9, x, 7850.0).shear_modulus, 80e9, "80 GPa"),
+    "density": (lambda x: vt.Material("steel", 206e9, 80e9, x).density, 7800.0, "7.8 g/cm^3"),
+    "sample interval": (lambda x: batch(interval=x).time[-1], 2e-6, SECOND),
+    "time step": (lambda x: batch(step=x).time_step, 1e-7, "0.1 us"),
+    "pitch": (lambda x: vt.cylindrical(3.8e-3, 22e-3, x, 7, ends="open").pitch.value(3.0), 0.008, "8 mm"),
+    "free length": (lambda x: vt.cylindrical(3.8e-3, 22e-3, total_coils=7, free_length=x).free_length, 0.045, "45 mm"),
+    "clash rod from a wire": (lambda x: vt.WaveRodWithClash.from_definition(SPRING, x).spring.preload, 0.005, LENGTH),
+    "multi-mass mass": (lambda x: vt.MultiMassSpring.from_card(RATE, FORCE, x).layout.masses.sum(), 0.05, MASS),
+    "multi-mass preload": (lambda x: vt.MultiMassSpring.from_card(RATE, x, MASS).precompression, 300.0, FORCE),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ARGUMENTS)
+def test_an_argument_is_the_same_as_a_number_and_as_text(name):
+    read, number, text = ARGUMENTS[name]
+    assert np.asarray(read(text)) == pytest.approx(np.asarray(read(number)), rel=1e-9)
+    assert np.asarray(read(2 * number)) != pytest.approx(np.asarray(read(number)), rel=1e-3)
+    with pytest.raises(vt.InputError):
+        read("3 apples")
+
+
+def test_a_solid_spring_reads_the_unit_before_it_calls_the_solver():
+    for method in (SolidSpring.static_curve, SolidSpring.modes):
+        with pytest.raises(vt.InputError, match="apples"):
+            method(SolidSpring(SPRING), "3 apples")
+        assert "Given" in str(inspect.signature(method).parameters["compression"].annotation)
