@@ -103,7 +103,7 @@ def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     file = tmp_path / "study.toml"
     file.write_text(TEXT.format(count=2))
-    answer = call("study", str(file), "--dask", "no scheme://nowhere")
+    answer = call("study", str(file), "--quiet", "--dask", "no scheme://nowhere")
     assert answer.exit_code == 2 and "--dask" in answer.stderr and len(answer.stderr.splitlines()) == 1
 
 

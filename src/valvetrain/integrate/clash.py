@@ -79,25 +79,30 @@ def blow_impulse(time: Array, force: Array) -> float:
     pad, count = int(np.ceil(reach)) + 1, len(force)
     area = np.concatenate(([0.0], np.cumsum(0.5 * (force[1:] + force[:-1])))) * step
     area = np.concatenate((np.zeros(pad), area, np.full(2 * pad, area[-1])))
-    # the area from every place on, as rows that share its memory
+    begun, before, ended, held, part = np.empty((5, count))
 
-    from_there = np.ndarray((len(area) - count + 1, count), dtype=float, buffer=area, strides=(area.itemsize, area.itemsize))
+    def fill(out: Array, shift: float) -> None:
+        """Area up to ``shift`` steps after every begin; in place, for a resting contact is thousands of samples long."""
+        whole = int(np.floor(shift))
+        first, share = pad + whole, shift - whole
+        np.multiply(area[first : first + count], 1 - share, out=out)
+        np.multiply(area[first + 1 : first + 1 + count], share, out=part)
+        np.add(out, part, out=out)
 
-    def at(shift: Array) -> Array:
-        """Area up to ``shift`` (n,) steps after every begin, (n, count)."""
-        whole = np.floor(shift)
-        first, share = pad + whole.astype(np.int64), (shift - whole)[:, None]
-        return np.asarray((1 - share) * from_there[first] + share * from_there[first + 1])
-
-    begun, back = at(np.array([0.0, -reach]))
-    shares = np.array(BLOW_LENGTHS)
-    ended, held = at(shares * reach), at((1 + shares) * reach)
-    held -= ended
-    np.maximum(begun - back, held, out=held)
-    held *= shares[:, None]
-    ended -= begun
-    ended -= held
-    return max(0.0, float(np.max(ended)))
+    fill(begun, 0.0)
+    fill(before, -reach)
+    np.subtract(begun, before, out=before)
+    largest = 0.0
+    for share in BLOW_LENGTHS:
+        fill(ended, share * reach)
+        fill(held, (1 + share) * reach)
+        np.subtract(held, ended, out=held)
+        np.maximum(before, held, out=held)
+        np.multiply(held, share, out=held)
+        np.subtract(ended, begun, out=ended)
+        np.subtract(ended, held, out=ended)
+        largest = max(largest, float(ended.max()))
+    return largest
 
 
 def steps_between(watch: ContactWatch | None, time_step: float) -> int:
