@@ -15,13 +15,14 @@ from valvetrain.errors import InputError
 from valvetrain.solution.status import Status
 from valvetrain.studies.cost import Cost, Limits, refuse_cost
 from valvetrain.studies.engine import LOST, LOST_REMEDY, Progress
+from valvetrain.studies.planned import Asked
 from valvetrain.studies.points.crews import Crew
 from valvetrain.studies.points.evaluate import evaluate
 from valvetrain.studies.points.plan import Array, Run, StudyPlan
 from valvetrain.studies.points.point import Outcome
 from valvetrain.studies.points.store import PointStore
 from valvetrain.studies.points.table import StudyTable
-from valvetrain.studies.request_cost import REST, Asked, request_cost
+from valvetrain.studies.request_cost import REST, request_cost
 from valvetrain.studies.stopping import Stopped
 from valvetrain.studies.workers import Lost
 
