@@ -48,7 +48,7 @@ bench: environment-run
 	$(ONE_THREAD) $(BIN)/python -m benchmarks $(ARGS)
 
 identify: environment-run
-	$(BIN)/python scripts/identify_beehive.py $(ARGS)
+	$(BIN)/valvetrain identify examples/identify-beehive.toml --limit "12 h" $(ARGS)
 
 uncertainty: environment-run
 	$(BIN)/python scripts/write_uncertainty.py $(CASE) $(ARGS)

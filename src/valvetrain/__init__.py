@@ -56,6 +56,12 @@ _HOMES = {
     "SmoothedLift": "measurements.lift_smoothing",
     "lift_figures": "measurements.lift_figures",
     "lift_band_study": "studies.lift_band",
+    # identification
+    "identify": "identification.api",
+    "Identified": "identification.result",
+    "Prior": "identification.prior",
+    "Datum": "identification.datum",
+    "Search": "identification.search",
     # springs from cards and from a spring tester
     "SpringLoad": "measurements.catalogue_card",
     "CatalogueCard": "measurements.catalogue_card",
@@ -121,6 +127,11 @@ if TYPE_CHECKING:
     from valvetrain.cosserat.batch import simulate_batch as simulate_batch
     from valvetrain.errors import InputError as InputError
     from valvetrain.errors import ValvetrainError as ValvetrainError
+    from valvetrain.identification.api import identify as identify
+    from valvetrain.identification.datum import Datum as Datum
+    from valvetrain.identification.prior import Prior as Prior
+    from valvetrain.identification.result import Identified as Identified
+    from valvetrain.identification.search import Search as Search
     from valvetrain.measurements.catalogue_card import CatalogueCard as CatalogueCard
     from valvetrain.measurements.catalogue_card import SpringLoad as SpringLoad
     from valvetrain.measurements.force_height import ForceHeight as ForceHeight

@@ -42,6 +42,7 @@ BUILT_IN["commands"] = {
     "runs": "valvetrain.cli.runs:register",
     "compare-runs": "valvetrain.cli.compare_runs:register",
     "lift": "valvetrain.cli.lift:register",
+    "identify": "valvetrain.cli.identify:register",
     "spring-card": "valvetrain.cli.spring_card:register",
     "new": "valvetrain.cli.new:register",
     "cases": "valvetrain.cli.cases:register",

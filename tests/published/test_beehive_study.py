@@ -7,8 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from architecture.layout import ROOT
 from book_page import assert_page_holds
-from valvetrain.parameters.loading import load_case
+from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.contract import LiftLaw
+from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.filters import low_pass
 from valvetrain.solution.study import Study
@@ -145,3 +148,40 @@ def test_the_page_on_the_beehive_prints_what_comes_out(study: Study) -> None:
     spike = spread[high, "stage_3_peak_force"]
     told += [f"The 8000 rpm spike lies between {spike.low:.0f} and {spike.high:.0f} N, so the published 1430 N is outside"]
     assert not [words for words in told if words not in text] and spike.high < 1430
+
+
+def residual(law: LiftLaw, order: float) -> float:
+    """What a lift leaves in a mode of so many cycles per cam turn: size of the Fourier transform of its acceleration over the order (m)."""
+    angle = np.linspace(0, 2 * np.pi, 36001)
+    return float(abs(np.trapezoid(law.lift(angle, 2) * np.exp(-1j * order * angle), angle)) / order)
+
+
+def test_the_page_tells_the_computed_excitation_of_the_first_mode(study: Study) -> None:
+    """The table of docs/beehive.md on Stage I, and what its sentences say of it."""
+    page = (ROOT / "docs" / "beehive.md").read_text(encoding="utf-8")
+    table = page.split("| range of Stage I, N |")[1].split("\n\n")[0]
+    told = [[float(cell) for cell in line.split("|")[2:5]] for line in table.splitlines()[2:]]
+    speeds, orders = (4200, 5600, 8000), (18.0, 13.5, 9.45)
+    case = load_case("gu2021-beehive")
+    polydyne = parse_case(
+        'title = "polydyne"\n[lift_law]\nkind = "polydyne"\nlift_of = "valve"\nmaximum_lift = "9.5 mm"\nexponents = "2-10-18-26-34"\n'
+        'opening_start = "115 deg"\nclosing_end = "245 deg"'
+    )
+    published = {
+        (round(one.engine_speed / RPM), one.quantity): one.value
+        for one in case.published
+        if one.model == "solid finite elements" and one.engine_speed is not None
+    }
+    stage_1 = [published[rpm, "stage_1_maximum_force"] - published[rpm, "stage_1_minimum_force"] for rpm in speeds]
+    modal, rod = ([quantity(study, "stage_1_force_range", rpm, label) for rpm in speeds] for label in ("modal-varied", "finite-element"))
+    own, other = ([1e3 * residual(build_lift_law(one.lift_law), order) for order in orders] for one in (case, polydyne))
+    for row, computed, digits in zip(told, (stage_1, modal, rod, own, other), (0, 1, 1, 2, 2), strict=True):
+        assert row == pytest.approx(computed, abs=0.6 * 10.0**-digits)
+    mode = study.quantities["mode_1_frequency"]
+    assert [mode * 120 / rpm for rpm in speeds] == pytest.approx(orders, abs=0.05)
+    assert modal[2] / stage_1[2] == pytest.approx(0.93, abs=0.005) and modal[1] / stage_1[1] == pytest.approx(0.55, abs=0.01)
+    assert rod[2] / modal[2] == pytest.approx(0.24, abs=0.01)
+    assert quantity(study, "stage_3_peak_force", 8000, "modal-varied") == pytest.approx(406.0, abs=0.5)
+    (by_source,) = [one.value for one in case.published if one.model == "analytical modal" and one.quantity == "stage_3_peak_force"
+                    and one.engine_speed is not None and round(one.engine_speed / RPM) == 8000]  # fmt: skip
+    assert by_source == 360.0

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from valvetrain.studies.identification import Unknown
 
 import valvetrain as vt
 from valvetrain.cam.cam_card import CamCard
@@ -41,7 +42,6 @@ from valvetrain.springs.nested import RadialRubbing
 from valvetrain.springs.solid.layout import MeshOptions
 from valvetrain.springs.solid.transient import TransientJob
 from valvetrain.studies.grid_convergence import observed_order
-from valvetrain.studies.identification import Unknown
 
 NAN = math.nan
 SPRING = vt.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)

@@ -1,82 +1,159 @@
-"""Unit: the identification finds known parameters, honours bounds and does not depend on the number of workers."""
+"""Unit: searches find known quantities, honour bounds, and do not depend on the number of workers."""
 
 from __future__ import annotations
 
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+import math
+import sys
+import threading
 
 import numpy as np
 import pytest
 
-from valvetrain.errors import InputError
-from valvetrain.studies.identification import Target, Unknown, identify
+from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.identification.datum import Datum
+from valvetrain.identification.journal import Journal
+from valvetrain.identification.least_squares import least_squares
+from valvetrain.identification.posterior import Posterior, Unknown
+from valvetrain.identification.prior import Prior
+from valvetrain.identification.profiles import profile
+from valvetrain.identification.search import METHODS, Search
+from valvetrain.identification.solve import solve
 
 TRUE_RATE, TRUE_MASS = 42e3, 0.05
-UNKNOWNS = (Unknown("rate", 30e3, 60e3, 50e3, 10e3), Unknown("mass", 0.02, 0.09, 0.04, 0.02))
+LIBRARIES = [("cma-es", "cmaes"), ("nested", "dynesty"), ("ensemble", "emcee"), ("ensemble", "sklearn.cluster")]
+WIDE = (Unknown("rate", Prior("uniform", 30e3, 60e3)), Unknown("mass", Prior("uniform", 0.02, 0.09)))
 
 
-def spring_numbers(vector: np.ndarray) -> dict[str, float] | None:
-    """Closed forms of a uniform spring: force at 7 mm and first surge frequency."""
-    rate, mass = vector
-    if rate > 59e3:
-        return None
-    return {"force": rate * 7e-3, "surge": 0.5 * np.sqrt(rate / mass)}
+def spring_numbers(points: np.ndarray) -> list[dict[str, float] | None]:
+    """Closed forms of a uniform spring: force at 7 mm and first surge frequency; none is stiffer than 59 N/mm."""
+    return [None if rate > 59e3 else {"force": rate * 7e-3, "surge": 0.5 * math.sqrt(rate / mass)} for rate, mass in points]
 
 
-def targets() -> tuple[Target, ...]:
-    true = spring_numbers(np.array([TRUE_RATE, TRUE_MASS]))
-    assert true is not None
-    return Target("force", true["force"], 1.0), Target("surge", true["surge"], 1.0)
+def data_of(rate: float, mass: float, scatter: float = 1.0) -> tuple[Datum, ...]:
+    return Datum("force", rate * 7e-3, scatter), Datum("surge", 0.5 * math.sqrt(rate / mass), scatter)
 
 
-def test_known_parameters_are_recovered() -> None:
-    with ThreadPoolExecutor(2) as pool:
-        found = identify(UNKNOWNS, targets(), spring_numbers, pool, prior_weight=1e-6, iterations=30)
-    assert found.parameters["rate"] == pytest.approx(TRUE_RATE, rel=1e-4)
-    assert found.parameters["mass"] == pytest.approx(TRUE_MASS, rel=1e-4)
-    assert found.misfit < 1e-4
+def test_known_parameters_are_recovered_without_a_prior_that_pulls() -> None:
+    found = least_squares(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers), np.array([50e3, 0.04]))
+    assert found.work[0] == pytest.approx(TRUE_RATE, rel=1e-6)
+    assert found.work[1] == pytest.approx(TRUE_MASS, rel=1e-6)
+    assert found.misfit < 1e-9
 
 
-def test_same_bits_for_any_number_of_workers() -> None:
-    results = []
-    for workers in (1, 3):
-        with ProcessPoolExecutor(workers) as pool:
-            results.append(identify(UNKNOWNS, targets(), spring_numbers, pool, iterations=6))
-    assert results[0] == results[1]
+@pytest.mark.parametrize("method", METHODS)
+def test_each_method_finds_the_closed_form(method: str) -> None:
+    """Rate from the force, mass from both; the spread of the rate is that of the force."""
+    search = Search(method, live_points=60, steps=150, evaluations=300, starts=4)
+    with Journal(None, "") as journal:
+        found = solve(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)), search, journal)
+    assert found.best["rate"] == pytest.approx(TRUE_RATE, rel=1e-3)
+    assert found.best["mass"] == pytest.approx(TRUE_MASS, rel=1e-3)
+    interval = found.branches[0].quantities["rate"]
+    assert interval.deviation == pytest.approx(1.0 / 7e-3, rel=0.25)
+    assert interval.low < TRUE_RATE < interval.high
+    assert len(found.branches) == 1 and not found.branches[0].information.warnings
 
 
 def test_bounds_hold_even_when_the_data_lie_outside() -> None:
-    far = (Target("force", 59.5e3 * 7e-3, 1.0), Target("surge", 300.0, 1.0))
-    with ThreadPoolExecutor(2) as pool:
-        found = identify(UNKNOWNS, far, spring_numbers, pool, iterations=20)
-    for unknown in UNKNOWNS:
-        assert unknown.low <= found.parameters[unknown.name] <= unknown.high
-    assert found.parameters["rate"] <= 59e3, "beyond that no spring exists"
+    far = (Datum("force", 62e3 * 7e-3, 1.0), Datum("surge", 300.0, 1.0))
+    found = least_squares(Posterior(WIDE, far, spring_numbers), np.array([50e3, 0.04]))
+    assert 30e3 <= found.work[0] <= 59e3, "beyond that no spring exists"
+    assert 0.02 <= found.work[1] <= 0.09
 
 
 def test_an_impossible_start_is_refused() -> None:
-    begin = (Unknown("rate", 30e3, 60e3, 59.5e3, 10e3), UNKNOWNS[1])
-    with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match="no possible spring"):
-        identify(begin, targets(), spring_numbers, pool)
+    with pytest.raises(InputError, match="no possible spring"):
+        least_squares(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers), np.array([59.5e3, 0.04]))
 
 
-def sum_and_difference(vector: np.ndarray) -> dict[str, float]:
-    """A linear model: what it tells of its two numbers has a closed form."""
-    return {"sum": vector[0] + vector[1], "difference": 2 * (vector[0] - vector[1])}
+def test_priors_that_hold_no_possible_point_are_refused() -> None:
+    stiff = (Unknown("rate", Prior("uniform", 59.1e3, 60e3)), WIDE[1])
+    for method in METHODS:
+        with Journal(None, "") as journal, pytest.raises(InputError, match="computed"):
+            solve(Posterior(stiff, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)), Search(method, live_points=20), journal)
 
 
-def test_standard_errors_and_draws_are_those_of_the_linear_model() -> None:
-    """Posterior covariance inv(J' J / s^2 + 1 / p^2) of a linear model with normal priors."""
-    unknowns = (Unknown("one", -100.0, 100.0, 1.0, 2.0), Unknown("two", -100.0, 100.0, 2.0, 5.0))
-    wanted = (Target("sum", 5.0, 0.5), Target("difference", -3.0, 4.0))
-    with ThreadPoolExecutor(1) as pool:
-        found = identify(unknowns, wanted, sum_and_difference, pool, iterations=30)
-    slope = np.array([[1.0, 1.0], [2.0, -2.0]]) / np.array([[0.5], [4.0]])
-    covariance = np.linalg.inv(slope.T @ slope + np.diag([1 / 4, 1 / 25]))
-    np.testing.assert_allclose(found.covariance, covariance, rtol=1e-6)
-    assert list(found.standard_error) == ["one", "two"]
-    np.testing.assert_allclose(list(found.standard_error.values()), np.sqrt(np.diag(covariance)), rtol=1e-6)
-    draws = np.array(found.sample(unknowns, 4000, seed=3))
-    np.testing.assert_allclose(draws.mean(axis=0), list(found.parameters.values()), atol=0.1)
-    np.testing.assert_allclose(np.cov(draws.T), covariance, rtol=0.15)
-    narrow = (Unknown("one", 0.9, 1.1, 1.0, 2.0), unknowns[1])
-    assert np.all(np.abs(np.array(found.sample(narrow, 50))[:, 0] - 1.0) <= 0.1 + 1e-12)
+def test_a_quantity_set_to_a_value_stays_there_in_its_profile() -> None:
+    """Profile of the rate under a force known to 1 N, the mass free: the misfit is the squared miss of the force."""
+    posterior = Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers)
+    peak = least_squares(posterior, np.array([50e3, 0.04]))
+    found = profile(posterior, peak, "rate")
+    np.testing.assert_allclose(found.misfit, ((found.values - TRUE_RATE) * 7e-3) ** 2, atol=1e-6)
+    assert len(found.values) == 9 and np.ptp(found.values) > 4 / 7e-3
+
+
+@pytest.mark.parametrize(
+    ("prior", "share", "value"),
+    [
+        (Prior("uniform", 2.0, 4.0), 0.25, 2.5),
+        (Prior("log-uniform", 1.0, 100.0), 0.5, 10.0),
+        (Prior("normal", centre=3.0, spread=2.0), 0.975, 3.0 + 2.0 * 1.959963984540054),
+        (Prior("normal", low=3.0, centre=3.0, spread=2.0), 0.5, 3.0 + 2.0 * 0.6744897501960817),
+        (Prior("lognormal", centre=3.0, spread=math.log(2.0)), 0.8413447460685429, 6.0),
+    ],
+)
+def test_priors_have_the_quantiles_of_the_textbook(prior: Prior, share: float, value: float) -> None:
+    work = prior.from_share(share)
+    assert float(prior.value(work)) == pytest.approx(value, rel=1e-9)
+    assert float(prior.share(work)) == pytest.approx(share, rel=1e-9)
+    low, high = prior.work_bounds
+    at = np.linspace(low, high, 20001)
+    assert np.trapezoid(np.exp(prior.log_density(at)), at) == pytest.approx(1.0, rel=1e-6)
+    assert prior.log_density(low - 1.0) == -np.inf and prior.log_density(high + 1.0) == -np.inf
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"kind": "uniform", "low": 2.0, "high": 1.0}, "must lie below"),
+        ({"kind": "uniform", "low": 2.0}, "needs both bounds"),
+        ({"kind": "normal", "centre": 1.0}, "positive spread"),
+        ({"kind": "normal", "centre": 1.0, "spread": 1.0, "low": 2.0}, "outside its bounds"),
+        ({"kind": "log-uniform", "low": -1.0, "high": 2.0}, "positive values"),
+        ({"kind": "flat"}, "unknown"),
+    ],
+)
+def test_priors_that_are_none_are_refused(given: dict[str, float], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        Prior(**given)
+
+
+def test_outliers_weigh_less_under_student_errors() -> None:
+    """Densities of scipy's own student law, and the half of minus twice its logarithm above the peak."""
+    from scipy.stats import t
+
+    datum = Datum("force", 300.0, 2.0, law="student", freedom=3.0)
+    for computed in (290.0, 299.0, 300.0, 340.0):
+        log_density = datum.log_peak - 0.5 * float(datum.residual(computed)) ** 2
+        assert log_density == pytest.approx(t.logpdf(computed, 3.0, 300.0, 2.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("given", [{"scatter": 0.0}, {"scatter": math.nan}, {"value": math.inf}, {"law": "cauchy"}, {"freedom": 0.0}])
+def test_data_that_are_none_are_refused(given: dict[str, float]) -> None:
+    with pytest.raises(InputError):
+        Datum(**({"key": "force", "value": 1.0, "scatter": 1.0} | given))
+
+
+@pytest.mark.parametrize(("method", "library"), LIBRARIES)
+def test_a_library_that_is_not_installed_is_named_with_its_remedy(method: str, library: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, library, None)
+    search = Search(method, live_points=20, steps=20, evaluations=20)
+    with Journal(None, "") as journal, pytest.raises(MissingExtraError, match=r"pip install 'valvetrain\[studies\]'"):
+        solve(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)), search, journal)
+
+
+def test_what_a_computation_raises_in_a_chain_reaches_the_caller() -> None:
+    """Chains of nested sampling run in threads; their errors must not be lost, nor threads left waiting."""
+    calls = 0
+
+    def fails(points: np.ndarray) -> list[dict[str, float] | None]:
+        nonlocal calls
+        calls += 1
+        if calls == 12:
+            raise ZeroDivisionError("here")
+        return spring_numbers(points)
+
+    before = threading.active_count()
+    with Journal(None, "") as journal, pytest.raises(ZeroDivisionError, match="here"):
+        solve(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(fails)), Search("nested", live_points=30, lanes=4), journal)
+    assert threading.active_count() == before

@@ -99,7 +99,8 @@ def test_a_problem_travels_between_processes(name):
 MAY_SEE_A_CASE = (
     "parameters", "cli", "system/build.py", "studies/run.py", "studies/sweep.py", "studies/compare.py", "studies/api.py",
     "studies/rest_study.py", "studies/uncertainty.py", "studies/train_uncertainty.py", "studies/refined.py", "studies/uncertainty_file.py",
-    "studies/identification.py", "studies/run_up.py", "studies/train_modes.py", "studies/lift_band.py", "studies/request_cost.py",
+    "identification", "studies/points", "studies/run_up.py", "studies/train_modes.py", "studies/lift_band.py", "studies/request_cost.py",
+    "studies/rest_cost.py",
 )  # fmt: skip
 
 

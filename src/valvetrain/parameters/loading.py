@@ -86,7 +86,7 @@ def read_case(path: Path, changes: Mapping[str, Any] | None = None) -> Case:
 
 def parse_case(text: str, name: str = "case", folder: Path = Path(), where: str = "case", changes: Mapping[str, Any] | None = None) -> Case:
     """The case written in ``text``; ``folder`` is where the files it names are looked for, ``where`` names it in messages."""
-    tree = _parse_toml(text, where)
+    tree = parse_toml(text, where)
     if not tree:
         raise InputError("the case file is empty; it needs at least one of [spring], [lift_law] and [train]", where)
     try:
@@ -135,7 +135,7 @@ def list_cases() -> tuple[CaseSummary, ...]:
     """
     summaries = []
     for name in library_names():
-        tree = _parse_toml(_read_text(LIBRARY / f"{name}.toml"), name)
+        tree = parse_toml(_read_text(LIBRARY / f"{name}.toml"), name)
         holds = tuple(key for key in ("spring", "lift_law", "train", "published") if key in tree)
         summaries.append(CaseSummary(name, str(tree.get("title", "")), holds, tuple(map(str, tree.get("sources", ())))))
     return tuple(summaries)
@@ -156,7 +156,8 @@ def _read_text(path: Path) -> str:
         raise InputError(f"the file cannot be read ({reason}); check the path and its permissions", _one_line(path.name, 60)) from None
 
 
-def _parse_toml(text: str, where: str) -> dict[str, Any]:
+def parse_toml(text: str, where: str) -> dict[str, Any]:
+    """The tree of a TOML text, ``where`` naming it in messages; :class:`InputError` for what is none, too deep, or of numbers too long."""
     if (deep := _DEEP_KEY.search(text)) is not None:
         line = text.count("\n", 0, deep.start()) + 1
         raise InputError(f"a key has more than {MOST_PARTS} parts with dots between; write tables", f"{where}, line {line}")

@@ -108,11 +108,20 @@ def is_living(path: Path) -> bool:
     return fcntl is not None and not is_abandoned(path)
 
 
-def lock(handle: int) -> None:
-    """Lock an open file for as long as this process lives or keeps it open; nothing where there are no such locks."""
-    if fcntl is not None:
-        with suppress(OSError):
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+def lock(handle: int) -> bool:
+    """Lock an open file for as long as this process lives or keeps it open; False where another process has it.
+
+    True without a lock where there are no such locks.
+    """
+    if fcntl is None:
+        return True
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks
+        return True
+    return True
 
 
 def _locked_file(target: Path) -> tuple[int, Path]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 
 from valvetrain import registry
+from valvetrain.errors import InputError
 from valvetrain.quantities.compare import compare
 from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.windows import Window
@@ -40,6 +42,18 @@ def _no_notes(study: Study) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
+class PointsOfSource:
+    """How a study computes the points of an identification in its own way.
+
+    ``points(names, options)``: for the unknown quantities of those names, what takes their values (SI) and gives numbers by name (SI), None
+    for an impossible point; it pickles. ``values(names)``: the values its shipped case holds.
+    """
+
+    points: Callable[[Sequence[str], Mapping[str, float]], Callable[[Sequence[float]], Mapping[str, float] | None]]
+    values: Callable[[Sequence[str]], tuple[float, ...]]
+
+
+@dataclass(frozen=True)
 class SourceStudy:
     """One published study; ``key`` is its citation key and its word in the registry.
 
@@ -47,7 +61,8 @@ class SourceStudy:
     and engine speeds of its published values. ``findings``: what it found in words beside what came out here; ``notes``: contradictions
     within it. ``counterparts``: what produced a published value -> label of the run that stands for it. ``origins``: the same -> mark.
     ``counted``: words of its angles that are counted through a cycle. ``window_names``: its names of the windows about the lift event
-    (`valvetrain.quantities.windows`); ``point_names``: its names of points on the wire, by coil number.
+    (`valvetrain.quantities.windows`); ``point_names``: its names of points on the wire, by coil number. ``identification``: place
+    (``"module:attribute"``) of its :class:`PointsOfSource`, loaded on first use; empty for a study that has none.
     """
 
     key: str
@@ -60,6 +75,15 @@ class SourceStudy:
     counted: tuple[str, ...] = ()
     window_names: Mapping[Window, str] = field(default_factory=dict)
     point_names: Mapping[float, str] = field(default_factory=dict)
+    identification: str = ""
+
+    def points_of_identification(self) -> PointsOfSource:
+        """What :attr:`identification` leads to. Raises :class:`InputError` for a study that has none."""
+        if not self.identification:
+            raise InputError(f"source study '{self.key}' computes no points of its own; leave it out", "evaluator")
+        module, _, attribute = self.identification.partition(":")
+        found: PointsOfSource = getattr(import_module(module), attribute)
+        return found
 
 
 def against_source(study: Study) -> Study:

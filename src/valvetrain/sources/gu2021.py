@@ -175,4 +175,5 @@ def _violence_note(study: Study) -> str:
 SPEC = SourceStudy(
     "gu2021", quantities, findings=findings, notes=notes, counterparts=COUNTERPARTS, origins=ORIGINS, counted=("clash", "stage_1_peak"),
     window_names=dict(zip(WINDOWS, ("Stage I", "Stage II", "Stage III"), strict=True)), point_names={1.0: "node 1", 2.0: "node 2"},
+    identification="valvetrain.sources.gu2021_identification:SPEC",
 )  # fmt: skip

@@ -136,3 +136,46 @@ def _end_with_parent() -> None:
     if parent is not None:
         multiprocessing.connection.wait([parent.sentinel])
         os._exit(1)
+
+
+class StandingPool:
+    """Worker processes that stay for many batches of ``function(shared, point)``; ``count`` 1: this process. Use it as a context.
+
+    Results stand in the order of the points. A run whose worker is killed is tried again by :func:`in_processes`; what is not to be had
+    comes back as :class:`Lost`.
+    """
+
+    def __init__(self, function: Callable[[Any, Any], Any], shared: Any, count: int) -> None:
+        self.function, self.shared, self.count = function, shared, count
+        self._pool: ProcessPoolExecutor | None = None
+
+    def __enter__(self) -> StandingPool:
+        if self.count > 1:
+            context = multiprocessing.get_context(start_method())
+            self._pool = ProcessPoolExecutor(self.count, context, initializer=_begin, initargs=(os.getpid(), self.function, self.shared))
+            result_of(self._pool.submit(os.getpid))  # begins all of them now, before any thread runs
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pool is not None:
+            _end(self._pool)
+
+    def map(self, points: Sequence[Any]) -> list[Any]:
+        """The results of one batch."""
+        if self._pool is None:
+            found = []
+            for point in points:
+                look()
+                found.append(self.function(self.shared, point))
+            return found
+        results: dict[int, Any] = {}
+        try:
+            for place, result in as_they_come({self._pool.submit(_one, point): place for place, point in enumerate(points)}):
+                results[place] = result
+        except BrokenProcessPool:
+            left = [place for place in range(len(points)) if place not in results]
+            for number, result in in_processes(self.function, self.shared, [points[place] for place in left], self.count):
+                results[left[number]] = result
+            _end(self._pool)
+            self.__enter__()
+        return [results[place] for place in range(len(points))]

@@ -1,0 +1,199 @@
+"""Measurements of an identification file: values, curves, frequencies, peaks, events, traces -> data and what is sought for them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.identification.datum import Datum
+from valvetrain.identification.part import Part
+from valvetrain.identification.sought import Sought, Station, angle_name
+from valvetrain.measurements.content import read_content, text_of
+from valvetrain.measurements.text_table import read_text_table
+from valvetrain.parameters.bounded_file import MOST_BYTES
+from valvetrain.solution.definition import definition_of
+from valvetrain.units import DIMENSIONS, parse_quantity, unit_factor
+from valvetrain.units.text import split_quantity
+
+Array = NDArray[np.float64]
+#: What a measurement is known by: the key of its table that says so.
+FORMS = ("quantity", "frequencies", "peak", "event", "channel", "compressions", "heights", "file")
+LAWS = ("normal", "student")
+#: Most data of one measurement.
+MOST_DATA = 5000
+Found = list[tuple[Sought, Datum]]
+
+
+def read_measurement(name: str, part: Part, folder: Path, own_names: bool = False) -> Found:
+    """The data of one table. ``folder``: where files it names lie; ``own_names``: quantities are those of an evaluator, of any name.
+
+    Raises :class:`InputError` with the place, for what is missing, unknown, of a wrong unit or without a scatter.
+    """
+    form = next((one for one in FORMS if part.has(one)), None)
+    if form is None:
+        raise InputError(f"says nothing that was measured; give one of {', '.join(FORMS)}", part.where)
+    station = read_station(part)
+    rows = _READERS[form](part, station, folder, own_names)
+    if not 0 < len(rows) <= MOST_DATA:
+        raise InputError(f"holds {len(rows)} numbers; give 1 to {MOST_DATA}", part.where)
+    law = part.text("errors", "normal", LAWS)
+    freedom = part.plain("freedom", 4.0)
+    used, source = part.truth("fit", True), part.text("source", "")
+    part.finish()
+    try:
+        return [
+            (one, Datum(one.key, value, scatter, name, law, freedom, used, source, one.unit))  # type: ignore[arg-type]
+            for one, value, scatter in rows
+        ]
+    except InputError as error:
+        raise InputError(error.reason, part.where) from None
+
+
+def read_station(part: Part) -> Station:
+    """Where something is measured or asked for. Raises :class:`InputError` for a speed that is not positive."""
+    speed = part.amount("engine_speed", "angular speed")[0] if part.has("engine_speed") else None
+    if speed is not None and not speed > 0:
+        raise InputError("is not positive; give the speed of the crank, such as '4200 rpm'", part.place("engine_speed"))
+    return Station(speed, part.text("spring_model", ""), part.text("spring_set", ""))
+
+
+Rows = list[tuple[Sought, float, float]]
+
+
+def _quantity(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
+    name = part.text("quantity")
+    dimension = _dimension(name, part, own_names)
+    value, unit = part.amount("value", dimension)
+    return [(Sought(station, "quantity", name), value, _scatter(part, "scatter", value, dimension if dimension is not None else unit))]
+
+
+def _frequencies(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
+    values = part.amounts("frequencies", "frequency")
+    first = part.plain("first_mode", 1.0)
+    if first < 1 or first != int(first):
+        raise InputError("is no number of a mode; give 1, 2 ...", part.place("first_mode"))
+    return [
+        (Sought(station, "quantity", f"mode_{number}_frequency"), value, _scatter(part, "scatter", value, "frequency"))
+        for number, value in enumerate(values, start=int(first))
+    ]
+
+
+def _peak(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
+    name = part.text("peak")
+    dimension = _dimension(name, part, own_names)
+    value, unit = part.amount("value", dimension)
+    angle = part.amount("cam_angle", "angle")[0]
+    try:
+        place = angle_name(name)
+    except InputError as error:
+        raise InputError(error.reason, part.place("peak")) from None
+    return [
+        (Sought(station, "quantity", name), value, _scatter(part, "scatter", value, dimension if dimension is not None else unit)),
+        (Sought(station, "quantity", place), angle, _scatter(part, "angle_scatter", angle, "angle")),
+    ]
+
+
+def _event(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
+    _moving(part, station)
+    kind, number = part.text("event"), part.plain("number", 1.0)
+    if number < 1 or number != int(number):
+        raise InputError("is no number of an event; count from 1", part.place("number"))
+    angle = part.amount("cam_angle", "angle")[0] % (2 * np.pi)
+    return [(Sought(station, "event", kind, number), angle, _scatter(part, "scatter", angle, "angle"))]
+
+
+def _channel(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
+    _moving(part, station)
+    name = part.text("channel")
+    if part.has("file"):
+        angles, values, unit = _from_file(part, folder, "angle")
+    else:
+        angles, values = np.array(part.amounts("cam_angles", "angle")), np.array(part.amounts("values"))
+        unit = str(part.table.get("values"))
+        unit = split_quantity(unit.split(",")[-1].strip(), None, "")[1]
+    return [
+        (Sought(station, "channel", name, float(angle)), float(value), _scatter(part, "scatter", float(value), unit))
+        for angle, value in _pairs(part, angles, values)
+    ]
+
+
+def _curve(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
+    spring = part.text("spring", "")
+    if part.has("file"):
+        compressions, forces, unit = _from_file(part, folder, "length")
+        parse_quantity(f"1 {unit}", "force", part.place("file"))
+    else:
+        given = "heights" if part.has("heights") else "compressions"
+        compressions, forces = np.array(part.amounts(given, "length")), np.array(part.amounts("forces", "force"))
+    at_rest, kind = Station(None, station.spring_model, station.spring_set), "load" if part.has("heights") else "force"
+    return [
+        (Sought(at_rest, kind, spring, place), force, _scatter(part, "scatter", force, "force"))  # type: ignore[arg-type]
+        for place, force in _pairs(part, compressions, forces)
+    ]
+
+
+_READERS = {
+    "quantity": _quantity, "frequencies": _frequencies, "peak": _peak, "event": _event, "channel": _channel, "compressions": _curve,
+    "heights": _curve,
+    "file": _curve,
+}  # fmt: skip
+
+
+def _dimension(name: str, part: Part, own_names: bool) -> str | None:
+    """Dimension of a quantity, None where its name does not tell. Raises :class:`InputError` for a name that is no quantity's."""
+    row = definition_of(name)
+    if not row.dimension and not own_names:
+        raise InputError(f"'{name[:60]}' is no named quantity; docs/quantities.md lists them", part.where)
+    return row.dimension or None
+
+
+def _scatter(part: Part, key: str, value: float, unit: str) -> float:
+    """Standard deviation (SI): an amount, or a share of the value in per cent."""
+    given = part.take(key)
+    if given is None:
+        raise InputError("is missing; give the standard deviation of the errors, such as '2 N' or '1 %'", part.place(key))
+    if isinstance(given, str) and given.strip().endswith("%"):
+        found = abs(value) * parse_quantity(given, "ratio", part.place(key))
+    else:
+        text = str(given) if isinstance(given, (int, float)) and not isinstance(given, bool) else given
+        found = parse_quantity(text, unit, part.place(key))
+    if not found > 0:
+        raise InputError(f"is {given!s:.40}; a standard deviation is positive", part.place(key))
+    return found
+
+
+def _moving(part: Part, station: Station) -> None:
+    if station.engine_speed is None:
+        raise InputError("was measured in motion; give its engine_speed", part.where)
+
+
+def _pairs(part: Part, places: Array, values: Array) -> list[tuple[float, float]]:
+    if len(places) != len(values):
+        raise InputError(f"has {len(places)} places and {len(values)} values; give as many of each", part.where)
+    if len(set(places.tolist())) != len(places):
+        raise InputError("names a place twice; give each once, with the mean of its values", part.where)
+    return list(zip(places.tolist(), values.tolist(), strict=True))
+
+
+def _from_file(part: Part, folder: Path, dimension: str) -> tuple[Array, Array, str]:
+    """Places (SI, of the ``dimension``), values (SI) and their unit from two columns of a text file; units stand in its headings, or in
+    ``units``."""
+    name, where = part.text("file"), part.place("file")
+    given = part.texts("units")
+    try:
+        path = folder / name
+        table = read_text_table(text_of(read_content(path, MOST_BYTES, "table"), path.name), path.name)
+        if table.rows.shape[1] < 2:
+            raise InputError(f"'{path.name[:60]}' has one column; give places and values side by side")
+        units = given or table.units[:2]
+        if len(units) != 2 or not all(units):
+            raise InputError(
+                f"'{path.name[:60]}' tells no units; write them in its headings, or units = [\"{DIMENSIONS[dimension].usual_unit}\", ...]"
+            )
+        parse_quantity(f"1 {units[0]}", dimension)
+        return table.rows[:, 0] * unit_factor(units[0]), table.rows[:, 1] * unit_factor(units[1]), units[1]
+    except InputError as error:
+        raise InputError(error.reason, where) from None

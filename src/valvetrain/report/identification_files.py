@@ -1,0 +1,95 @@
+"""Files of an identification: the JSON answer, draws as NetCDF with a checksum, and the page."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.identification.result import Branch, Identified
+from valvetrain.report.identification_page import identification_page
+from valvetrain.report.page import render
+from valvetrain.solution.arrays import ChannelArrays, Variable
+from valvetrain.solution.atomic import write_bytes, write_text
+from valvetrain.solution.checksum import closing_line
+from valvetrain.solution.netcdf_layout import write_arrays
+
+PAGE, DRAWS = "report.html", "draws.nc"
+
+
+def identification_json(found: Identified) -> dict[str, Any]:
+    """The JSON answer, SI."""
+    quantities = [
+        {
+            "share": branch.share, "misfit": branch.misfit,
+            "quantities": {
+                name: {"best": one.best, "mean": one.mean, "standard_deviation": one.deviation, "low": one.low, "high": one.high}
+                for name, one in branch.quantities.items()
+            },
+            "correlation": branch.correlation, "told": dict(zip(found.names, branch.information.told.tolist(), strict=True)),
+            "brought_by": _by_measurement(found, branch, branch.information.brought),
+            "lost_without": _by_measurement(found, branch, branch.information.lost),
+        }
+        for branch in found.branches
+    ]  # fmt: skip
+    measured = [
+        {
+            "measurement": one.datum.name, "key": one.datum.key, "measured": one.datum.value, "scatter": one.datum.scatter,
+            "fitted": one.datum.used, "computed": one.best, "low": one.low, "middle": one.middle, "high": one.high,
+            "percentile": one.percentile, "source": one.datum.source,
+        }
+        for one in found.predicted
+    ]  # fmt: skip
+    predicted = {
+        one.key: {"computed": one.best, "low": one.low, "middle": one.middle, "high": one.high} for one in found.predictions
+    }  # fmt: skip
+    evidence = {"log": found.log_evidence, "error": found.evidence_error, "kind": found.evidence_kind}
+    profiles = {one.name: {"values": one.values, "misfit": one.misfit} for one in found.profiles}
+    return {
+        "method": found.method, "whole": found.whole, "branches": quantities, "measurements": measured,
+        "predictions": predicted,
+        "evidence": evidence, "profiles": profiles, "warnings": list(found.warnings),
+        "evaluations": found.evaluations, "kept_from_before": found.kept,
+        "units": {one.name: one.unit for one in found.unknowns},
+    }  # fmt: skip
+
+
+def _by_measurement(found: Identified, branch: Branch, shares: NDArray[np.float64]) -> dict[str, dict[str, float]]:
+    return {
+        name: dict(zip(found.names, row.tolist(), strict=True))
+        for name, row in zip(branch.information.measurements, shares, strict=True)
+    }  # fmt: skip
+
+
+def write_identification(found: Identified, folder: Path, title: str) -> list[Path]:
+    """Write draws and page to ``folder``, each whole or not at all; the paths, the page last."""
+    page = write_text(folder / PAGE, render(identification_page(title, found)))
+    return [write_bytes(folder / DRAWS, draws_image(found)), page]
+
+
+def draws_image(found: Identified) -> bytes:
+    """Bytes of the NetCDF file: quantities, weights, branches and every computed number over the draws; ends in a checksum."""
+
+    def over(values: Any, words: str) -> Variable:
+        return Variable(("draw",), np.asarray(values), {"units": "SI", "long_name": words})
+
+    variables = {"weight": over(found.weights, "weight of the draw"), "branch": over(found.branch_of, "branch of the draw")}
+    taken = {"weight", "branch"}
+    for group, columns in (("quantity", dict(zip(found.names, found.values.T, strict=True))), ("computed", dict(found.computed))):
+        for name, values in columns.items():
+            label = _label(f"{group}_{name}", taken)
+            taken.add(label)
+            variables[label] = over(values, name)
+    with io.BytesIO() as memory:
+        write_arrays(memory, ChannelArrays(variables, {}, {"method": found.method, "title": found.name}), {})
+        image = memory.getvalue()
+    return image + closing_line(image)
+
+
+def _label(name: str, taken: set[str]) -> str:
+    """A name as NetCDF takes it, each once."""
+    plain = "".join(char if char.isalnum() and char.isascii() else "_" for char in name)
+    return next(label for number in range(len(taken) + 2) if (label := plain if number == 0 else f"{plain}_{number}") not in taken)

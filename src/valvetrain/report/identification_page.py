@@ -1,0 +1,115 @@
+"""The page of an identification: what was found, what the data tell, measured against predicted."""
+
+from __future__ import annotations
+
+from valvetrain.identification.result import Branch, Identified
+from valvetrain.report.identification_charts import dots_chart, marginals_chart, pairs_chart, profiles_chart
+from valvetrain.report.identification_words import (
+    FOUND,
+    MEASURED,
+    ODD,
+    PREDICTED,
+    datum_words,
+    facts,
+    found_rows,
+    measured_words,
+    odd,
+    prediction_words,
+    prior_words,
+    share_rows,
+)
+from valvetrain.report.page import Block, Cell, Details, Grid, Page, Section, figure_or_gap, text
+from valvetrain.report.words import unit_words
+
+_BROUGHT = "Share of each measurement in what the data say of a quantity, the other quantities known (%)."
+_LOST = "By how much less is left open of a quantity (its variance) than without the measurement (%)."
+
+
+def identification_page(title: str, found: Identified) -> Page:
+    """The whole page."""
+    sections = [Section("found", "What was found", _found(found))]
+    sections.append(Section("measured", "Measured against predicted", _measured(found)))
+    sections.append(Section("marginals", "Before and after the data", figure_or_gap("marginals", marginals_chart, found)))
+    pairs = figure_or_gap("pairs", pairs_chart, found)
+    if pairs:
+        sections.append(Section("pairs", "What depends on what", pairs))
+    sections.append(Section("told", "Which data tell which quantity", _told(found)))
+    profiles = figure_or_gap("profiles", profiles_chart, found)
+    if profiles:
+        sections.append(Section("profiles", "Profiles", profiles))
+    sections.append(Section("priors", "What was known before", (_priors(found),)))
+    lead = (
+        "Intervals hold 95 % of what the measurements and the priors leave open, if the model is right and the stated scatter is. A "
+        "percentile tells where a measured value lies among those that would be measured: near 0 or 100 model and measurement disagree."
+    )
+    return Page(title, "Identification", lead, facts(found), tuple(sections))
+
+
+def _found(found: Identified) -> tuple[Block, ...]:
+    blocks: list[Block] = []
+    if not found.whole:
+        blocks.append(text("The search was stopped before its end; this is what it had.", "alert"))
+    for number, branch in enumerate(found.branches, start=1):
+        if len(found.branches) > 1:
+            blocks.append(text(f"Branch {number}: probability {branch.share:.3f}, misfit {branch.misfit:.4g}."))
+        blocks.append(_found_grid(found, branch))
+    return (*blocks, *(text(words[:1].upper() + words[1:] + ".", "alert") for words in found.warnings))
+
+
+def _found_grid(found: Identified, branch: Branch) -> Grid:
+    tones = ("", "number", "number", "number", "", "quiet", "number")
+    rows = tuple((tuple(Cell(*cell) for cell in zip(row, tones, strict=True)), ()) for row in found_rows(found, branch))
+    return Grid(FOUND, rows, caption="told: share of the prior's variance that the data remove")
+
+
+def _measured(found: Identified) -> tuple[Block, ...]:
+    tones = ("", "number", "number quiet", "number", "number", "number", "", "number")
+    rows = []
+    for one in found.predicted:
+        words, role = measured_words(one), "fitted" if one.datum.used else "compared"
+        far = not ODD[0] <= one.percentile <= ODD[1]
+        cells = [
+            Cell(word, f"{tone} bad" if far and place == len(tones) - 1 else tone)
+            for place, (word, tone) in enumerate(zip(words, tones, strict=True))
+        ]
+        rows.append(((*cells, Cell(role, "tag")), (role,)))
+    grid = Grid((*MEASURED, "use"), tuple(rows), ("use",), "computed: at the likeliest point; 2.5 and 97.5 % over what is left open")
+    far_off = odd(found)
+    said = ", ".join(f"{datum_words(one.datum)} ({one.percentile:.1f})" for one in far_off[:8])
+    told = (
+        (text(f"Outside {ODD[0]} to {ODD[1]} % of their predictions: {said}{' and more' if len(far_off) > 8 else ''}.", "alert"),)
+        if far_off
+        else ()
+    )
+    return (*figure_or_gap("measured against predicted", dots_chart, found), *told, grid, *_predictions(found))
+
+
+def _predictions(found: Identified) -> tuple[Block, ...]:
+    """What was computed and not measured."""
+    tones = ("", "number", "number", "number", "number", "")
+    rows = tuple((tuple(map(Cell, prediction_words(one), tones)), ()) for one in found.predictions)
+    return (Grid(PREDICTED, rows, caption="what nobody measured, over what is left open"),) if rows else ()
+
+
+def _told(found: Identified) -> tuple[Block, ...]:
+    heads = ("measurement", *(name.replace("_", " ") for name in found.names))
+    blocks: list[Block] = []
+    for number, branch in enumerate(found.branches, start=1):
+        told = branch.information
+        grids = tuple(
+            Grid(heads, tuple((tuple(Cell(word, "number" if at else "") for at, word in enumerate(row)), ()) for row in rows), (), words)
+            for rows, words in ((share_rows(branch, told.brought), _BROUGHT), (share_rows(branch, told.lost), _LOST))
+        )
+        blocks += grids if number == 1 else [Details(f"branch {number}", grids)]
+    return tuple(blocks)
+
+
+def _priors(found: Identified) -> Grid:
+    rows = tuple(
+        (
+            (Cell(one.name.replace("_", " ")), Cell(one.prior.kind), Cell(prior_words(one.prior, one.unit)), Cell(unit_words(one.unit)),
+             Cell(one.prior.source, "quiet")), (),
+        )
+        for one in found.unknowns
+    )  # fmt: skip
+    return Grid(("quantity", "prior", "", "", "source"), rows)

@@ -1,0 +1,206 @@
+"""An identification is the same for any number of workers, and goes on to the same end after it was killed."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from architecture.layout import PACKAGE
+from valvetrain.errors import InputError
+from valvetrain.identification.api import identify_request
+from valvetrain.identification.file import parse_request
+from valvetrain.identification.journal import NAME, Journal
+from valvetrain.identification.observe import Observed, numbers_at
+from valvetrain.studies.points.evaluate import evaluate_case
+from valvetrain.studies.points.point import Point, Wanted
+
+CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
+FILE = """
+case = "card.toml"
+[search]
+method = "{method}"
+live_points = 25
+lanes = 4
+steps = 30
+evaluations = 100
+starts = 6
+keep = 2
+[quantities.rate]
+key = "spring.rate"
+prior = "uniform"
+low = "25 N/mm"
+high = "40 N/mm"
+[quantities.mass]
+key = "spring.mass"
+prior = "normal"
+mean = "42 g"
+standard_deviation = "6 g"
+[measurements.load]
+compressions = "12, 16 mm"
+forces = "388, 520 N"
+scatter = "4 N"
+spring_model = "massless"
+[measurements.ringing]
+frequencies = "430 Hz"
+scatter = "6 Hz"
+spring_model = "wave-rod"
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "card.toml").write_text(CARD)
+    return tmp_path
+
+
+def bits(found: vt.Identified) -> tuple[object, ...]:
+    return (found.values.tobytes(), found.weights.tobytes(), found.branch_of.tobytes(), repr(found.best), repr(found.log_evidence),
+            repr(found.predicted), repr(found.warnings))  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["least-squares", "cma-es", "nested", "ensemble"])
+def test_same_bits_for_any_number_of_workers(folder: Path, method: str) -> None:
+    request = parse_request(FILE.format(method=method), "card", folder)
+    one, three = (identify_request(request, workers=count) for count in (1, 3))
+    assert bits(one) == bits(three)
+    assert one.evaluations == three.evaluations > 20
+
+
+def test_the_quick_numbers_at_rest_are_those_of_a_run(folder: Path) -> None:
+    """Preload and frequencies by a model alone, beside all its numbers at rest."""
+    seat = '[measurements.seat]\nquantity = "preload"\nvalue = "250 N"\nscatter = "1 N"\nspring_model = "wave-rod"\n'
+    request = parse_request(FILE.format(method="nested") + seat, "card", folder)
+    case = Observed(request.case, request.varied, request.sought).case_at((31e3, 0.044))
+    whole = evaluate_case(case, Point(case, wanted=Wanted(("preload", "mode_1_frequency"), "wave-rod"))).values
+    for station in dict.fromkeys(one.station for one in request.sought if one.kind == "quantity"):
+        quick = numbers_at(case, station, request.sought)
+        assert quick == pytest.approx({f"wave-rod: {name}": value for name, value in whole.items()}, rel=1e-12)
+
+
+SLOW = """
+import sys, time
+import numpy as np
+import valvetrain as vt
+
+def surge(points):
+    time.sleep({pause})
+    return [{{"load": 7e-3 * rate, "surge": 0.5 * (rate / mass) ** 0.5}} for rate, mass in points]
+
+priors = {{"rate": vt.Prior("uniform", 20e3, 60e3), "mass": vt.Prior("normal", centre=0.05, spread=0.01)}}
+data = [vt.Datum("load", 280.0, 2.0), vt.Datum("surge", 447.0, 3.0)]
+found = vt.identify(priors, data, surge, search=vt.Search("nested", live_points=25, lanes=4), folder=sys.argv[1])
+print(found.values.tobytes().hex(), found.weights.tobytes().hex(), found.log_evidence, found.evaluations, found.kept)
+"""
+
+
+@pytest.mark.slow
+def test_killed_and_started_again_it_ends_as_if_it_had_not_been(tmp_path: Path) -> None:
+    """SIGKILL while it samples; the second start computes only what the first had not, and gives the same bits."""
+    environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
+    slow, fast = (SLOW.format(pause=pause) for pause in (0.005, 0))
+    killed = subprocess.Popen([sys.executable, "-c", slow, str(tmp_path / "one")], env=environment)
+    points = tmp_path / "one" / NAME
+    deadline = time.monotonic() + 60
+    while (not points.exists() or points.read_bytes().count(b"\n") < 100) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    killed.send_signal(signal.SIGKILL)
+    assert killed.wait() == -signal.SIGKILL
+    kept = points.read_bytes().count(b"\n") - 1
+    assert kept >= 99
+    again, whole = (
+        subprocess.run([sys.executable, "-c", fast, str(tmp_path / name)], env=environment, capture_output=True, text=True, check=True)
+        for name in ("one", "two")
+    )
+    *first, computed, _ = again.stdout.split()
+    *second, every, _ = whole.stdout.split()
+    assert first == second
+    assert int(computed) == int(every) - kept
+
+
+def test_a_record_that_was_cut_is_computed_again_and_the_rest_is_kept(tmp_path: Path) -> None:
+    def double(points: np.ndarray) -> list[dict[str, float]]:
+        return [{"double": 2.0 * float(value)} for (value,) in points]
+
+    with Journal(tmp_path, "a") as journal:
+        journal.through(double)(np.arange(5.0)[:, None])
+    path = tmp_path / NAME
+    path.write_bytes(path.read_bytes()[:-7])
+    with Journal(tmp_path, "a") as journal:
+        assert len(journal) == 4
+        assert journal.through(double)(np.arange(5.0)[:, None])[4] == {"double": 8.0}
+        assert journal.computed == 1
+    with Journal(tmp_path, "a") as journal:
+        assert len(journal) == 5 and journal.outcome(np.array([4.0])) == {"double": 8.0}
+
+
+def test_points_of_another_identification_and_of_another_process_are_not_taken(tmp_path: Path) -> None:
+    with Journal(tmp_path, "a"):
+        if os.name == "posix":
+            with pytest.raises(InputError, match="another process"):
+                Journal(tmp_path, "a")
+    with pytest.raises(InputError, match="another identification"):
+        Journal(tmp_path, "b")
+
+
+def test_what_is_not_asked_for_changes_nothing(folder: Path) -> None:
+    """The best point does not move with the number of draws, nor with a measurement that is only compared."""
+    plain = FILE.format(method="least-squares")
+    extra = '[measurements.seat]\nquantity = "preload"\nvalue = "260 N"\nscatter = "1 N"\nfit = false\nspring_model = "massless"\n'
+    one = identify_request(parse_request(plain, "card", folder), workers=1)
+    two = identify_request(parse_request(plain.replace("keep = 2", "keep = 2\ndraws = 7") + extra, "card", folder), workers=1)
+    assert one.best == two.best and one.branches[0].quantities == two.branches[0].quantities
+    assert [one.datum.name for one in two.predicted if not one.datum.used] == ["seat"]
+
+
+@pytest.mark.slow
+def test_the_command_keeps_what_it_found_and_goes_on_after_an_interrupt(folder: Path) -> None:
+    """Ctrl-C, then the same command again: it goes on, and its folder holds answer, draws, page and points."""
+    (folder / "card-rate.toml").write_text(FILE.format(method="nested").replace("live_points = 25", "live_points = 300"))
+    command = [sys.executable, "-m", "valvetrain", "identify", "card-rate.toml", "--json", "--workers", "1"]
+    environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
+    started = subprocess.Popen(
+        command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )  # fmt: skip
+    deadline, points = time.monotonic() + 60, folder / "runs" / "card"
+    while sum(path.read_bytes().count(b"\n") for path in points.glob(f"*/{NAME}")) < 350 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    started.send_signal(signal.SIGINT)
+    out, said = started.communicate(timeout=60)
+    assert started.returncode == 130 and "start the command again to go on" in said
+    partial = json.loads(out)
+    assert partial["whole"] is False and partial["branches"][0]["quantities"]["rate"]["best"] > 0
+    (folder / "card-rate.toml").write_text(FILE.format(method="least-squares"))  # the points serve another method as well
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
+    answer = json.loads(done.stdout)
+    assert answer["completed"] and answer["method"] == "least-squares"
+    kept = Path(folder / answer["folder"])
+    assert {"report.html", "draws.nc", NAME, "identification.toml", "run.json"} <= {path.name for path in kept.iterdir()}
+    assert not list(points.glob("points-*")), "the folder of the points has become that of the run"
+
+
+def test_points_of_a_large_batch_are_written_a_few_at_a_time(tmp_path: Path) -> None:
+    """A batch that is cut after its third part leaves the first two in the file."""
+    asked: list[int] = []
+
+    def slow(points: np.ndarray) -> list[dict[str, float]]:
+        asked.append(len(points))
+        if len(asked) == 3:
+            raise KeyboardInterrupt
+        return [{"double": 2.0 * float(value)} for (value,) in points]
+
+    with pytest.raises(KeyboardInterrupt), Journal(tmp_path, "a") as journal:
+        journal.at_a_time = 4
+        journal.through(slow)(np.arange(20.0)[:, None])
+    assert asked == [4, 4, 4]
+    with Journal(tmp_path, "a") as journal:
+        assert len(journal) == journal.before == 8

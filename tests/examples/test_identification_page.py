@@ -1,0 +1,57 @@
+"""docs/identification.md: its command runs, its program prints what it says, its file is the example's, its options are all there are."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import tomllib
+from dataclasses import fields
+
+import pytest
+from typer.testing import CliRunner
+
+from architecture.layout import ROOT
+from valvetrain.cli.main import app
+from valvetrain.identification.measured import FORMS
+from valvetrain.identification.search import METHODS, Search
+
+PAGE = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
+
+
+def block(kind: str) -> str:
+    found = re.search(rf"^```{kind}\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+    assert found
+    return found[1]
+
+
+def test_the_command_runs_and_writes_its_page(tmp_path, monkeypatch) -> None:
+    (command,) = block("sh").strip().splitlines()
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    result = CliRunner().invoke(app, [*command.split()[1:], "--workers", "1"])
+    assert result.exit_code == 0, result.output
+    assert "Wire diameter" in result.output and "Closed coils" in result.output and "percentile" in result.output
+    (page,) = tmp_path.glob("runs/catalogue-spring/2*/report.html")
+    for words in ("What was found", "Measured against predicted", "Which data tell which quantity", "What was known before"):
+        assert words in page.read_text(encoding="utf-8")
+
+
+def test_the_program_prints_what_the_page_says() -> None:
+    output = io.StringIO()
+    with contextlib.redirect_stdout(output):
+        exec(compile(block("python"), "identification.md", "exec"), {})
+    assert output.getvalue() == block("text")
+
+
+def test_the_file_shown_is_that_of_the_example() -> None:
+    shown = tomllib.loads(block("toml"))
+    example = tomllib.loads((ROOT / "examples" / "identify-spring.toml").read_text(encoding="utf-8"))
+    for table in ("quantities", "measurements"):
+        for name, values in shown[table].items():
+            assert values.items() <= example[table][name].items()
+
+
+@pytest.mark.parametrize("word", [*METHODS, *FORMS, *(one.name for one in fields(Search) if one.name != "seed")])
+def test_the_page_names_every_word_of_a_file(word: str) -> None:
+    assert f"`{word}`" in PAGE

@@ -1,0 +1,183 @@
+"""Property: whatever an identification file says, reading it gives an identification or one sentence with its place, nothing else."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from architecture.layout import ROOT
+from valvetrain.errors import LONGEST_PLACE, LONGEST_SENTENCE, InputError
+from valvetrain.identification.file import parse_request, read_request
+from valvetrain.parameters.toml_text import toml_text
+
+PLAIN: dict[str, Any] = {
+    "case": "job-t",
+    "search": {"method": "nested", "profile": "wire"},
+    "quantities": {
+        "wire": {"key": "spring.wire_diameter", "prior": "normal", "mean": "4.0 mm", "standard_deviation": "0.1 mm", "low": "3.5 mm"},
+        "damping": {"key": "spring.damping.ratio", "prior": "lognormal", "median": 0.016, "factor": 1.5},
+        "pitch": {"key": "spring.pitch", "as": "factor", "prior": "uniform", "low": 0.9, "high": 1.1},
+    },
+    "measurements": {
+        "seat": {"quantity": "preload", "value": "212 N", "scatter": "1 %", "errors": "student", "freedom": 3},
+        "curve": {"compressions": "4, 8 mm", "forces": "120, 240 N", "scatter": "2 N"},
+        "ringing": {"frequencies": "400, 800 Hz", "scatter": "5 Hz"},
+        "peak": {"peak": "peak_spring_force", "value": "548 N", "cam_angle": "180 deg", "scatter": "5 N", "angle_scatter": "2 deg",
+                 "engine_speed": "3000 rpm", "spring_model": "multi-mass"},
+        "contact": {"event": "clash", "cam_angle": "240 deg", "scatter": "1 deg", "engine_speed": "3000 rpm", "fit": False},
+        "trace": {"channel": "seat_force", "cam_angles": "90, 180 deg", "values": "214, 548 N", "scatter": "1 %",
+                  "engine_speed": "3000 rpm"},
+    },
+    "predictions": {"rate": {"quantity": "installed_rate"}},
+}  # fmt: skip
+
+
+def read(tree: dict[str, Any]) -> Any:
+    return parse_request(toml_text(tree), "test", Path())
+
+
+def test_the_plain_file_reads_as_it_is_meant() -> None:
+    request = read(PLAIN)
+    wire, damping, pitch = (one.prior for one in request.unknowns)
+    assert (wire.kind, wire.centre, wire.spread, wire.low, wire.high) == ("normal", 4e-3, pytest.approx(1e-4), 3.5e-3, math.inf)
+    assert damping.spread == pytest.approx(math.log(1.5)) and (pitch.low, pitch.high) == (0.9, 1.1)
+    assert request.varied[2][0].operation == "factor" and request.profiles == ("wire",)
+    data = {datum.key: datum for datum in request.data}
+    assert data["preload"].scatter == pytest.approx(2.12) and data["preload"].law == "student" and data["preload"].freedom == 3
+    assert data["force at 8 mm"].value == 240.0 and data["mode_2_frequency"].value == 800.0
+    assert data["3000 rpm, multi-mass: peak_spring_force"].value == 548.0
+    assert data["3000 rpm, multi-mass: peak_spring_force_cam_angle"].value == pytest.approx(math.pi)
+    assert not data["3000 rpm: clash 1 cam angle"].used
+    assert data["3000 rpm: seat_force at 180 deg"].scatter == pytest.approx(5.48)
+
+
+def test_tables_beside_the_file_are_read_with_their_units(tmp_path: Path) -> None:
+    (tmp_path / "curve.csv").write_text("compression [inch],load [lbf]\n0.1,20\n0.2,40\n")
+    tree = copy.deepcopy(PLAIN)
+    tree["measurements"] = {"curve": {"file": "curve.csv", "scatter": "1 lbf"}}
+    request = parse_request(toml_text(tree), "test", tmp_path)
+    assert [one.at for one in request.sought if one.kind == "force"] == pytest.approx([2.54e-3, 5.08e-3])
+    assert [datum.value for datum in request.data] == pytest.approx([88.96443, 177.92886])
+    (tmp_path / "curve.csv").write_text("1,20\n2,40\n")
+    with pytest.raises(InputError, match="tells no units"):
+        parse_request(toml_text(tree), "test", tmp_path)
+
+
+REFUSED = [
+    (("predictions", "rate", "quantity"), "strength", "no named quantity"),
+    (("predictions", "rate", "value"), "3 N/mm", "unknown"),
+    (("case",), "job-tt", "did you mean"),
+    (("case",), None, "missing"),
+    (("metod",), "nested", "unknown"),
+    (("search", "method"), "nestd", "did you mean nested"),
+    (("search", "seed"), -1, "above zero"),
+    (("search", "steps"), 1.5, "whole number"),
+    (("search", "profile"), "wirr", "none of the quantities"),
+    (("evaluator",), "gu2020", "unknown"),
+    (("options",), {"elements_per_coil": 12}, "belongs to an evaluator"),
+    (("quantities",), {}, "there is none"),
+    (("quantities", "wire", "key"), None, "missing"),
+    (("quantities", "wire", "prior"), "gaussian", "unknown"),
+    (("quantities", "wire", "as"), "ratio", "unknown"),
+    (("quantities", "wire", "mean"), None, "missing"),
+    (("quantities", "wire", "standard_deviation"), "0.1 N", "give both in one unit"),
+    (("quantities", "wire", "standard_deviation"), "0 mm", "positive spread"),
+    (("quantities", "wire", "low"), "5 mm", "outside its bounds"),
+    (("quantities", "pitch", "low"), "1 mm", "in one unit"),
+    (("quantities", "damping", "factor"), 0.5, "above 1"),
+    (("quantities", "wire", "center"), 1, "unknown"),
+    (("measurements",), {}, "there is none"),
+    (("measurements", "seat", "quantity"), None, "says nothing"),
+    (("measurements", "seat", "quantity"), "strength", "no named quantity"),
+    (("measurements", "seat", "value"), "212 mm", "force"),
+    (("measurements", "seat", "scatter"), None, "standard deviation"),
+    (("measurements", "seat", "scatter"), "0 %", "positive"),
+    (("measurements", "seat", "errors"), "cauchy", "unknown"),
+    (("measurements", "seat", "freedom"), 0, "positive freedom"),
+    (("measurements", "curve", "forces"), "120 N", "as many of each"),
+    (("measurements", "curve", "compressions"), "4, 4 mm", "twice"),
+    (("measurements", "peak", "peak"), "preload", "no quantity tells the angle"),
+    (("measurements", "peak", "engine_speed"), "-3 rpm", "not positive"),
+    (("measurements", "contact", "engine_speed"), None, "in motion"),
+    (("measurements", "contact", "number"), 0, "count from 1"),
+    (("measurements", "contact", "fit"), "no", "true or false"),
+]
+
+
+@pytest.mark.parametrize(("path", "value", "words"), REFUSED, ids=lambda one: ".".join(one) if isinstance(one, tuple) else None)
+def test_what_is_wrong_is_said_in_one_sentence_with_its_place(path: tuple[str, ...], value: Any, words: str) -> None:
+    tree = copy.deepcopy(PLAIN)
+    holder = tree
+    for key in path[:-1]:
+        holder = holder[key]
+    if value is None:
+        del holder[path[-1]]
+    else:
+        holder[path[-1]] = value
+    with pytest.raises(InputError, match=words) as found:
+        read(tree)
+    if path[0] != "metod":
+        assert found.value.where.startswith(path[0]), found.value
+    assert "\n" not in str(found.value)
+
+
+_LEAVES = st.one_of(
+    st.none(), st.booleans(), st.integers(-(2**40), 2**40), st.floats(), st.text(max_size=12),
+    st.sampled_from(["1 mm", "-3 N", "2 %", "1e400 N", "nan", "4, 8 mm", "4200 rpm", "uniform", "../x", ""]),
+    st.lists(st.integers(0, 3), max_size=3), st.dictionaries(st.sampled_from(["a", "key", "prior", "file"]), st.integers(), max_size=2),
+)  # fmt: skip
+
+
+def places(tree: dict[str, Any], path: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+    return [
+        found for key, value in tree.items() for found in [(*path, key), *(places(value, (*path, key)) if isinstance(value, dict) else [])]
+    ]
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(path=st.sampled_from(places(PLAIN)), value=_LEAVES, name=st.sampled_from(["", "low", "extra", "file", "engine_speed"]))
+def test_any_value_at_any_place_is_read_or_refused_in_one_sentence(path: tuple[str, ...], value: Any, name: str) -> None:
+    tree = copy.deepcopy(PLAIN)
+    holder = tree
+    for key in path[:-1]:
+        holder = holder[key]
+    if value is None:
+        del holder[path[-1]]
+    else:
+        holder[name or path[-1]] = value
+    try:
+        request = read(tree)
+    except InputError as error:
+        assert str(error).isprintable() and len(str(error)) <= LONGEST_SENTENCE + LONGEST_PLACE + 2
+    else:
+        assert request.unknowns and request.data and len(request.digest) == 32
+
+
+@settings(max_examples=60, deadline=None)
+@given(text=st.one_of(st.text(max_size=200), st.binary(max_size=200).map(lambda content: content.decode("latin-1"))))
+def test_any_text_is_read_or_refused(text: str) -> None:
+    with pytest.raises(InputError):
+        parse_request(text, "test", Path())
+
+
+@pytest.mark.parametrize("name", sorted(path.name for path in (ROOT / "examples").glob("identify-*.toml")))
+def test_the_examples_read(name: str) -> None:
+    request = read_request(ROOT / "examples" / name)
+    assert request.unknowns and all(one.prior.source or one.prior.flat for one in request.unknowns)
+    assert json.dumps(request.title)
+
+
+def test_files_that_are_none_are_refused(tmp_path: Path) -> None:
+    for path, words in ((tmp_path, "is a folder"), (tmp_path / "no.toml", "there is no file"), (tmp_path / "a\0b", "bad path")):
+        with pytest.raises(InputError, match=words):
+            read_request(path)
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match="no text file"):
+        read_request(tmp_path / "bytes.toml")
