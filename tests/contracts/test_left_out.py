@@ -33,7 +33,7 @@ nodal_reactions record_springs record_contacts needs_rest searches processes ope
 ON = (
     "pulls judged compared moves with_tangent page in_legend shaded legend worded seats quadratic needs_mass damped critical_speeds".split()
 )
-ONE = "weight closed_lower closed_upper drive_scale depth factor refinement end_refinement prior_weight rotation drive_side records".split()
+ONE = "weight closed_lower closed_upper drive_scale depth factor refinement end_refinement rotation drive_side records".split()
 #: One value everywhere: Hertz (1882) for points, steel (EN 13906-1), ends of a column held in parallel planes, what docs state of flanks,
 #: friction and steps.
 EVERYWHERE: dict[str, float] = {
@@ -48,8 +48,12 @@ APART = {
     ("contact/law.py", "exponent"): 1.0, ("contact/law.py", "restitution"): 1.0, ("contact/flores.py", "states"): 2,
     ("contact/lankarani_nikravesh.py", "states"): 2, ("mechanism/parts.py", "states"): {0, 1}, ("report/chart.py", "width"): 1.7,
     ("report/svg_chart.py", "weight"): 400, ("cosserat/static.py", "tolerance"): 1e-5, ("cosserat/static.py", "turns"): False,
-    ("studies/points/samplers/contract.py", "seed"): 1, ("studies/points/sensitivity.py", "seed"): 1,
-    ("studies/points/surrogate.py", "seed"): 1,
+} | {  # draws of studies and searches
+    (f"{file}.py", "seed"): 1
+    for file in (
+        "studies/points/samplers/contract", "studies/points/sensitivity", "studies/points/surrogate", "identification/ensemble",
+        "identification/search", "identification/evolution", "identification/branches", "identification/nested",
+    )
 }  # fmt: skip
 
 
