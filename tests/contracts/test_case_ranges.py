@@ -89,7 +89,9 @@ BETWEEN = {
     "train.lever.ratio": (0.1, 10), "cam-card.rocker_ratio": (0.2, 5), "polydyne.ramp_blend": (0.01, 1), "ramped.ramp_blend": (0.01, 1),
     "cam-card.ramp_blend": (0.01, 1), "shaped.ramp_blend": (0.01, 0.99), "ramped.nose_acceleration": (None, 0),
     "train.cam.rotation": (-1, 1), "train.lever.drive_side": (-1, 1), "spline.degree": (5, 7), "table.degree": (5, 7),
-    "measured.draw": (0, 10_000),
+    "measured.draw": (0, 10_000), "train.lever.inertia": (None, 1e8),
+    **dict.fromkeys([f"train.{part}.mass" for part in ("follower", "lever", "pushrod", "support", "valve")], (None, 1e6)),
+    "card.mass": (None, 1e6), "polydyne.effective_mass": (None, 1e6),
 }  # fmt: skip
 WHOLE = {"operation.cycles", "train.cycles", "sine-power.power"}
 

@@ -128,11 +128,15 @@ def test_programs_have_the_bounds_of_the_command_line(name, monkeypatch):
         REQUESTS[name]("9 d, 9 TB")
 
 
+#: Bounds of requests that are files are tried where their files are.
+OF_FILES = {"study", "identify"}
+
+
 def test_every_public_function_with_a_bound_is_tried_here():
     import inspect
 
     functions = {name: getattr(vt, name) for name in vt.__all__ if inspect.isfunction(getattr(vt, name))}
-    assert {name for name, one in functions.items() if "limit" in inspect.signature(one).parameters} == set(REQUESTS)
+    assert {name for name, one in functions.items() if "limit" in inspect.signature(one).parameters} == set(REQUESTS) | OF_FILES
 
 
 def test_static_curves_of_no_step_and_of_countless_steps_are_refused():

@@ -150,7 +150,8 @@ def description(path, **more):
 @pytest.mark.parametrize(
     "more",
     [
-        {"version": "one"}, {"version": None}, {"format": 7}, {"statistics": []}, {"quantities": {"a": []}}, {"events": [3]},
+        {"version": "one"}, {"version": None}, {"format": 7}, {"statistics": []}, {"quantities": {"a": []}}, {"quantities": {"a": "b"}},
+        {"quantities": {"a": None}}, {"events": [3]},
         {"events": {}},
         {"status": {"code": 4}}, {"status": {"code": "completed", "time": "soon"}}, {"provenance": {"case_name": 1, "model": "x"}},
         {"provenance": {"case_name": "a", "model": "x", "citations": "abc"}}, {"events": [{"kind": "clash", "cam_angle": "x"}]},

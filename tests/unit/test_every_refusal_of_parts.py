@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from valvetrain.studies.identification import Unknown
 
 import valvetrain as vt
 from valvetrain.cam.cam_card import CamCard
@@ -98,7 +97,7 @@ GIVEN: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "transient": (TransientJob, {"lift_law": None, "engine_speed": 100.0, "precompression": 5e-3, "first_angle": 0.0, "last_angle": 1.0}),
     "mesh": (MeshOptions, {}),
     "order": (observed_order, {"values": (1.0, 1.5, 1.6), "sizes": (4.0, 2.0, 1.0)}),
-    "unknown": (Unknown, {"name": "rate", "low": 1.0, "high": 3.0, "start": 2.0, "spread": 0.5}),
+    "prior": (vt.Prior, {"kind": "normal", "low": 1.0, "high": 3.0, "centre": 2.0, "spread": 0.5}),
     "material": (vt.Material, {"name": "steel", "youngs_modulus": 206e9, "shear_modulus": 79e9, "density": 7850.0}),
     "definition": (vt.SpringDefinition, {"wire_diameter": vt.Constant(3.8e-3), "mean_diameter": vt.Constant(22e-3), "pitch": SPRING.pitch,
                                          "total_coils": 7, "material": SPRING.material}),
@@ -248,9 +247,11 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("mesh", {"end_refinement": 0.99}, "would coarsen"),
     ("mesh", {"ends": "glued"}, "use sections, bonded or ground"), ("mesh", {"element_type": "C3D4"}, "is not supported"),
     ("order", {"sizes": (4.0, 1.0, 1.0)}, "coarse to fine"), ("order", {"sizes": (2.0, 2.0, 1.0)}, "coarse to fine"),
-    ("unknown", {"start": 0.9}, "within its bounds"),
-    ("unknown", {"start": 3.1}, "within its bounds"),
-    ("unknown", {"spread": 0.0}, "spread"),
+    ("prior", {"centre": 0.9}, "outside its bounds 1 to 3"), ("prior", {"centre": 3.1}, "outside its bounds 1 to 3"),
+    ("prior", {"spread": 0.0}, "positive spread"), ("prior", {"centre": float("nan")}, "needs its middle"),
+    ("prior", {"kind": "flat"}, "use one of uniform"), ("prior", {"high": 1.0}, "its low end must lie below"),
+    ("prior", {"kind": "uniform", "high": float("inf")}, "needs both bounds"),
+    ("prior", {"kind": "log-uniform", "low": 0.0}, "of positive values"),
     *(("material", {name: value}, f"{name} of material")
       for name in ("youngs_modulus", "shear_modulus", "density") for value in (0.0, -1.0)),
     ("material", {"shear_modulus": 60e9}, "outside -1 to 0.5"),
@@ -301,7 +302,7 @@ TAKEN: list[tuple[str, dict[str, Any]]] = [
     ("modal-varied", {"natural_frequencies": (0.5, 900.0)}), ("modal-uniform", {"natural_frequencies": (0.5, 900.0)}),
     ("modal-uniform", {"mass_damping": 0.0, "stiffness_damping": 0.0}), ("wave rod", {"friction": 0.0}), ("rod", {"precompression": 0.0}),
     ("multi-mass", {"masses_per_coil": 1}), ("card of masses", {"preload": 0.0}), ("rubbing", {"coefficient": 0.0, "normal_force": 0.0}),
-    ("transient", {"engine_speed": 0.5, "last_angle": 0.5}), ("unknown", {"start": 1.0}), ("unknown", {"start": 3.0}),
+    ("transient", {"engine_speed": 0.5, "last_angle": 0.5}), ("prior", {"centre": 1.0}), ("prior", {"centre": 3.0}),
     ("mesh", {"elements_per_coil": 4, "end_refinement": 1.0}),
     ("material", {"shear_modulus": 69e9}),
     ("cylindrical", {"closed_coils": 0.0}),

@@ -55,6 +55,8 @@ def unpack(text: str, kind: str, where: str, closed: bool) -> dict[str, Any]:
         for name in ("statistics", "quantities"):
             if not _FITS["Mapping"](content.setdefault(name, {})):
                 _refuse(name)
+        if not all(map(_FITS["float"], content["quantities"].values())):
+            _refuse("quantities")
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"is damaged: its description cannot be read ({error}); write it again", where) from error
     return content
