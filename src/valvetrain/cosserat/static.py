@@ -20,12 +20,16 @@ from valvetrain.cosserat.state import RodState, advance, free_state
 Array = NDArray[np.float64]
 
 
+#: Increments that must hold in a row before one is doubled after a failure.
+HELD = 3
+
+
 @dataclass(frozen=True, slots=True)
 class NewtonOptions:
     """``tolerance``: largest residual (N and N m over the coil radius) allowed; ``largest_increment`` of travel (m)."""
 
     tolerance: float = 1e-5
-    iterations: int = 40
+    iterations: int = 25
     largest_increment: float = 2e-3
     smallest_increment: float = 1e-6
 
@@ -235,7 +239,7 @@ def sparse_of(band: Array) -> csc_matrix:
 def compress(
     statics: RodStatics, targets: Sequence[float], start: RodState | None = None, visit: Callable[[Equilibrium], None] | None = None
 ) -> list[Equilibrium]:
-    """Equilibria at increasing retainer displacements (m); increments are halved when Newton fails.
+    """Equilibria at increasing retainer displacements (m); increments are halved where Newton fails and doubled after three that held.
 
     Returns the equilibria reached; the last one has ``converged`` False when the path ended early.
     """
@@ -243,17 +247,19 @@ def compress(
     found: list[Equilibrium] = []
     options = statics.options
     for target in targets:
-        increment = options.largest_increment
+        increment, holding = options.largest_increment, HELD
         while True:
             remaining = target - state.compression
             step = np.sign(remaining) * min(abs(remaining), increment)
             result = statics.solve(state, state.compression + step)
             if not result.converged:
-                increment /= 2
+                increment, holding = abs(step) / 2, 0  # of what was tried: the way left may be shorter than the increment
                 if increment < options.smallest_increment:
                     return [*found, result]
                 continue
-            state, increment = result.state, min(2 * increment, options.largest_increment)
+            state, holding = result.state, holding + 1
+            if holding >= HELD:  # a spring that lies on its seat fails at the same increment again and again
+                increment = min(2 * increment, options.largest_increment)
             if abs(target - state.compression) < 1e-12:
                 break
         found.append(result)
