@@ -8,7 +8,6 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
-from valvetrain.springs.contract import LargeSpring
 from valvetrain.studies.ready import make_ready
 from valvetrain.system.problem import Problem
 
@@ -40,7 +39,8 @@ def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str
     Springs under prescribed motion are also built as their states at rest need them. Raises :class:`InputError` with what refuses the
     whole run; ``implausible``: nonsense passes.
     """
-    from valvetrain.studies.rest import reach_of  # brings the finite-element spring, which a sweep of a train never needs
+    from valvetrain.springs.finite_element import FiniteElementRod  # which a sweep of a train never needs
+    from valvetrain.studies.rest import reach_of
 
     refuse_speeds(problem, problem.engine_speeds)
     if not implausible:
@@ -60,6 +60,6 @@ def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str
                 rod = problem.model_of("finite-element", spring)
                 if spring.contact.stiffness > 0:
                     spring.wire.refuse_solid(reach_of(spring, lift))
-                if isinstance(rod, LargeSpring):
-                    rod.prepare()
+                if isinstance(rod, FiniteElementRod):
+                    _ = rod.installed  # at rest it needs no time step
     return found
