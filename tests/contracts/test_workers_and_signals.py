@@ -11,9 +11,11 @@ import time
 import uuid
 
 import pytest
+import typer
 
 from fault_parts import MARK, SWEEP, gone, killed_always, killed_once, lives, marked, square, stand_in_solver, started
 from unit.cli_parts import SMALL, process, process_environment, wait_until
+from valvetrain.cli.guard import GuardedGroup, interrupted
 from valvetrain.errors import RunFailedError
 from valvetrain.springs.solid import guardian
 from valvetrain.studies.batch import map_cases
@@ -199,3 +201,28 @@ def rows_of(folder) -> int:
         return len((folder / ROWS).read_text().splitlines())
     except OSError:
         return 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_command_that_is_stopped_again_while_it_tells_what_it_kept_has_the_code_of_its_signal(number):
+    """The parser makes 130 of every interruption, of one that comes after the first was told too."""
+    app = typer.Typer(cls=GuardedGroup)
+
+    @app.command("wait")
+    def wait():
+        try:
+            os.kill(os.getpid(), number)
+            time.sleep(5)
+        except KeyboardInterrupt:
+            interrupted("what was finished is kept")
+            raise
+
+    @app.command("other")
+    def other():
+        """So that there is a group."""
+
+    before = signal.signal(number, signal.default_int_handler)
+    try:
+        assert app(["wait"], standalone_mode=False) == 128 + number
+    finally:
+        signal.signal(number, before)

@@ -37,7 +37,7 @@ class GuardedGroup(TyperGroup):
             try:
                 result = super().main(args, prog_name, complete_var, False, windows_expand_args, **extra)
                 code = result if isinstance(result, int) else 0
-                if code == INTERRUPTED and not _told:  # the parser turns Ctrl-C into this code without a word
+                if code == INTERRUPTED:  # the parser turns every signal into this code without a word
                     code = interrupted()
             except Exception as error:
                 code = interrupted() if noted() else _report(error)
