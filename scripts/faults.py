@@ -28,6 +28,8 @@ from fault_parts import marked, stand_in_solver, started
 from unit.cli_parts import SMALL, process_environment
 
 OBSERVED = """
+import signal
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # as valvetrain/__main__.py, while the package loads
 from valvetrain.report.unfinished import UnfinishedRun
 usual = UnfinishedRun.add
 def add(self, place, solution):

@@ -1,5 +1,16 @@
-"""``python -m valvetrain``: the command line."""
+"""The way in of ``valvetrain`` and ``python -m valvetrain``: the command line, ended without a word by Ctrl-C while it loads."""
 
-from valvetrain.cli.main import main
+import signal
 
-main()
+
+def main() -> None:
+    """The console script."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # left alone where the parent chose otherwise
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from valvetrain.cli.main import main as command
+
+    command()
+
+
+if __name__ == "__main__":
+    main()

@@ -226,3 +226,21 @@ def test_a_command_that_is_stopped_again_while_it_tells_what_it_kept_has_the_cod
         assert app(["wait"], standalone_mode=False) == 128 + number
     finally:
         signal.signal(number, before)
+
+
+LOADING = """
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+class Stopping:
+    def find_spec(self, name, path=None, target=None):
+        if name == "valvetrain.cli.main":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Stopping())
+from valvetrain.__main__ import main
+main()
+"""
+
+
+def test_ctrl_c_while_the_command_loads_ends_it_without_a_traceback(tmp_path):
+    done = subprocess.run([sys.executable, "-c", LOADING], cwd=tmp_path, env=process_environment(), capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")
