@@ -135,3 +135,9 @@ def test_a_wire_without_any_stiffness_finds_no_equilibrium_and_says_so():
     spring = build(parse_case(text, "thread")).springs[0]
     with pytest.raises(InputError, match="finds no equilibrium"):
         _ = spring_model("finite-element").build(spring).installed
+
+
+def test_a_coil_contact_beyond_any_steel_is_refused_at_reading():
+    text = CARD + 'pitch = "8 mm"\nmaterial = "OTEVA 90 SC"\n[spring.contact]\nstiffness = "1e300 N/mm/mm"\n'
+    with pytest.raises(InputError, match="beyond any steel"):
+        parse_case(text, "hard")

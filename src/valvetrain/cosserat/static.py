@@ -20,8 +20,8 @@ from valvetrain.cosserat.state import RodState, advance, free_state
 Array = NDArray[np.float64]
 
 
-#: Increments that must hold in a row before one is doubled after a failure.
-HELD = 3
+#: Increments that must hold in a row before one is doubled after a failure, and failures after which a target is given up.
+HELD, FAILURES = 3, 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,14 +247,14 @@ def compress(
     found: list[Equilibrium] = []
     options = statics.options
     for target in targets:
-        increment, holding = options.largest_increment, HELD
+        increment, holding, failures = options.largest_increment, HELD, 0
         while True:
             remaining = target - state.compression
             step = np.sign(remaining) * min(abs(remaining), increment)
             result = statics.solve(state, state.compression + step)
             if not result.converged:
-                increment, holding = abs(step) / 2, 0  # of what was tried: the way left may be shorter than the increment
-                if increment < options.smallest_increment:
+                increment, holding, failures = abs(step) / 2, 0, failures + 1  # of what was tried: the way left may be shorter
+                if increment < options.smallest_increment or failures >= FAILURES:
                     return [*found, result]
                 continue
             state, holding = result.state, holding + 1

@@ -15,6 +15,8 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.spring_options import options_problem
 from valvetrain.units import keep_si
 
+#: Line stiffness (N/m per m) beyond which linear algebra on it never ends.
+STIFFEST = 1e40
 #: Ways a retainer stands about the axis.
 ROTATIONS = ("fixed", "free")
 
@@ -33,6 +35,8 @@ class CoilContact:
             value = getattr(self, name)
             if not value >= 0:
                 raise InputError(f"{name} of the coil contact must be zero or a positive number; it is {value:g}")
+        if self.stiffness > STIFFEST:
+            raise InputError(f"stiffness of the coil contact is {self.stiffness:g} N/m per m, beyond any steel; give one near 2e10")
 
 
 @dataclass(frozen=True)
