@@ -19,6 +19,7 @@ def lowest_versions(project_file: Path) -> list[str]:
         *extras["mesh"],
         *extras["measure"],
         *extras["studies"],
+        *extras["film"],
         *extras["dev"],
     ):
         bound = re.fullmatch(r"([\w.-]+)>=([\w.]+)", requirement)
