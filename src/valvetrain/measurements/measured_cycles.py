@@ -50,9 +50,8 @@ class MeasuredCycles:
 
     def __post_init__(self) -> None:
         if self.values.ndim != 2 or self.values.shape[1] != len(self.cam_angle) or not len(self.values):
-            raise InputError(
-                f"{self.source or self.quantity}: values of shape {self.values.shape} for {len(self.cam_angle)} cam angles; one row a cycle is needed"
-            )
+            shape = f"values of shape {self.values.shape} for {len(self.cam_angle)} cam angles"
+            raise InputError(f"{self.source or self.quantity}: {shape}; one row a cycle is needed")
         if len(self.cam_angle) < 8 or not (np.diff(self.cam_angle) > 0.0).all():
             raise InputError(f"{self.source or self.quantity}: the cam angles must rise and be 8 at least")
 
