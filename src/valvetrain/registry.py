@@ -25,6 +25,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "sections": ("valvetrain.sections", "section of the report"),
     "commands": ("valvetrain.commands", "command"),
     "lift_formats": ("valvetrain.lift_formats", "form of lift files"),
+    "rig_formats": ("valvetrain.rig_formats", "form of recordings"),
     "samplers": ("valvetrain.samplers", "sampler"),
 }  # fmt: skip
 
@@ -95,6 +96,16 @@ BUILT_IN["lift_formats"] = {
     "s96": "valvetrain.measurements.lift_formats.s96:SPEC",
     "fractions": "valvetrain.measurements.lift_formats.fractions:SPEC",
     "columns": "valvetrain.measurements.lift_formats.columns:SPEC",
+}
+#: Likewise, of recordings of test rigs.
+BUILT_IN["rig_formats"] = {
+    "mdf": "valvetrain.measurements.rig_formats.mdf4:SPEC",
+    "tdms": "valvetrain.measurements.rig_formats.tdms:SPEC",
+    "mat": "valvetrain.measurements.rig_formats.mat5:SPEC",
+    "hdf5": "valvetrain.measurements.rig_formats.hdf5:SPEC",
+    "netcdf": "valvetrain.measurements.rig_formats.netcdf3:SPEC",
+    "uff58": "valvetrain.measurements.rig_formats.uff58:SPEC",
+    "text": "valvetrain.measurements.rig_formats.text:SPEC",
 }
 BUILT_IN["contacts"] = {
     "linear": "valvetrain.contact.linear:SPEC",
