@@ -14,6 +14,8 @@ from valvetrain.report.rig_words import HEAD, RPM, channel_rows, facts_of, sente
 Array = NDArray[np.float64]
 #: Points of a drawn channel, single cycles that are drawn, cut marks that are drawn.
 POINTS, CYCLES, MARKS = 1500, 12, 40
+#: Degrees over which the scatter is drawn.
+SMOOTH = 2
 #: Samples of the longest piece a spectrum is taken of.
 PIECE = 16_384
 
@@ -54,20 +56,27 @@ def cycles_chart(one: RigChannelCycles) -> Chart:
     mean = values.mean(axis=0)
     scatter = values.std(axis=0, ddof=1) if len(values) > 1 else np.zeros(len(mean))
     single = [
-        Line(*thin(degrees, cycle, POINTS), "single cycles", theme.GRID, 0.8, in_legend=not place) for place, cycle in enumerate(values[:CYCLES])
+        Line(*thin(degrees, cycle, POINTS), "single cycles", theme.RULE, 0.9, in_legend=not place) for place, cycle in enumerate(values[:CYCLES])
     ]
     layers: list[Layer] = [*single, Line(*thin(degrees, mean, POINTS), "mean", theme.SERIES[0], 1.7)]
-    below: list[Layer] = [Line(*thin(degrees, scatter, POINTS), "standard deviation over cycles", theme.SERIES[1], 1.3)]
+    below: list[Layer] = [Line(*_smooth(degrees, scatter), "standard deviation over cycles", theme.SERIES[1], 1.3)]
     if np.isfinite(one.spread).all():
-        below.append(Line(*thin(degrees, one.spread * factor, POINTS), "95 % of the mean within", theme.INK, 1.2, "dash"))
+        below.append(Line(*_smooth(degrees, one.spread * factor), "95 % of the mean within", theme.INK, 1.2, "dash"))
     name = one.cycles.quantity
     panels = (
         Panel("cam angle (cam degrees)", _label(name, unit), tuple(layers), x_range=(0.0, 360.0), x_step=60.0),
         Panel("cam angle (cam degrees)", f"scatter ({unit})" if unit else "scatter", tuple(below), x_range=(0.0, 360.0), x_step=60.0),
     )
     more = f"; the first {CYCLES} of {len(values)} cycles are drawn" if len(values) > CYCLES else ""
-    caption = f"Kept up to {one.band / 1e3:.4g} kHz{more}."
+    caption = f"Kept up to {one.band / 1e3:.4g} kHz{more}. Scatter is drawn as its root mean square over {SMOOTH} cam degrees."
     return Chart(f"cycles-{name}", name.replace("_", " ").capitalize(), caption, panels, 1, 560)
+
+
+def _smooth(degrees: Array, values: Array) -> tuple[Array, Array]:
+    """Root mean squares over pieces of :data:`SMOOTH` degrees: single angles scatter too much to be read."""
+    count = max(1, len(degrees) * SMOOTH // 360)
+    whole = len(degrees) // count * count
+    return degrees[:whole].reshape(-1, count).mean(axis=1), np.sqrt(np.mean(values[:whole].reshape(-1, count) ** 2, axis=1))
 
 
 def alignment_chart(result: RigResult) -> Chart:
@@ -104,7 +113,7 @@ def speed_chart(result: RigResult) -> Chart:
     middle = (cuts[1:] + cuts[:-1]) / 2
     mean = Line(middle, result.grid.cam_speeds * RPM, "mean of each cycle", theme.INK, 1.2, "dash")
     panel = Panel("time (s)", "cam speed (rpm)", (speed, mean), x_range=(float(cuts[0]), float(cuts[-1])))
-    return Chart("speed", "Speed over time", f"Told {result.shaft.told:.3g} times a cam turn.", (panel,), 1, 340)
+    return Chart("speed", "Speed over time", f"The angle was told {result.shaft.told:.0f} times a cam turn.", (panel,), 1, 340)
 
 
 def raw_chart(result: RigResult) -> Chart:
@@ -140,7 +149,7 @@ def spectrum_chart(one: RigChannelCycles, result: RigResult) -> Chart:
         "frequency (kHz)", f"amplitude ({unit})" if unit else "amplitude",
         (Line(1e-3 * before[0], np.maximum(before[1], 1e-7 * top), "as recorded", theme.MUTED, 1.0),
          Line(1e-3 * after[0], np.maximum(after[1], 1e-7 * top), "over the cam angle", theme.SERIES[0], 1.1)),
-        rules=(Rule("x", 1e-3 * one.band, "kept up to here"),), x_range=(0.0, 0.5e-3 / one.raw.step), y_log=True,
+        bands=(Band(0.0, 1e-3 * one.band, "kept"),), x_range=(0.0, 0.5e-3 / one.raw.step), y_log=True,
         y_range=(1e-6 * top, 2 * top),
     )  # fmt: skip
     caption = "Hann window, largest of neighbouring lines. What lies beyond the band is cut before the angle grid is laid, so it cannot fold back."

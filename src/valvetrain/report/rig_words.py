@@ -43,9 +43,15 @@ def figures_of(channel: RigChannelCycles) -> list[dict[str, Any]]:
 
 def channel_rows(result: RigResult) -> list[tuple[str, ...]]:
     """One row per channel and figure, as :data:`HEAD` says."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for channel in result.channels:
         unit, factor = shown_unit(channel.cycles.quantity, channel.cycles.unit)
+        mean = channel.cycles.mean
+        place = int(np.argmax(mean))
+        within = f"±{number(channel.spread[place] * factor, 2)}" if np.isfinite(channel.spread[place]) else ""
+        words = channel.cycles.quantity.replace("_", " ")
+        angle = f"{np.degrees(channel.cycles.cam_angle[place]):.1f}"
+        rows.append((words, "largest of the mean", number(mean[place] * factor, 5), within, "", unit, angle, ""))
         for one in figures_of(channel):
             interval = f"±{number(one['interval'] * factor, 2)}" if one["interval"] else ""
             rows.append(
