@@ -194,7 +194,8 @@ def write_uff(path: Path, records: Records, binary: bool = False) -> None:
             binary=int(binary), func_type=1, rsp_node=1, rsp_dir=1, ref_node=1, ref_dir=1, data=values, x=records.times, id1=name,
             id2="synthetic: computed", id3="NONE", id4="NONE", id5="NONE", abscissa_spacing=1, abscissa_inc=1 / records.rig.sampling_rate,
             abscissa_min=0.0, num_pts=len(values), ord_data_type=4, ordinate_axis_units_lab=unit,
-            abscissa_axis_units_lab="s", abscissa_spec_data_type=17, ordinate_spec_data_type=13, orddenom_spec_data_type=0, z_axis_spec_data_type=0,
+            abscissa_axis_units_lab="s", abscissa_spec_data_type=17, ordinate_spec_data_type=13, orddenom_spec_data_type=0,
+            z_axis_spec_data_type=0,
         )  # fmt: skip
         file.write_sets(held | {"ordinate_axis_lab": name}, "add")
 
@@ -216,7 +217,9 @@ def simulated(engine_speed: str = "3000 rpm") -> tuple[Callable[[Array], Array],
     last = angle >= angle[-1] - TURN
     order = np.argsort(angle[last] % TURN)
     grid = (angle[last] % TURN)[order]
-    return (lambda at: np.interp(at, grid, lift[last][order], period=TURN)), (lambda at: np.interp(at, grid, force[last][order], period=TURN))
+    return (lambda at: np.interp(at, grid, lift[last][order], period=TURN)), (
+        lambda at: np.interp(at, grid, force[last][order], period=TURN)
+    )
 
 
 def main(folder: Path) -> None:

@@ -10,7 +10,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.options import JsonOption, OpenOption, OutputOption, QuietOption, SetOption, SpeedOption, SpringOption, read_engine_speeds, read_models
+from valvetrain.cli.options import (
+    JsonOption,
+    OpenOption,
+    OutputOption,
+    QuietOption,
+    SetOption,
+    SpeedOption,
+    SpringOption,
+    read_engine_speeds,
+    read_models,
+)
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -32,8 +42,8 @@ def _text(flag: str, metavar: str, words: str) -> Any:
 
 
 def rig(
-    file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="Recording: text, MDF4, TDMS, MAT, HDF5, NetCDF, UFF58; by content.")] = None,
-    channel: Annotated[list[str] | None, _text("--channel", "QUANTITY=NAME", "What a channel measures: 'spring_force=Force 1'. Repeatable.")] = None,
+    file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="Recording: text, MDF, TDMS, MAT, HDF5, NetCDF, UFF58.")] = None,
+    channel: Annotated[list[str] | None, _text("--channel", "QUANTITY=NAME", "Channel of it: 'spring_force=Force 1'. Repeatable.")] = None,
     angle: Annotated[str, _text("--angle", "NAME", "Channel of an encoder's angle.")] = "",
     pulses: Annotated[str, _text("--pulses", "NAME", "Channel of a toothed wheel or encoder track; needs --teeth.")] = "",
     index: Annotated[str, _text("--index", "NAME", "Channel that marks a place of that wheel.")] = "",
@@ -42,11 +52,11 @@ def rig(
     teeth: Annotated[int | None, _text("--teeth", "N", "Teeth in one turn, with those that are missing.")] = None,
     missing: Annotated[int, typer.Option("--missing", metavar="N", help="Teeth cut away side by side: the mark.")] = 0,
     unit: Annotated[list[str] | None, _text("--unit", "QUANTITY=UNIT", "Unit of a channel: 'spring_force=kN'. Repeatable.")] = None,
-    calibration: Annotated[list[str] | None, _text("--calibration", "QUANTITY=VALUE", "What one unit of the channel stands for: '2.5 N'.")] = None,
-    shunt: Annotated[list[str] | None, _text("--shunt", "QUANTITY=STEP, LOAD", "Step of the channel with the shunt, and its load.")] = None,
+    calibration: Annotated[list[str] | None, _text("--calibration", "QUANTITY=VALUE", "What one unit of it stands for: '2.5 N'.")] = None,
+    shunt: Annotated[list[str] | None, _text("--shunt", "QUANTITY=STEP, LOAD", "Step of the channel with the shunt, its load.")] = None,
     zero: Annotated[list[str] | None, _text("--zero", "QUANTITY=VALUE", "What a quantity is in the dwell: 'spring_force=240 N'.")] = None,
     dwell: Annotated[str | None, _text("--dwell", "ANGLES", "First and last cam angle of the dwell: '-30, 30 deg'.")] = None,
-    band: Annotated[str | None, _text("--band", "FREQUENCY", "Highest frequency that is kept, such as the gauge's '20 kHz'.")] = None,
+    band: Annotated[str | None, _text("--band", "FREQUENCY", "Highest frequency that is kept: '20 kHz'.")] = None,
     angles: Annotated[int | None, _text("--angles", "N", "Points of a cam turn (default: as the band needs).")] = None,
     sampling_rate: Annotated[str | None, _text("--sampling-rate", "FREQUENCY", "Where the file has no times: '100 kHz'.")] = None,
     keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Keep cycles that differ from all others.")] = False,
@@ -54,7 +64,7 @@ def rig(
     settings: SetOption = None,
     offset: Annotated[str | None, _text("--offset", "ANGLE", "Cam angle of the case at the mark, instead of by the lift.")] = None,
     engine_speed: SpeedOption = None, spring: SpringOption = None,
-    bandwidth: Annotated[str | None, _text("--bandwidth", "FREQUENCY", "Without a file: the case's forces as a gauge of this band sees them.")] = None,
+    bandwidth: Annotated[str | None, _text("--bandwidth", "FREQUENCY", "Without a file: forces of the case as it records them.")] = None,
     sensor: Annotated[str | None, _text("--sensor", "WORDS", "The gauge: 'natural_frequency=60 kHz, damping_ratio=0.02, order=2'.")] = None,
     write: Annotated[Path | None, _text("--write", "FILE", "Write the cycles too: NetCDF (.nc), or text for one channel.")] = None,
     output: OutputOption = None, open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
@@ -69,7 +79,9 @@ def rig(
 
         if case is None or (bandwidth is None and sensor is None):
             raise InputError("give the recording as a file, or a case and the gauge that shall see it (--case, --bandwidth)", "FILE")
-        return seen(case, settings, read_engine_speeds(engine_speed), read_models(spring), (bandwidth, sensor, sampling_rate), asked.deliver)
+        return seen(
+            case, settings, read_engine_speeds(engine_speed), read_models(spring), (bandwidth, sensor, sampling_rate), asked.deliver
+        )
     if engine_speed or bandwidth or sensor or spring:
         raise InputError("speeds, spring models and gauges belong to a case without a file; leave them out, or the file", "--bandwidth")
     from valvetrain.measurements.rig_answers import RigAnswers

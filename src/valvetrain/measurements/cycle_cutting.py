@@ -55,7 +55,7 @@ def grid_of(shaft: ShaftAngle, angles: int, offset: float, reach: float, span: t
         raise InputError(f"the recording holds no whole cycle, only {max(turns, 0):.2f} cam turns; give a longer one")
     if (last - first) * angles > MOST_VALUES:
         raise InputError(f"{last - first} cycles of {angles} angles are more than {MOST_VALUES:.0e} values; take fewer angles", "angles")
-    grid = np.arange(angles) * (TURN / angles)
+    grid = np.linspace(0.0, TURN, angles, endpoint=False)
     starts = TURN * np.arange(first, last + 1)
     cuts = shaft.times_at(starts - offset)
     times = shaft.times_at((starts[:-1, np.newaxis] + grid - offset).ravel()).reshape(last - first, angles)
@@ -98,18 +98,18 @@ def dwell_of(lift: Array, cam_angle: Array) -> tuple[float, float] | None:
     return begin + 0.15 * length, begin + 0.85 * length
 
 
-def set_to_zero(values: Array, grid: CycleGrid, dwell: tuple[float, float], level: float, shaft: ShaftAngle, offset: float) -> tuple[Array, Array]:
-    """Values with the dwell at ``level``, and what was taken off in each dwell; between dwells the zero moves along a straight line."""
-    first, last = dwell
-    inside = ((grid.cam_angle - first) % TURN) <= (last - first)
-    if np.count_nonzero(inside) < 3:
-        raise InputError("the dwell holds fewer than three of the angles; give a longer one", "dwell")
-    middle = np.nanmean(grid.times[:, inside], axis=1)
-    found = np.nanmean(values[:, inside], axis=1) - level
+def set_to_zero(values: Array, raw: RigQuantity, grid: CycleGrid, edges: Array, level: float) -> tuple[Array, Array]:
+    """Values with the dwell at ``level``, and what was taken off in each dwell; between dwells the zero moves along a straight line.
+
+    ``edges``: times (s) at which each dwell begins and ends, shape (dwells, 2); the samples between them tell its zero, so that the grid
+    of angles does not. Raises :class:`InputError` where no dwell was measured.
+    """
+    places = np.clip(np.ceil((edges - raw.start) / raw.step).astype(np.int64), 0, len(raw.values))
+    found = np.array([np.nanmean(raw.values[first:last]) if last - first > 2 else np.nan for first, last in places]) - level
     known = np.isfinite(found)
     if not known.any():
-        raise InputError("no cycle was measured in the dwell; give another", "dwell")
-    return values - np.interp(grid.times, middle[known], found[known]), found
+        raise InputError("no cycle was measured in the dwell, or it is shorter than three samples; give another", "dwell")
+    return values - np.interp(grid.times, edges.mean(axis=1)[known], found[known]), found[known]
 
 
 def outliers_of(values: Array) -> list[tuple[int, str]]:
@@ -123,4 +123,6 @@ def outliers_of(values: Array) -> list[tuple[int, str]]:
     usual = float(np.median(away[whole]))
     spread = 1.4826 * float(np.median(np.abs(away[whole] - usual)))
     far = np.flatnonzero(whole & (away > usual + FAR * spread) & (away > TIMES * usual))
-    return found + [(int(place), f"lies {away[place] / max(usual, 1e-300):.3g} times as far from the median cycle as usual") for place in far]
+    return found + [
+        (int(place), f"lies {away[place] / max(usual, 1e-300):.3g} times as far from the median cycle as usual") for place in far
+    ]

@@ -12,8 +12,8 @@ from valvetrain.errors import InputError
 
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
-#: Angles at which both lifts are compared, and the most that flanks may lie apart (rad of cam) before it is told.
-ANGLES, APART = 3600, np.radians(0.5)
+#: The most that flanks may lie apart (rad of cam) before it is told.
+APART = np.radians(0.5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,33 +48,30 @@ class LiftAlignment:
 
 
 def align_lift(rig_angle: Array, measured: Array, lift: Callable[[Array], Array]) -> LiftAlignment:
-    """Lay a mean measured lift (m) over ``rig_angle`` (rad of cam, rising over one turn) over ``lift`` (m of rad, periodic).
+    """Lay a mean measured lift (m) over ``rig_angle`` (rad of cam, even steps over one turn) over ``lift`` (m of rad, periodic).
 
-    Least squares in offset, gain and base, begun at the best of all shifts by whole steps. Raises :class:`InputError` where either lift
+    Least squares in the offset of either flank, gain and base, begun at the best of all shifts by whole steps. Raises :class:`InputError` where either lift
     does not rise.
     """
-    grid = np.arange(ANGLES) * (TURN / ANGLES)
     known = np.isfinite(measured)
     if np.count_nonzero(known) < 16:
         raise InputError("there is no measured lift to align by; give the offset", "offset")
-    one = np.interp(grid, rig_angle[known], measured[known], period=TURN)
-    two = np.asarray(lift(grid), dtype=float)
+    grid, count = np.asarray(rig_angle, dtype=np.float64), len(rig_angle)
+    one = np.interp(grid, grid[known], measured[known], period=TURN)
+    two = np.asarray(lift(grid), dtype=np.float64)
     if np.ptp(one) <= 0 or np.ptp(two) <= 0:
         raise InputError("a lift that never rises aligns nothing; name the channel of the lift, or give the offset", "offset")
-    likeness = np.fft.irfft(np.conj(np.fft.rfft(one - one.mean())) * np.fft.rfft(two - two.mean()), ANGLES)
-    offset = float(grid[int(np.argmax(likeness))])
-    offset, gain, base, spread = _fitted(grid, one, lift, offset, np.ones(ANGLES, dtype=bool))
-    slope = _slope(lift, grid + offset)
-    steep = np.abs(slope) > 0.05 * np.max(np.abs(slope))
-    flanks = [_flank(grid, one - base, lift, offset, gain, steep & (sign * slope > 0)) for sign in (1.0, -1.0)]
-    uncertainty = float(np.hypot(spread, (flanks[0] - flanks[1]) / 2))
+    likeness = np.fft.irfft(np.conj(np.fft.rfft(one - one.mean())) * np.fft.rfft(two - two.mean()), count)
+    flanks, gain, base, spreads = _fitted(grid, one, lift, float(grid[int(np.argmax(likeness))]))
+    offset, half = sum(flanks) / 2, (flanks[0] - flanks[1]) / 2
+    # flanks that lie further apart than noise moves them say that the lift is not that of the case
+    uncertainty = float(np.hypot(spreads[0], np.sqrt(max(half**2 - spreads[1] ** 2, 0.0))))
     order = np.argsort((grid + offset) % TURN)
-    placed = ((grid + offset) % TURN)[order]
+    placed: Array = ((grid + offset) % TURN)[order]
     wrapped = float((offset + np.pi) % TURN - np.pi)
     return LiftAlignment(
-        wrapped, uncertainty, wrapped + flanks[0] - offset, wrapped + flanks[1] - offset, gain, base, placed, one[order],
-        np.asarray(lift(placed), dtype=float),
-    )  # fmt: skip
+        wrapped, uncertainty, wrapped + half, wrapped - half, gain, base, placed, one[order], np.asarray(lift(placed), dtype=np.float64)
+    )
 
 
 def _slope(lift: Callable[[Array], Array], angles: Array) -> Array:
@@ -84,32 +81,26 @@ def _slope(lift: Callable[[Array], Array], angles: Array) -> Array:
 
 
 def _fitted(
-    grid: Array, one: Array, lift: Callable[[Array], Array], offset: float, used: NDArray[np.bool_]
-) -> tuple[float, float, float, float]:
-    """Offset, gain, base and the offset's standard deviation, by Gauss-Newton steps."""
-    gain, base = 1.0, 0.0
-    for _ in range(12):
-        model, slope = np.asarray(lift(grid[used] + offset)), _slope(lift, grid[used] + offset)
-        columns = np.column_stack([gain * slope, model, np.ones(len(model))])
-        change, *_ = np.linalg.lstsq(columns, one[used] - gain * model - base, rcond=None)
-        offset, gain, base = offset + float(np.clip(change[0], -0.1, 0.1)), gain + float(change[1]), base + float(change[2])
-        if abs(change[0]) < 1e-10:
+    grid: Array, one: Array, lift: Callable[[Array], Array], offset: float
+) -> tuple[tuple[float, float], float, float, tuple[float, float]]:
+    """Offsets of opening and closing flank, gain, base, and standard deviations of half the sum and half the difference of the offsets.
+
+    Gauss-Newton steps of least squares in all four; a flank is where the lift of the case rises or falls.
+    """
+    found = np.array([offset, offset, 1.0, 0.0])
+    for _ in range(20):
+        rising = _slope(lift, grid + (found[0] + found[1]) / 2) >= 0
+        at = grid + np.where(rising, found[0], found[1])
+        model, slope = np.asarray(lift(at)), found[2] * _slope(lift, at)
+        columns = np.column_stack([slope * rising, slope * ~rising, model, np.ones(len(model))])
+        left = one - found[2] * model - found[3]
+        change, *_ = np.linalg.lstsq(columns, left, rcond=None)
+        found += np.concatenate([np.clip(change[:2], -0.1, 0.1), change[2:]])
+        if np.max(np.abs(change[:2])) < 1e-10:
             break
-    left = one[used] - gain * np.asarray(lift(grid[used] + offset)) - base
     alike = float(np.clip(np.dot(left[1:], left[:-1]) / max(float(np.dot(left, left)), 1e-300), 0.0, 0.999))
-    free = max(len(left) * (1 - alike) / (1 + alike) - 3, 1.0)  # neighbours that err alike count once
-    inverse = np.linalg.pinv(columns.T @ columns) * len(left)
-    return offset, gain, base, float(np.sqrt(max(inverse[0, 0], 0.0) * np.mean(left**2) / free))
-
-
-def _flank(grid: Array, one: Array, lift: Callable[[Array], Array], offset: float, gain: float, used: NDArray[np.bool_]) -> float:
-    """Offset by one flank alone, gain and base known."""
-    if np.count_nonzero(used) < 4:
-        return offset
-    for _ in range(12):
-        slope = gain * _slope(lift, grid[used] + offset)
-        change = float(np.dot(slope, one[used] - gain * np.asarray(lift(grid[used] + offset))) / max(float(np.dot(slope, slope)), 1e-300))
-        offset += float(np.clip(change, -0.05, 0.05))
-        if abs(change) < 1e-10:
-            break
-    return offset
+    free = max(len(left) * (1 - alike) / (1 + alike) - 4, 1.0)  # neighbours that err alike count once
+    scale = np.mean(left**2) * len(left) / free
+    covariance = np.linalg.pinv(columns.T @ columns) * scale
+    both = [float(np.sqrt(max(covariance[0, 0] + covariance[1, 1] + sign * 2 * covariance[0, 1], 0.0)) / 2) for sign in (1, -1)]
+    return (float(found[0]), float(found[1])), float(found[2]), float(found[3]), (both[0], both[1])

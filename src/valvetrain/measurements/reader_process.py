@@ -86,7 +86,10 @@ def _taken(answer: dict[str, Any], folder: Path) -> Recording:
         raise InputError(answer["error"])
     arrays = [np.load(folder / f"{place}.npy", allow_pickle=False) for place in range(answer["arrays"])]
     channels = tuple(
-        RigChannel(one["name"], one["unit"], arrays[one["values"]], one["start"], one["step"], None if one["times"] is None else arrays[one["times"]])
+        RigChannel(
+            one["name"], one["unit"], arrays[one["values"]], one["start"], one["step"],
+            None if one["times"] is None else arrays[one["times"]],
+        )
         for one in answer["channels"]
     )  # fmt: skip
     return Recording(answer["form"], channels, answer["scalars"], answer["synthetic"], tuple(answer["notes"]))
@@ -134,7 +137,10 @@ def answered(path: Path, name: str, form: str, wanted: tuple[str, ...], folder: 
         return places[id(values)]
 
     channels = [
-        {"name": one.name, "unit": one.unit, "start": one.start, "step": one.step, "values": place_of(one.values), "times": place_of(one.times)}
+        {
+            "name": one.name, "unit": one.unit, "start": one.start, "step": one.step, "values": place_of(one.values),
+            "times": place_of(one.times),
+        }
         for one in found.channels
     ]  # fmt: skip
     for place, values in enumerate(arrays):

@@ -89,8 +89,8 @@ class Budget:
         self.samples, self.channels = self.samples + int(samples), self.channels + 1
         if self.channels > self.CHANNELS or not 0 <= self.samples <= self.SAMPLES:
             raise InputError(
-                f"'{self.name[:80]}' claims more than {self.SAMPLES / 1e6:g} million samples or {self.CHANNELS} channels; cut the recording "
-                "or name the channels that are wanted"
+                f"'{self.name[:80]}' claims more than {self.SAMPLES / 1e6:g} million samples or {self.CHANNELS} channels; cut the "
+                "recording, or store the wanted channels alone"
             )
 
 

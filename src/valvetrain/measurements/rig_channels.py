@@ -77,9 +77,9 @@ def chosen_channels(recording: Recording, answers: RigAnswers, name: str) -> Cho
     factors = {quantity: _factor(quantity, channel, answers) for quantity, channel in measured.items()}
     even = {id(one): _even(one, recording, answers, notes) for one in (*measured.values(), shaft, *([index] if index else []))}
     found = tuple(
-        RigQuantity(quantity, *factors[quantity][1:], even[id(one)].values * factors[quantity][0], even[id(one)].start, even[id(one)].step, one.name)
-        for quantity, one in measured.items()
-    )  # fmt: skip
+        RigQuantity(quantity, factors[quantity][1], at.values * factors[quantity][0], at.start, at.step, one.name)
+        for quantity, one, at in ((quantity, one, even[id(one)]) for quantity, one in measured.items())
+    )
     turned = even[id(shaft)]
     if kind == "angle":
         turned = replace(turned, values=turned.values * _known_unit(answers.units.get(shaft.name) or shaft.unit or "deg")[0])
@@ -98,7 +98,8 @@ def _measured(recording: Recording, answers: RigAnswers, name: str) -> dict[str,
         if word and channel.name not in shaft and not (_meaning(channel.name, _SHAFT) == "angle" and word == "valve_lift"):
             if word in found:
                 raise InputError(
-                    f"{name[:80]} has two channels that may be {word}, '{found[word].name[:40]}' and '{channel.name[:40]}'; name one", "channels"
+                    f"{name[:80]} has two channels that may be {word}, '{found[word].name[:40]}' and '{channel.name[:40]}'; name one",
+                    "channels",
                 )  # fmt: skip
             found[word] = channel
     return found
@@ -203,7 +204,9 @@ def _factor(quantity: str, channel: RigChannel, answers: RigAnswers) -> tuple[fl
 def _rate(recording: Recording, answers: RigAnswers) -> float:
     if isinstance(answers.sampling_rate, float):
         return answers.sampling_rate
-    return next((value for name, value in recording.scalars.items() if name.lower() in ("fs", "sampling_rate", "sample_rate") and value > 0), 0.0)
+    return next(
+        (value for name, value in recording.scalars.items() if name.lower() in ("fs", "sampling_rate", "sample_rate") and value > 0), 0.0
+    )
 
 
 def _even(channel: RigChannel, recording: Recording, answers: RigAnswers, notes: list[str]) -> RigChannel:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +18,12 @@ from valvetrain.measurements.rig_answers import QUESTIONS, RigAnswers
 from valvetrain.measurements.rig_channels import RigQuantity, chosen_channels
 from valvetrain.measurements.rig_result import RigChannelCycles, RigResult, mean_spread
 from valvetrain.measurements.rig_shaft import shaft_of
-from valvetrain.measurements.shaft_angle import ShaftAngle
+from valvetrain.measurements.shaft_angle import TURN, ShaftAngle
 from valvetrain.units import parse_quantity
 
 Array = NDArray[np.float64]
+#: Angles at which the dwell is looked for.
+DWELL_ANGLES = 720
 Lift = Callable[[Array], Array]
 
 
@@ -50,7 +52,9 @@ def cycles_in(recording: Recording, name: str, answers: RigAnswers, lift: Lift |
 
     def cut(offset: float) -> tuple[CycleGrid, list[_Filtered]]:
         grid = grid_of(shaft, angles, offset, reach, span)
-        return grid, [_Filtered(one, by, by.at(one.values, one.start, grid.times)) for one, by in zip(chosen.measured, filters, strict=True)]
+        return grid, [
+            _Filtered(one, by, by.at(one.values, one.start, grid.times)) for one, by in zip(chosen.measured, filters, strict=True)
+        ]
 
     offset, alignment = _offset(answers, lift, chosen.measured, cut, notes)
     grid, filtered = cut(offset)
@@ -61,7 +65,7 @@ def cycles_in(recording: Recording, name: str, answers: RigAnswers, lift: Lift |
     if not kept:
         raise InputError(f"no cycle of {name[:80]} was measured as a whole; cut the gaps out of the recording")
     uncertainty = alignment.uncertainty if alignment else 0.0
-    channels = _channels(filtered, grid, kept, answers, shaft, (offset, uncertainty), recording.synthetic, name, notes)
+    channels = _channels(filtered, grid, kept, outliers, answers, shaft, (offset, uncertainty), recording.synthetic, name, notes)
     return RigResult(
         name, recording.form, channels, shaft, grid, kept, tuple(sorted(outliers.items())), offset, uncertainty, alignment,
         recording.synthetic, tuple(dict.fromkeys(notes)),
@@ -85,8 +89,8 @@ def _offset(
     found = align_lift(grid.cam_angle, np.nanmedian(lifts, axis=0), lift)
     if abs(found.opening - found.closing) > APART:
         notes.append(
-            f"the flanks lie {np.degrees(found.opening - found.closing):.2g} cam deg apart from those of the case: wear, lash or a valve that "
-            "does not follow the cam; the offset is their middle"
+            f"the flanks lie {np.degrees(found.opening - found.closing):.2g} cam deg apart from those of the case: wear, lash or a valve "
+            "that does not follow the cam; the offset is their middle"
         )
     if abs(found.gain - 1) > 0.03:
         notes.append(f"the measured lift is {100 * (found.gain - 1):+.1f} % of the lift of the case; check calibration, lash and cam")
@@ -97,7 +101,7 @@ def _outliers(filtered: list[_Filtered]) -> dict[int, str]:
     found: dict[int, str] = {}
     for one in filtered:
         for place, why in outliers_of(_level(one.values)):
-            found.setdefault(place, f"{why} ({one.raw.quantity})" if "not measured" not in why else f"{why} ({one.raw.quantity})")
+            found.setdefault(place, f"{why} ({one.raw.quantity})")
     return found
 
 
@@ -108,21 +112,22 @@ def _level(values: Array) -> Array:
 
 
 def _channels(
-    filtered: list[_Filtered], grid: CycleGrid, kept: tuple[int, ...], answers: RigAnswers, shaft: ShaftAngle,
-    offset: tuple[float, float], synthetic: bool, name: str, notes: list[str],
+    filtered: list[_Filtered], grid: CycleGrid, kept: tuple[int, ...], left_out: Collection[int], answers: RigAnswers,
+    shaft: ShaftAngle, offset: tuple[float, float], synthetic: bool, name: str, notes: list[str],
 ) -> tuple[RigChannelCycles, ...]:  # fmt: skip
-    dwell = _dwell(filtered, grid, kept, answers, notes)
+    dwell = _dwell(filtered, shaft, grid, offset[0], answers, notes)
+    edges = None if dwell is None else _dwell_times(dwell, shaft, grid, offset[0], left_out)
     speed = float(np.mean(grid.cam_speeds[list(kept)]))
     found = []
     for raw, by, values in filtered:
         level = _zero(raw.quantity, answers)
         taken_off = np.zeros(0)
         if level is not None:
-            if dwell is None:
+            if edges is None:
                 if raw.quantity in answers.zero:
                     raise InputError(f"{name[:80]} does not say {QUESTIONS['dwell']}; answer it", "dwell")
             else:
-                values, taken_off = set_to_zero(values, grid, dwell, level, shaft, offset[0])
+                values, taken_off = set_to_zero(values, raw, grid, edges, level)
         values = np.ascontiguousarray(values[list(kept)])
         told = [f"low-passed without phase, flat to {by.pass_band:.5g} Hz and down by 80 dB from {by.stop_band:.5g} Hz on"]
         if len(taken_off):
@@ -141,15 +146,32 @@ def _zero(quantity: str, answers: RigAnswers) -> float | None:
 
 
 def _dwell(
-    filtered: list[_Filtered], grid: CycleGrid, kept: tuple[int, ...], answers: RigAnswers, notes: list[str]
+    filtered: list[_Filtered], shaft: ShaftAngle, grid: CycleGrid, offset: float, answers: RigAnswers, notes: list[str]
 ) -> tuple[float, float] | None:
+    """First and last cam angle (rad) of the dwell: told, or found from the lift on a grid of its own."""
     if answers.dwell is not None:
         first, last = (float(angle) for angle in answers.dwell)
-        if not 0 < last - first < 2 * np.pi:
+        if not 0 < last - first < TURN:
             raise InputError("the dwell ends before it begins, or is longer than a turn; give first and last cam angle", "dwell")
         return first, last
-    lifts = next((one.values for one in filtered if one.raw.quantity.endswith("lift")), None)
-    found = None if lifts is None else dwell_of(np.nanmean(lifts[list(kept)], axis=0), grid.cam_angle)
+    one = next((one for one in filtered if one.raw.quantity.endswith("lift")), None)
+    if one is None:
+        return None
+    angles = np.linspace(0.0, TURN, DWELL_ANGLES, endpoint=False)
+    begins = shaft.angle_at(grid.cut_times[:-1, np.newaxis])
+    lifts = one.filter.at(one.raw.values, one.raw.start, shaft.times_at(begins + angles))
+    found = dwell_of(np.nanmedian(lifts, axis=0), angles)
     if found is not None:
         notes.append(f"the dwell is taken from {np.degrees(found[0]):.1f} to {np.degrees(found[1]):.1f} cam deg, where the lift rests")
     return found
+
+
+def _dwell_times(dwell: tuple[float, float], shaft: ShaftAngle, grid: CycleGrid, offset: float, left_out: Collection[int]) -> Array:
+    """Times (s) at which each dwell within the recording begins and ends, shape (dwells, 2); none of a cycle that is an outlier."""
+    turns = np.round((shaft.angle_at(grid.cut_times) + offset) / TURN)
+    edges = TURN * np.arange(turns[0] - 1, turns[-1] + 1)[:, np.newaxis] + np.array(dwell) - offset
+    inside = (edges[:, 0] >= shaft.angles[0]) & (edges[:, 1] <= shaft.angles[-1])
+    times: Array = shaft.times_at(edges[inside])
+    begins, ends = grid.cut_times[:-1], grid.cut_times[1:]
+    good = [not any(first < ends[place] and last > begins[place] for place in left_out) for first, last in times]
+    return times[good] if any(good) else times

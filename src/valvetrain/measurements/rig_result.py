@@ -15,7 +15,27 @@ from valvetrain.measurements.shaft_angle import ShaftAngle
 
 Array = NDArray[np.float64]
 #: 97.5 % point of Student's distribution for 1, 2, ... degrees of freedom; 1.96 beyond.
-_STUDENT = (12.71, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.16, 2.145, 2.131, 2.12, 2.11, 2.101, 2.093)
+_STUDENT = (
+    12.71,
+    4.303,
+    3.182,
+    2.776,
+    2.571,
+    2.447,
+    2.365,
+    2.306,
+    2.262,
+    2.228,
+    2.201,
+    2.179,
+    2.16,
+    2.145,
+    2.131,
+    2.12,
+    2.11,
+    2.101,
+    2.093,
+)
 
 
 def student(count: int) -> float:

@@ -143,7 +143,7 @@ class Sensor:
         tops = [float(np.max(sampled(place / PHASES)[1], initial=-np.inf)) for place in range(PHASES)]
         at, out = sampled(phase % 1.0)
         if not len(at):
-            raise InputError("the trace is shorter than one sample of the gauge; give a longer one, or a higher sampling rate", "sampling_rate")
+            raise InputError("the trace is shorter than one sample of the gauge; give a higher sampling rate", "sampling_rate")
         return Seen(at, out, float(np.max(given)), (min(tops), max(tops)))
 
     def _rounded(self, values: Array) -> Array:
@@ -155,14 +155,14 @@ class Sensor:
         if self.resonance is not None:
             turn, damping = 2 * np.pi * self.resonance, float(self.damping_ratio)
             root = np.sqrt(complex(damping**2 - 1)) or 1e-6  # twin poles are drawn apart by what nobody sees
-            stages.append((turn * np.array([-damping + root, -damping - root]), False))
+            stages.append((np.array([turn * (root - damping), -turn * (root + damping)], dtype=np.complex128), False))
         if self.bandwidth is not None:
             edge = 2 * np.pi * float(self.bandwidth)
             if self.filter == "bessel":
                 poles = signal.bessel(self.order, edge, analog=True, norm="mag", output="zpk")[1]
             else:
                 poles = signal.butter(self.order, edge, analog=True, output="zpk")[1]
-            stages.append((np.asarray(poles, dtype=complex), self.zero_phase))
+            stages.append((np.asarray(poles, dtype=np.complex128), self.zero_phase))
         return stages
 
     def _even(self, time: Array, values: Array) -> tuple[Array, Array]:
@@ -172,9 +172,10 @@ class Sensor:
         span = float(time[-1] - time[0])
         finest = min(float(np.min(np.diff(time))), 1 / (STEPS * self.highest_frequency) if self.highest_frequency else np.inf)
         even = float(np.max(np.abs(np.diff(time) * (len(time) - 1) / span - 1))) < 1e-6
-        parts = (len(time) - 1) * int(np.ceil(span / (len(time) - 1) / finest - 1e-9)) if even else int(np.ceil(span / max(finest, 1e-300)))
+        share = int(np.ceil(span / (len(time) - 1) / finest - 1e-9))
+        parts = (len(time) - 1) * share if even else int(np.ceil(span / max(finest, 1e-300)))
         if parts > MOST_STEPS:
-            raise InputError(f"the trace would need {parts:.2g} steps for this gauge; cut it, or lower the frequencies of the gauge", "time")
+            raise InputError(f"the trace would need {parts:.2g} steps for this gauge; cut it, or lower its frequencies", "time")
         grid = np.linspace(time[0], time[-1], parts + 1)
         return grid, np.interp(grid, time, values)
 

@@ -19,7 +19,11 @@ def write_rig(result: RigResult, folder: Path) -> list[Path]:
     for channel in result.channels:
         one = channel.cycles
         scatter = one.values.std(axis=0, ddof=1) if len(one.values) > 1 else np.zeros(one.values.shape[1])
-        heads += [f"{one.quantity} [{one.unit}]", f"standard deviation of {one.quantity} [{one.unit}]", f"95 % of the mean within [{one.unit}]"]
+        heads += [
+            f"{one.quantity} [{one.unit}]",
+            f"standard deviation of {one.quantity} [{one.unit}]",
+            f"95 % of the mean within [{one.unit}]",
+        ]
         columns += [one.mean, scatter, channel.spread]
     lines = ["# synthetic: computed, not measured"] if result.synthetic else []
     lines += [",".join(heads), *(",".join(f"{value:.9g}" for value in row) for row in np.column_stack(columns))]

@@ -9,7 +9,7 @@ from valvetrain.measurements.rig_result import RigChannelCycles, RigResult
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Panel, Rule, thin
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
-from valvetrain.report.rig_words import HEAD, RPM, channel_rows, facts_of, sentences_of, shown_unit
+from valvetrain.report.rig_words import HEAD, NUMBERS, RPM, channel_rows, facts_of, sentences_of, shown_unit
 
 Array = NDArray[np.float64]
 #: Points of a drawn channel, single cycles that are drawn, cut marks that are drawn.
@@ -22,7 +22,9 @@ PIECE = 16_384
 
 def rig_page(title: str, result: RigResult) -> Page:
     """The whole page."""
-    rows = tuple((tuple(Cell(word, "number" if place in (2, 3, 4, 6, 7) else "") for place, word in enumerate(row)), ()) for row in channel_rows(result))
+    rows = tuple(
+        (tuple(Cell(word, "number" if place in NUMBERS else "") for place, word in enumerate(row)), ()) for row in channel_rows(result)
+    )
     sections = [
         Section("figures", "Figures of the cycles", (Grid(HEAD, rows),)),
         Section("cycles", "Cycles over the cam angle", tuple(Figure(cycles_chart(one)) for one in result.channels)),
@@ -56,7 +58,8 @@ def cycles_chart(one: RigChannelCycles) -> Chart:
     mean = values.mean(axis=0)
     scatter = values.std(axis=0, ddof=1) if len(values) > 1 else np.zeros(len(mean))
     single = [
-        Line(*thin(degrees, cycle, POINTS), "single cycles", theme.RULE, 0.9, in_legend=not place) for place, cycle in enumerate(values[:CYCLES])
+        Line(*thin(degrees, cycle, POINTS), "single cycles", theme.RULE, 0.9, in_legend=not place)
+        for place, cycle in enumerate(values[:CYCLES])
     ]
     layers: list[Layer] = [*single, Line(*thin(degrees, mean, POINTS), "mean", theme.SERIES[0], 1.7)]
     below: list[Layer] = [Line(*_smooth(degrees, scatter), "standard deviation over cycles", theme.SERIES[1], 1.3)]
@@ -108,7 +111,7 @@ def alignment_chart(result: RigResult) -> Chart:
 def speed_chart(result: RigResult) -> Chart:
     """Speed of the cam over time, as the spline through the told angles has it."""
     cuts = result.grid.cut_times
-    times = np.linspace(cuts[0], cuts[-1], POINTS)
+    times: Array = np.linspace(cuts[0], cuts[-1], POINTS)
     speed = Line(times, result.shaft.cam_speed(times) * RPM, "by the spline", theme.SERIES[0], 1.2)
     middle = (cuts[1:] + cuts[:-1]) / 2
     mean = Line(middle, result.grid.cam_speeds * RPM, "mean of each cycle", theme.INK, 1.2, "dash")
@@ -126,8 +129,10 @@ def raw_chart(result: RigResult) -> Chart:
     panels = []
     for one in result.channels:
         unit, factor = shown_unit(one.cycles.quantity, one.cycles.unit)
-        times = one.raw.start + one.raw.step * np.arange(len(one.raw.values))
-        line = Line(*thin(times, one.raw.values * factor, POINTS), one.cycles.quantity.replace("_", " "), theme.SERIES[0], 1.0, in_legend=False)
+        times: Array = one.raw.start + one.raw.step * np.arange(len(one.raw.values), dtype=np.float64)
+        line = Line(
+            *thin(times, one.raw.values * factor, POINTS), one.cycles.quantity.replace("_", " "), theme.SERIES[0], 1.0, in_legend=False
+        )
         panels.append(
             Panel(
                 "time (s)", _label(one.cycles.quantity, unit), (line,), bands=bands, rules=rules,
@@ -152,7 +157,9 @@ def spectrum_chart(one: RigChannelCycles, result: RigResult) -> Chart:
         bands=(Band(0.0, 1e-3 * one.band, "kept"),), x_range=(0.0, 0.5e-3 / one.raw.step), y_log=True,
         y_range=(1e-6 * top, 2 * top),
     )  # fmt: skip
-    caption = "Hann window, largest of neighbouring lines. What lies beyond the band is cut before the angle grid is laid, so it cannot fold back."
+    caption = (
+        "Hann window, largest of neighbouring lines. What lies beyond the band is cut before the grid of angles, so it cannot fold back."
+    )
     return Chart(f"spectrum-{one.cycles.quantity}", one.cycles.quantity.replace("_", " ").capitalize(), caption, (panel,), 1, 340)
 
 

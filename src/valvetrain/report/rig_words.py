@@ -13,6 +13,8 @@ from valvetrain.units import unit_factor
 
 #: Headings of the table of channels.
 HEAD = ("channel", "", "mean", "95 %", "scatter", "unit", "at cam deg", "scatter")
+#: Columns of numbers among them.
+NUMBERS = (2, 3, 4, 6, 7)
 RPM = 30 / np.pi
 
 
@@ -34,8 +36,9 @@ def figures_of(channel: RigChannelCycles) -> list[dict[str, Any]]:
         spread = float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
         found.append(
             {
-                "figure": word, "mean": float(np.mean(values)), "interval": student(len(values)) * spread / np.sqrt(len(values)) if spread else 0.0,
-                "scatter": spread, "cam_angle": middle, "scatter_of_angle": float(np.sqrt(np.mean(away**2))),
+                "figure": word, "mean": float(np.mean(values)),
+                "interval": student(len(values)) * spread / np.sqrt(len(values)) if spread else 0.0, "scatter": spread, "cam_angle": middle,
+                "scatter_of_angle": float(np.sqrt(np.mean(away**2))),
             }
         )  # fmt: skip
     return found
@@ -57,7 +60,8 @@ def channel_rows(result: RigResult) -> list[tuple[str, ...]]:
             rows.append(
                 (
                     channel.cycles.quantity.replace("_", " "), f"{one['figure']} of a cycle", number(one["mean"] * factor, 5), interval,
-                    number(one["scatter"] * factor, 2), unit, f"{np.degrees(one['cam_angle']):.1f}", f"{np.degrees(one['scatter_of_angle']):.2g}",
+                    number(one["scatter"] * factor, 2), unit, f"{np.degrees(one['cam_angle']):.1f}",
+                    f"{np.degrees(one['scatter_of_angle']):.2g}",
                 )
             )  # fmt: skip
     return rows
@@ -83,9 +87,9 @@ def sentences_of(result: RigResult) -> tuple[str, ...]:
     if result.alignment is not None:
         one = result.alignment
         found.append(
-            f"the mark of the rig lies at {np.degrees(result.offset):.3f} ± {2 * np.degrees(result.offset_uncertainty):.2g} cam deg of the case "
-            f"(95 %), told by the lift; flanks alone say {np.degrees(one.opening):.3f} and {np.degrees(one.closing):.3f}; measured lift over "
-            f"that of the case {one.gain:.4f}"
+            f"the mark of the rig lies at {np.degrees(result.offset):.3f} ± {2 * np.degrees(result.offset_uncertainty):.2g} cam deg of the "
+            f"case (95 %), told by the lift; flanks alone say {np.degrees(one.opening):.3f} and {np.degrees(one.closing):.3f}; measured "
+            f"lift over that of the case {one.gain:.4f}"
         )
     elif result.offset:
         found.append(f"the mark of the rig lies at {np.degrees(result.offset):.3f} cam deg, as stated")

@@ -30,7 +30,7 @@ def _run_of(one: SeenChannel) -> str:
 
 def seen_rows(found: Sequence[SeenChannel]) -> list[tuple[str, ...]]:
     """One row a run and channel, as :data:`HEAD` says."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for one in found:
         unit, factor = shown_unit(one.channel, one.unit)
         low, high = one.seen.peaks
@@ -50,9 +50,8 @@ def notes_of(found: Sequence[SeenChannel]) -> tuple[str, ...]:
     coarse = [one for one in found if one.coarse]
     if coarse:
         names = ", ".join(sorted({one.channel.replace("_", " ") for one in coarse}))
-        notes.append(
-            f"{names}: a point every {1e6 * max(one.spacing for one in coarse):.3g} us is coarse for this gauge; a spike may lie between points"
-        )
+        step = 1e6 * max(one.spacing for one in coarse)
+        notes.append(f"{names}: a point every {step:.3g} us is coarse for this gauge; a spike may lie between points")
     return tuple(notes)
 
 
@@ -73,7 +72,9 @@ def sensor_words(sensor: Sensor) -> str:
 
 def seen_page(title: str, found: Sequence[SeenChannel], sensor: Sensor) -> Page:
     """The whole page."""
-    rows = tuple((tuple(Cell(word, "number" if place in (2, 3, 4, 6) else "") for place, word in enumerate(row)), ()) for row in seen_rows(found))
+    rows = tuple(
+        (tuple(Cell(word, "number" if place in (2, 3, 4, 6) else "") for place, word in enumerate(row)), ()) for row in seen_rows(found)
+    )
     worst = sorted(found, key=lambda one: one.share[0])[:MOST_FIGURES]
     sentences: tuple[Block, ...] = tuple(text(f"{note}.", "note") for note in notes_of(found))
     sections = (

@@ -98,16 +98,13 @@ def seen_by_sensor(solution: Solution, sensor: Sensor, channels: Sequence[str] =
         seen = sensor.seen(time, values, periodic=True)
         coarse = sensor.highest_frequency * spacing * POINTS > 4
         unit = str(known[name].attrs.get("units", ""))
-        found.append(
-            SeenChannel(
-                getattr(solution, "label", "") or "", origin.engine_speed if origin else 0.0, name, unit, time, values, spacing, seen, coarse
-            )
-        )  # fmt: skip
+        label, speed = getattr(solution, "label", "") or "", origin.engine_speed if origin else 0.0
+        found.append(SeenChannel(label, speed, name, unit, time, values, spacing, seen, coarse))
     return tuple(found)
 
 
 def finest_trace(solution: Solution, name: str) -> tuple[Array, Array, float]:
-    """Times (s), values and step (s) of the finest trace of a channel that a run keeps: points between samples, and the extremes of steps."""
+    """Times (s), values and step (s) of the finest trace of a channel that a run keeps: points between samples, extremes of steps."""
     known = solution.arrays.variables
     time, values = np.asarray(solution.time, dtype=float), np.asarray(known[name].values, dtype=float)
     if f"{name}_fine" in known:

@@ -44,7 +44,9 @@ def read(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
             arrays[word] = np.asarray(_one(io, path, word))
         elif kind not in ("char", *_NUMBERS):
             notes.append(f"'{plain_word(word)}' is left out: it is no array of numbers ({plain_word(kind)})")
-    channels, scalars = channels_of(arrays, {word.removesuffix("_unit"): text for word, text in texts.items() if word.endswith("_unit")}, budget)
+    channels, scalars = channels_of(
+        arrays, {word.removesuffix("_unit"): text for word, text in texts.items() if word.endswith("_unit")}, budget
+    )
     return Recording("MAT", channels, scalars, says_synthetic(*texts.values()), tuple(notes))
 
 

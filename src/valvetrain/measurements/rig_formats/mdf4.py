@@ -26,7 +26,8 @@ def read(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
     budget, notes = Budget(name, wanted), []
     channels: list[RigChannel] = []
     with tempfile.TemporaryDirectory() as folder:
-        file = asammdf.MDF(path, process_bus_logging=False, temporary_folder=folder)
+        options: dict[str, Any] = {"process_bus_logging": False, "temporary_folder": folder}
+        file = asammdf.MDF(path, **options)
         try:
             for group in range(len(file.groups)):
                 found, left = _group(file, group, budget)

@@ -33,7 +33,9 @@ def read(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
                 if not budget.wants(plain_word(channel.name)):
                     continue
                 if len(channel) > size:
-                    raise InputError(f"'{name[:80]}' is damaged: channel '{plain_word(channel.name)}' claims more samples than it has bytes")
+                    raise InputError(
+                        f"'{name[:80]}' is damaged: channel '{plain_word(channel.name)}' claims more samples than it has bytes"
+                    )
                 if channel.dtype.kind not in "fiu":
                     notes.append(f"channel '{plain_word(channel.name)}' is left out: it holds no numbers")
                     continue
