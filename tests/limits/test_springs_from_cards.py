@@ -130,7 +130,7 @@ def tested(table):
 
 
 def test_the_pitch_law_behind_a_noisy_table_is_found_within_its_bands(tested):
-    """The table comes from the finite-element rod, the law is fitted with the chain: two models, and noise of 0.2 %."""
+    """The table comes from the finite-element rod with noise of 0.2 %; coils that never close within it are known to their band only."""
     true = progressive_spring().pitch.value(tested.stations.coil)
     off = np.abs(tested.stations.pitch - true)
     assert np.all(off <= 3 * tested.stations.spread + 0.03e-3)
