@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from valvetrain.cli.limits import say_cost
 from valvetrain.cli.options import (
     JsonOption,
+    LimitOption,
     OpenOption,
     OutputOption,
     QuietOption,
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
     from valvetrain.measurements.lift_answers import LiftAnswers
     from valvetrain.measurements.lift_figures import LiftFigure
     from valvetrain.report.lift_page import LobeResult
+    from valvetrain.studies.cost import Limits
     from valvetrain.studies.lift_band import LiftBandStudy
 
 
@@ -67,11 +70,12 @@ def lift(
     spring: SpringOption = None, spring_set: SpringSetOption = None,
     write: Annotated[Path | None, asks("--write", "FILE", "Write the smoothed lift at whole cam degrees.")] = None,
     write_form: Annotated[str, typer.Option("--write-form", metavar="FORM", help="columns, s96, fractions or workbook.")] = "columns",
-    output: OutputOption = None, workers: WorkersOption = None, open_page: OpenOption = False, as_json: JsonOption = False,
-    quiet: QuietOption = False,
+    output: OutputOption = None, workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False,
+    as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """Measured lifts: figures of the lobe, lift to jerk with bands, the law for a case, forces and float speed with the band."""
     from valvetrain.measurements.lift_answers import LiftAnswers
+    from valvetrain.studies.cost import read_limits
     from valvetrain.units import parse_quantity
 
     take_folder(output)
@@ -89,7 +93,7 @@ def lift(
         None if band is None else parse_quantity(band, "length", "--band"),
         read_amounts(at, "length", "--at"), parse_quantity(lash, "length", "--lash"), case, read_engine_speeds(engine_speed),
         read_engine_speeds(search, "--search"), draws, read_models(spring), read_words(spring_set), write, write_form, output,
-        read_workers(workers), open_page, datetime.now(UTC).replace(microsecond=0),
+        read_workers(workers), read_limits(limit), ", ".join(limit or ()), open_page, datetime.now(UTC).replace(microsecond=0),
     )  # fmt: skip
     _answer(request)
 
@@ -115,6 +119,8 @@ class _Request:
     write_form: str
     output: Path | None
     workers: int
+    limits: Limits
+    limit: str
     open_page: bool
     created_at: datetime
 
@@ -183,7 +189,8 @@ def _carried(request: _Request, lobe: LobeResult) -> LiftBandStudy | None:
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.parameters.loading import load_case
     from valvetrain.report.lift_files import lift_parameters
-    from valvetrain.studies.lift_band import lift_band_study
+    from valvetrain.studies.lift_band import FEWER_LAWS, band_cost, lift_band_study
+    from valvetrain.studies.planned import Asked
 
     case = load_case(request.case_name)
     if case.lift_law is not None and case.lift_law.lift_of != lobe.measured.lift_of:
@@ -192,11 +199,15 @@ def _carried(request: _Request, lobe: LobeResult) -> LiftBandStudy | None:
             "give a table of the other or another case", "--case",
         )  # fmt: skip
     law = lift_parameters(lobe, request.noise, request.band)
+    carried = case.replace({"lift_law": law})
+    asked = Asked("run", carried, request.engine_speeds, request.spring_models, request.spring_sets, request.workers)
+    say_cost(band_cost(asked, request.draws, request.search), request.limits, FEWER_LAWS)
     announce_compilation("train")
     with progress_bar(f"{case.name} with {request.draws} laws") as report:
         return lift_band_study(
-            case.replace({"lift_law": law}), request.engine_speeds, draws=request.draws, search=request.search,
+            carried, request.engine_speeds, draws=request.draws, search=request.search,
             spring_models=request.spring_models, spring_sets=request.spring_sets, workers=request.workers, progress=report,
+            limit=request.limit,
         )  # fmt: skip
 
 
