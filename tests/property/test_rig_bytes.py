@@ -23,7 +23,7 @@ from valvetrain.measurements.rig_formats.contract import RigFormat
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from sample_rig import WRITERS, Rig, record
+from sample_rig import WRITERS, Rig, record  # noqa: E402
 
 #: Damaged files of each form; a whole amount is in the docs.
 COUNT = 12
@@ -103,7 +103,8 @@ def test_a_reader_that_dies_is_a_sentence(tmp_path, monkeypatch, files):
     monkeypatch.setitem(registry.BUILT_IN["rig_formats"], "mdf", "fatal:SPEC")
     registry.places.cache_clear()
     registry._load.cache_clear()
-    apart = f"from valvetrain import registry; registry.BUILT_IN['rig_formats']['mdf'] = 'fatal:SPEC'; from {reader_process.__name__} import serve; serve()"
+    changed = "from valvetrain import registry; registry.BUILT_IN['rig_formats']['mdf'] = 'fatal:SPEC'"
+    apart = f"{changed}; from {reader_process.__name__} import serve; serve()"
     real = subprocess.run
     monkeypatch.setattr(reader_process.subprocess, "run", lambda command, **more: real([command[0], "-c", apart, command[-1]], **more))
     (tmp_path / "it").write_bytes(b"fatal")
