@@ -41,7 +41,7 @@ def recording(rig, step=None):
 
 
 WHEEL = RigAnswers(angle_of="crank", pulses="Crank wheel", index="Cam pulse", teeth=60, missing=1, zero={"spring_force": "250 N"})
-ENCODER = RigAnswers(angle_of="crank", angle="Crank angle", zero={"spring_force": "250 N"})
+ENCODER = RigAnswers(angle_of="crank", encoder="Crank angle", zero={"spring_force": "250 N"})
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +101,7 @@ def test_speed_follows_the_shaft(recorded):
 def test_the_grid_of_angles_moves_nothing_that_it_can_hold(short, angles):
     """Below the band the cycles are the same numbers on any grid: halved, doubled, as the band needs."""
     asked = replace(WHEEL, band="3 kHz", offset=0.0)
-    usual, other = (cycles_in(short, "grid", replace(asked, angles=points)) for points in (1440, angles))
+    usual, other = (cycles_in(short, "grid", replace(asked, angle_count=points)) for points in (1440, angles))
     shared = np.gcd(1440, angles)
     for one, two in zip(usual.channels, other.channels, strict=True):
         np.testing.assert_allclose(
@@ -119,7 +119,7 @@ def test_a_tone_above_the_grid_does_not_fold_back():
     times = np.arange(len(plain.channels[0].values)) / rig.sampling_rate
     tone = 0.1 * np.sin(TURN * 12e3 * times)
     with_tone = Recording("tone", (replace(plain.channels[0], values=plain.channels[0].values + tone), *plain.channels[1:]))
-    asked = replace(ENCODER, angles=360, offset=0.0, zero={})
+    asked = replace(ENCODER, angle_count=360, offset=0.0, zero={})
     one, two = (cycles_in(given, "tone", asked) for given in (plain, with_tone))
     folded = np.max(np.abs(two.channels[0].cycles.values - one.channels[0].cycles.values))
     assert folded < 1.5e-4 * 100.0

@@ -44,7 +44,7 @@ def _text(flag: str, metavar: str, words: str) -> Any:
 def rig(
     file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="Recording: text, MDF, TDMS, MAT, HDF5, NetCDF, UFF58.")] = None,
     channel: Annotated[list[str] | None, _text("--channel", "QUANTITY=NAME", "Channel of it: 'spring_force=Force 1'. Repeatable.")] = None,
-    angle: Annotated[str, _text("--angle", "NAME", "Channel of an encoder's angle.")] = "",
+    encoder: Annotated[str, _text("--encoder", "NAME", "Channel of an encoder's angle.")] = "",
     pulses: Annotated[str, _text("--pulses", "NAME", "Channel of a toothed wheel or encoder track; needs --teeth.")] = "",
     index: Annotated[str, _text("--index", "NAME", "Channel that marks a place of that wheel.")] = "",
     once: Annotated[str, _text("--once", "NAME", "Channel of one pulse a turn.")] = "",
@@ -57,7 +57,7 @@ def rig(
     zero: Annotated[list[str] | None, _text("--zero", "QUANTITY=VALUE", "What a quantity is in the dwell: 'spring_force=240 N'.")] = None,
     dwell: Annotated[str | None, _text("--dwell", "ANGLES", "First and last cam angle of the dwell: '-30, 30 deg'.")] = None,
     band: Annotated[str | None, _text("--band", "FREQUENCY", "Highest frequency that is kept: '20 kHz'.")] = None,
-    angles: Annotated[int | None, _text("--angles", "N", "Points of a cam turn (default: as the band needs).")] = None,
+    angle_count: Annotated[int | None, _text("--angle-count", "N", "Points of a cam turn (default: as the band needs).")] = None,
     sampling_rate: Annotated[str | None, _text("--sampling-rate", "FREQUENCY", "Where the file has no times: '100 kHz'.")] = None,
     keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Keep cycles that differ from all others.")] = False,
     case: Annotated[str | None, _text("--case", "CASE", "Case whose lift tells what cam angle the mark is.")] = None,
@@ -87,9 +87,10 @@ def rig(
     from valvetrain.measurements.rig_answers import RigAnswers
 
     answers = RigAnswers(
-        channels=read_pairs(channel, "--channel"), angle=angle, pulses=pulses, index=index, once=once, angle_of=angle_of, teeth=teeth,
+        channels=read_pairs(channel, "--channel"), encoder=encoder, pulses=pulses, index=index, once=once, angle_of=angle_of, teeth=teeth,
         missing=missing, units=read_pairs(unit, "--unit"), calibration=read_pairs(calibration, "--calibration"),
-        shunt=read_pairs(shunt, "--shunt"), zero=read_pairs(zero, "--zero"), dwell=_dwell(dwell), band=band, angles=angles, offset=offset,
+        shunt=read_pairs(shunt, "--shunt"), zero=read_pairs(zero, "--zero"), dwell=_dwell(dwell), band=band, angle_count=angle_count,
+        offset=offset,
         sampling_rate=sampling_rate, keep_outliers=keep_outliers,
     )  # fmt: skip
     return _answer(file, answers, case, settings, write, asked)

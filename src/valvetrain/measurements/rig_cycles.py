@@ -33,17 +33,17 @@ class _Filtered(NamedTuple):
     values: Array
 
 
-def cycles_in(recording: Recording, name: str, answers: RigAnswers, lift: Lift | None = None) -> RigResult:
+def cycles_in(recording: Recording, name: str, answers: RigAnswers, case_lift: Lift | None = None) -> RigResult:
     """The cycles in a recording.
 
-    Parameters: ``name`` of the file for messages; ``lift`` of the case (m of cam rad, periodic), by which the angle is aligned where no
+    Parameters: ``name`` of the file for messages; ``case_lift`` (m of cam rad, periodic), by which the angle is aligned where no
     offset is stated. Raises :class:`InputError` for open questions (all in one sentence) and recordings without a whole cycle.
     """
     chosen = chosen_channels(recording, answers, name)
     shaft, notes = shaft_of(chosen, answers), list(chosen.notes)
     notes += shaft.notes
-    slowest = float(np.min(np.diff(shaft.angles) / np.diff(shaft.times)))
-    bands = [band_of(one, answers.band, answers.angles, slowest) for one in chosen.measured]  # type: ignore[arg-type]
+    slowest = float(np.min(np.diff(shaft.cam_angles) / np.diff(shaft.times)))
+    bands = [band_of(one, answers.band, answers.angle_count, slowest) for one in chosen.measured]  # type: ignore[arg-type]
     notes += [note for _, _, note in bands if note]
     angles = max(points for _, points, _ in bands)
     filters = [filter_ for filter_, _, _ in bands]
@@ -56,7 +56,7 @@ def cycles_in(recording: Recording, name: str, answers: RigAnswers, lift: Lift |
             _Filtered(one, by, by.at(one.values, one.start, grid.times)) for one, by in zip(chosen.measured, filters, strict=True)
         ]
 
-    offset, alignment = _offset(answers, lift, chosen.measured, cut, notes)
+    offset, alignment = _offset(answers, case_lift, chosen.measured, cut, notes)
     grid, filtered = cut(offset)
     outliers = _outliers(filtered)
     kept = tuple(place for place in range(grid.cycles) if answers.keep_outliers or place not in outliers)
@@ -170,7 +170,7 @@ def _dwell_times(dwell: tuple[float, float], shaft: ShaftAngle, grid: CycleGrid,
     """Times (s) at which each dwell within the recording begins and ends, shape (dwells, 2); none of a cycle that is an outlier."""
     turns = np.round((shaft.angle_at(grid.cut_times) + offset) / TURN)
     edges = TURN * np.arange(turns[0] - 1, turns[-1] + 1)[:, np.newaxis] + np.array(dwell) - offset
-    inside = (edges[:, 0] >= shaft.angles[0]) & (edges[:, 1] <= shaft.angles[-1])
+    inside = (edges[:, 0] >= shaft.cam_angles[0]) & (edges[:, 1] <= shaft.cam_angles[-1])
     times: Array = shaft.times_at(edges[inside])
     begins, ends = grid.cut_times[:-1], grid.cut_times[1:]
     good = [not any(first < ends[place] and last > begins[place] for place in left_out) for first, last in times]

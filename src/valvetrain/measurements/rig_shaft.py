@@ -20,7 +20,7 @@ def shaft_of(chosen: Chosen, answers: RigAnswers) -> ShaftAngle:
     """Cam angle over time. Raises :class:`InputError` for pulses that do not fit their wheel and shafts that do not turn."""
     ratio = 1 if answers.angle_of == "cam" else RATIO
     channel = chosen.shaft
-    if chosen.kind == "angle":
+    if chosen.kind == "encoder":
         return _by_angle(channel, ratio)
     edges = rising_edges(channel.values, channel.start, channel.step, channel.name)
     if chosen.kind == "once":

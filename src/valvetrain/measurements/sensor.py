@@ -108,9 +108,9 @@ class Sensor:
         """Highest frequency (Hz) that matters to the gauge; 0 for an ideal one."""
         return max((float(one) for one in (self.bandwidth, self.resonance) if one is not None), default=0.0)
 
-    def gain(self, frequencies: Array) -> Array:
-        """Amplitude seen over true one at ``frequencies`` (Hz), by the transfer function."""
-        points, out = 2j * np.pi * np.asarray(frequencies, dtype=float), np.ones(len(frequencies))
+    def gain(self, signal_frequencies: Array) -> Array:
+        """Amplitude seen over true one at ``signal_frequencies`` (Hz), by the transfer function."""
+        points, out = 2j * np.pi * np.asarray(signal_frequencies, dtype=float), np.ones(len(signal_frequencies))
         for poles, twice in self._stages():
             one = np.abs(np.prod([-pole / (points - pole) for pole in poles], axis=0))
             out = out * (one**2 if twice else one)

@@ -22,7 +22,7 @@ FEWEST, LEARNT, COSTS = 60, 2000, tuple(np.geomspace(1e-3, 1e6, 19).tolist())
 
 @dataclass(frozen=True, eq=False)
 class ShaftAngle:
-    """Cam angle (rad) over time by a spline through ``times`` (s) and ``angles`` (rad, zero at the mark), both of shape (knots,).
+    """Cam angle (rad) over time by a spline through ``times`` (s) and ``cam_angles`` (rad, zero at the mark), both of shape (knots,).
 
     ``scatter`` (rad): standard deviation of what was told about the spline; ``told``: how often a cam turn; ``notes`` on how;
     ``smoothing``: what the bend of the spline costs (0: it goes through every knot).
@@ -33,7 +33,7 @@ class ShaftAngle:
     """
 
     times: Array
-    angles: Array
+    cam_angles: Array
     scatter: float = 0.0
     told: float = 0.0
     notes: tuple[str, ...] = field(default=())
@@ -41,10 +41,10 @@ class ShaftAngle:
 
     @cached_property
     def _spline(self) -> Any:
-        spline = _smooth(self.times, self.angles, self.smoothing) if self.smoothing else CubicSpline(self.times, self.angles)
+        spline = _smooth(self.times, self.cam_angles, self.smoothing) if self.smoothing else CubicSpline(self.times, self.cam_angles)
         fine = np.linspace(self.times[0], self.times[-1], 8 * len(self.times))
         # a shaft that stands or jerks makes a cubic overshoot backwards, which a monotone one cannot
-        return spline if np.all(spline(fine, 1) > 0) else PchipInterpolator(self.times, self.angles)
+        return spline if np.all(spline(fine, 1) > 0) else PchipInterpolator(self.times, self.cam_angles)
 
     def angle_at(self, times: Array) -> Array:
         """Cam angle (rad) at ``times`` (s)."""
@@ -56,36 +56,36 @@ class ShaftAngle:
         found: Array = self._spline(times, 1)
         return found
 
-    def times_at(self, angles: Array) -> Array:
-        """Times (s) at which the cam is at ``angles`` (rad): the inverse, by Newton's steps from the straight line between knots."""
-        times = np.interp(angles, self.angles, self.times)
+    def times_at(self, cam_angles: Array) -> Array:
+        """Times (s) at which the cam is at ``cam_angles`` (rad): the inverse, by Newton's steps from the straight line between knots."""
+        times = np.interp(cam_angles, self.cam_angles, self.times)
         low, high = self.times[0], self.times[-1]
         for _ in range(6):
             slope = np.maximum(self.cam_speed(times), 1e-9)
-            times = np.clip(times - (self.angle_at(times) - angles) / slope, low, high)
+            times = np.clip(times - (self.angle_at(times) - cam_angles) / slope, low, high)
         return times
 
 
-def shaft_through(times: Array, angles: Array, notes: tuple[str, ...] = (), name: str = "") -> ShaftAngle:
-    """The shaft behind angles (rad of cam) told at ``times`` (s), both rising; averaged where they are told very often.
+def shaft_through(times: Array, cam_angles: Array, notes: tuple[str, ...] = (), name: str = "") -> ShaftAngle:
+    """The shaft behind ``cam_angles`` (rad) told at ``times`` (s), both rising; averaged where they are told very often.
 
     Raises :class:`InputError` where there are too few or the shaft does not turn one way.
     """
-    if len(times) < 4 or not np.all(np.diff(times) > 0) or not angles[-1] - angles[0] > TURN:
+    if len(times) < 4 or not np.all(np.diff(times) > 0) or not cam_angles[-1] - cam_angles[0] > TURN:
         raise InputError(f"channel '{name[:80]}' does not tell one whole cam turn; give a longer recording")
-    turns = (angles[-1] - angles[0]) / TURN
+    turns = (cam_angles[-1] - cam_angles[0]) / TURN
     told = (len(times) - 1) / turns
     if told <= KNOTS * 1.5:
-        knots = times, angles
+        knots = times, cam_angles
     else:
-        window = np.floor((angles - angles[0]) / (TURN / KNOTS)).astype(np.int64)
+        window = np.floor((cam_angles - cam_angles[0]) / (TURN / KNOTS)).astype(np.int64)
         _, window = np.unique(window, return_inverse=True)
         held = np.bincount(window)
-        knots = np.bincount(window, times) / held, np.bincount(window, angles) / held
+        knots = np.bincount(window, times) / held, np.bincount(window, cam_angles) / held
     if not np.all(np.diff(knots[1]) > 0):
         raise InputError(f"the angle of '{name[:80]}' does not rise: the shaft stands or turns back; cut the recording to what turns")
     shaft = ShaftAngle(*knots, 0.0, told, notes, _best_smoothing(*knots) if len(knots[0]) >= FEWEST and told > 4 else 0.0)
-    return replace(shaft, scatter=float(np.std(angles - shaft.angle_at(times))) if told > 4 else 0.0)
+    return replace(shaft, scatter=float(np.std(cam_angles - shaft.angle_at(times))) if told > 4 else 0.0)
 
 
 def _smooth(times: Array, angles: Array, smoothing: float) -> BSpline:
