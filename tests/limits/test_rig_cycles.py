@@ -12,6 +12,7 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.measurements.angle_grid import LowPass
 from valvetrain.measurements.lift_alignment import align_lift
+from valvetrain.measurements.pulses import numbered
 from valvetrain.measurements.recording import Recording, RigChannel
 from valvetrain.measurements.rig_answers import RigAnswers
 from valvetrain.measurements.rig_cycles import cycles_in
@@ -200,3 +201,62 @@ def test_drift_is_taken_off_in_the_dwell(recorded):
     true = rig.force_offset + rig.force_drift * middle / ((rig.cycles + 0.4) * TURN / rig.cam_speed)
     assert len(taken) >= len(true) - 3, "dwells of the slipped cycle tell no zero"
     assert np.all(np.diff(taken) > 1.0) and true[0] - 2 < taken[0] < taken[-1] < true[-1] + 2
+
+
+def wheel(teeth, missing, seed=1, speed=25.0, turns=30.3):
+    """Times of the edges of a crank wheel, the mark at zero."""
+    tooth = np.arange(int(turns * teeth))
+    there = tooth % teeth < teeth - missing
+    times = (tooth[there] + 0.3 * teeth) / teeth / (2 * speed)
+    return times + np.random.default_rng(seed).normal(0, 1e-6, len(times))
+
+
+@pytest.mark.parametrize(("teeth", "missing"), [(60, 2), (36, 1), (60, 0), (2, 0)])
+def test_wheels_are_counted(teeth, missing):
+    found = numbered(wheel(teeth, missing), teeth, missing, "wheel")
+    assert not found.notes
+    assert found.numbers[-1] == next(place for place in range(int(30.3 * teeth) - 1, 0, -1) if place % teeth < teeth - missing)
+    if missing:
+        assert set(np.diff(found.marks)) == {teeth} and found.marks[0] == teeth
+
+
+def test_lost_and_false_pulses_are_told():
+    times = wheel(60, 2)
+    lost = numbered(np.delete(times, [400, 777]), 60, 2, "wheel")
+    assert "2 pulses of 'wheel' were lost" in lost.notes[0] and lost.numbers[-1] == numbered(times, 60, 2, "wheel").numbers[-1]
+    false = numbered(np.sort(np.append(times, [times[500] + 5e-5, times[900] + 7e-5])), 60, 2, "wheel")
+    assert "2 pulses of 'wheel' follow too soon" in false.notes[0] and false.numbers[-1] == lost.numbers[-1]
+
+
+@pytest.mark.parametrize(
+    ("teeth", "missing", "words"),
+    [(58, 2, "does not come back after 58 teeth"), (60, 0, "say teeth 60 and missing 2"), (60, 5, "no gap of 5 missing teeth")],
+)
+def test_a_wheel_that_is_not_as_told_is_refused(teeth, missing, words):
+    with pytest.raises(InputError, match=words):
+        numbered(wheel(60, 2), teeth, missing, "wheel")
+
+
+def test_gaps_and_uneven_times_leave_out_what_was_not_measured(recorded):
+    rig = Rig()
+    times = np.arange(len(recorded.channels[0].values)) / rig.sampling_rate
+    keep = (times < 0.20) | (times > 0.21)
+    gapped = tuple(replace(one, values=one.values[keep], times=times[keep], step=0.0) for one in recorded.channels[:2])
+    found = cycles_in(Recording("gaps", (*gapped, *recorded.channels[2:])), "gaps", replace(ENCODER, offset=0.0), lift)
+    assert any("with 1 gaps that are left open" in note for note in found.notes)
+    named = {place: why for place, why in found.outliers}
+    hit = [place for place in range(found.grid.cycles) if found.grid.cut_times[place] < 0.21 and found.grid.cut_times[place + 1] > 0.20]
+    assert hit and all("was not measured as a whole" in named[place] for place in hit)
+    assert np.isfinite(found.channels[0].cycles.values).all()
+
+
+def test_a_falling_encoder_is_turned_round(recorded):
+    angle = recorded.channels[4]
+    falling = Recording("falling", (*recorded.channels[:4], replace(angle, values=720.0 - angle.values)))
+    found = cycles_in(falling, "falling", ENCODER, lift)
+    assert any("its sign is changed" in note for note in found.notes) and np.degrees(abs(found.offset)) < 0.03
+
+
+def test_a_run_up_is_told():
+    found = cycles_in(recording(Rig(drift_of_speed=0.3)), "run-up", replace(ENCODER, offset=0.0))
+    assert any("a mean over them is none of one speed" in note for note in found.notes)

@@ -147,7 +147,7 @@ class _Asked:
     open_page: bool
     created_at: datetime
 
-    def deliver(self, name: str, text: str, page: Page, data: dict[str, Any], write: Any, show: Any) -> None:
+    def deliver(self, name: str, text: str, page: Page, data: dict[str, Any], write: Any, show: Any, home: Path = Path()) -> None:
         """Keep the folder (page, files, run.json) and tell."""
         from valvetrain.cli.outcome import Outcome, deliver
         from valvetrain.cli.study_command import keep_run
@@ -160,7 +160,7 @@ class _Asked:
             pages.append(write_text(folder / "report.html", render(page)))
             return [*write(folder), *pages]
 
-        folder, files = keep_run(_Kept(_Named(name), self.output, self.created_at), text, {"name": name}, data, fill)
+        folder, files = keep_run(_Kept(_Named(name), self.output, self.created_at, folder=home), text, {"name": name}, data, fill)
         if self.open_page:
             import webbrowser
 
@@ -176,6 +176,7 @@ class _Asked:
 
 
 def _answer(file: Path, answers: RigAnswers, case: str | None, settings: list[str] | None, write: Path | None, asked: _Asked) -> None:
+    from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.progress import busy
     from valvetrain.report.file_names import FreeNames
     from valvetrain.report.rig_files import write_rig
@@ -190,8 +191,6 @@ def _answer(file: Path, answers: RigAnswers, case: str | None, settings: list[st
         check_target(write, "--write")
     chosen: Case | None = None
     if case is not None:
-        from valvetrain.cli.case_choice import choose_case
-
         chosen = choose_case(case, settings)
     with busy("cutting the recording into cycles"):
         result = rig_cycles(file, answers, chosen)
@@ -207,7 +206,8 @@ def _answer(file: Path, answers: RigAnswers, case: str | None, settings: list[st
         return written
 
     text = chosen.text if chosen is not None else f'name = "{name}"\n'
-    asked.deliver(name, text, rig_page(file.name, result), data, files, lambda console: _show(console, result))
+    home = folder_of(case) if case is not None else Path()
+    asked.deliver(name, text, rig_page(file.name, result), data, files, lambda console: _show(console, result), home)
 
 
 def _show(console: Console, result: RigResult) -> None:

@@ -24,6 +24,8 @@ from valvetrain.units import parse_quantity
 Array = NDArray[np.float64]
 #: Angles at which the dwell is looked for.
 DWELL_ANGLES = 720
+#: Share by which speeds of cycles may differ before it is told.
+STEADY = 0.05
 Lift = Callable[[Array], Array]
 
 
@@ -117,7 +119,13 @@ def _channels(
 ) -> tuple[RigChannelCycles, ...]:  # fmt: skip
     dwell = _dwell(filtered, shaft, grid, offset[0], answers, notes)
     edges = None if dwell is None else _dwell_times(dwell, shaft, grid, offset[0], left_out)
-    speed = float(np.mean(grid.cam_speeds[list(kept)]))
+    speeds = grid.cam_speeds[list(kept)]
+    speed = float(np.mean(speeds))
+    if np.ptp(speeds) > STEADY * speed:
+        notes.append(
+            f"the cam speed of the cycles differs by {100 * np.ptp(speeds) / speed:.2g} %: a mean over them is none of one speed; cut the "
+            "recording where one is wanted"
+        )
     found = []
     for raw, by, values in filtered:
         level = _zero(raw.quantity, answers)

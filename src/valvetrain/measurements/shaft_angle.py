@@ -111,22 +111,21 @@ def _best_smoothing(times: Array, angles: Array) -> float:
 
 
 def unwrapped(values: Array, name: str) -> tuple[Array, float]:
-    """An encoder's angle (rad) without its jumps, rising, and its period (rad): one or two turns; inf where it never jumps.
+    """An encoder's angle (rad) without its jumps, and its period (rad): one or two turns; inf where it never jumps.
 
     Raises :class:`InputError` where it jumps by something else.
     """
     steps = np.diff(values)
     jumps = steps[np.abs(steps) > np.pi]
     if not len(jumps):
-        rising: Array = values if values[-1] >= values[0] else -values
-        return rising, np.inf
+        return values, np.inf
     period = TURN * round(float(np.median(np.abs(jumps))) / TURN)
     if period not in (TURN, 2 * TURN):
         raise InputError(
             f"angle '{name[:80]}' jumps by {np.degrees(np.median(np.abs(jumps))):.4g} deg, not by a turn or two; check its unit"
         )
     whole = values + period * np.concatenate([[0], np.cumsum(-np.rint(steps / period))])
-    return (whole if whole[-1] >= whole[0] else -whole), period
+    return whole, period
 
 
 def told_by_counts(values: Array, times: Array) -> tuple[Array, Array, float]:
