@@ -53,8 +53,12 @@ def firmness(rows: Sequence[Uncertainty]) -> str:
     firm = f"{len(share) - len(loose)} of {len(share)} numbers that are not zero are firm to {100 * FIRM:g} %"
     if not loose:
         return f"{firm}."
-    named = [f"{label_of(row.quantity)}{_whose(row)} {100 * share[row]:.2g} %" for row in loose[:3]]
+    named = [f"{label_of(row.quantity)}{_whose(row)} {_per_cent(share[row])} %" for row in loose[:3]]
     return f"{firm}; the least firm: {', '.join(named)}."
+
+
+def _per_cent(share: float) -> str:
+    return f"{100 * share:.0f}" if share >= 0.1 else f"{100 * share:.2g}"
 
 
 def _whose(row: Uncertainty) -> str:
