@@ -32,7 +32,9 @@ nodal_reactions record_springs record_contacts needs_rest searches processes ope
 synthetic zero_phase keep_outliers periodic
 """.split()
 #: What is done unless it is refused, and factors that change nothing.
-ON = "pulls judged compared moves with_tangent page in_legend shaded legend worded seats quadratic needs_mass damped critical_speeds apart".split()
+ON = """
+pulls judged compared moves with_tangent page in_legend shaded legend worded seats quadratic needs_mass damped critical_speeds apart
+""".split()
 ONE = "weight closed_lower closed_upper drive_scale depth factor refinement end_refinement rotation drive_side records".split()
 #: One value everywhere: Hertz (1882) for points, steel (EN 13906-1), ends of a column held in parallel planes, what docs state of flanks,
 #: friction and steps.

@@ -140,7 +140,7 @@ def _channels(
         told = [f"low-passed without phase, flat to {by.pass_band:.5g} Hz and down by 80 dB from {by.stop_band:.5g} Hz on"]
         if len(taken_off):
             told.append(f"zero taken off in the dwell: {taken_off.min():.4g} to {taken_off.max():.4g} {raw.unit}")
-        spread = mean_spread(values, float(grid.cam_angle[1]), float(np.hypot(offset[1], shaft.scatter / np.sqrt(len(kept)))))
+        spread = mean_spread(values, float(grid.cam_angle[1]), float(np.hypot(offset[1], shaft.repeated)))
         cycles = MeasuredCycles(raw.quantity, raw.unit, grid.cam_angle, values, speed, name, synthetic, tuple(told))
         found.append(RigChannelCycles(cycles, raw, by.pass_band, spread, taken_off))
     return tuple(found)

@@ -25,7 +25,8 @@ class ShaftAngle:
     """Cam angle (rad) over time by a spline through ``times`` (s) and ``cam_angles`` (rad, zero at the mark), both of shape (knots,).
 
     ``scatter`` (rad): standard deviation of what was told about the spline; ``told``: how often a cam turn; ``notes`` on how;
-    ``smoothing``: what the bend of the spline costs (0: it goes through every knot).
+    ``smoothing``: what the bend of the spline costs (0: it goes through every knot); ``repeated`` (rad): what of the scatter comes back
+    in every turn (errors of the wheel's pitch, speed that the spline does not follow), root mean square.
 
     >>> shaft = ShaftAngle(np.linspace(0, 1, 50), 20 * np.linspace(0, 1, 50))
     >>> round(float(shaft.times_at(np.array([10.0]))[0]), 9), round(float(shaft.cam_speed(np.array([0.3]))[0]), 9)
@@ -38,6 +39,7 @@ class ShaftAngle:
     told: float = 0.0
     notes: tuple[str, ...] = field(default=())
     smoothing: float = 0.0
+    repeated: float = 0.0
 
     @cached_property
     def _spline(self) -> Any:
@@ -85,7 +87,13 @@ def shaft_through(times: Array, cam_angles: Array, notes: tuple[str, ...] = (), 
     if not np.all(np.diff(knots[1]) > 0):
         raise InputError(f"the angle of '{name[:80]}' does not rise: the shaft stands or turns back; cut the recording to what turns")
     shaft = ShaftAngle(*knots, 0.0, told, notes, _best_smoothing(*knots) if len(knots[0]) >= FEWEST and told > 4 else 0.0)
-    return replace(shaft, scatter=float(np.std(cam_angles - shaft.angle_at(times))) if told > 4 else 0.0)
+    if told <= 4:
+        return shaft
+    left = cam_angles - shaft.angle_at(times)
+    place = np.floor((cam_angles % TURN) / TURN * 2 * KNOTS).astype(np.int64)
+    held = np.bincount(place, minlength=2 * KNOTS)
+    means = np.bincount(place, left, minlength=2 * KNOTS)[held > 0] / held[held > 0]
+    return replace(shaft, scatter=float(np.std(left)), repeated=float(np.sqrt(np.mean(means**2))))
 
 
 def _smooth(times: Array, angles: Array, smoothing: float) -> BSpline:
