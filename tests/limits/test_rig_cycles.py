@@ -16,6 +16,7 @@ from valvetrain.measurements.pulses import numbered
 from valvetrain.measurements.recording import Recording, RigChannel
 from valvetrain.measurements.rig_answers import RigAnswers
 from valvetrain.measurements.rig_cycles import cycles_in
+from valvetrain.measurements.shaft_angle import told_by_counts
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 from sample_rig import Rig, columns, record
@@ -260,3 +261,19 @@ def test_a_falling_encoder_is_turned_round(recorded):
 def test_a_run_up_is_told():
     found = cycles_in(recording(Rig(drift_of_speed=0.3)), "run-up", replace(ENCODER, offset=0.0))
     assert any("a mean over them is none of one speed" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(("per_sample", "step"), [(0.9, 0.0), (0.05, 1.0), (0.37, 0.1), (0.2, 0.5)])
+def test_counts_are_told_from_a_smooth_angle(per_sample, step):
+    """Even speed: a smooth angle (step 0) is left as it is; counts of 1, 0.1 and 0.5 degrees are put back to the angle they stand for."""
+    true = np.radians(per_sample) * np.arange(4000) + 0.001
+    shown = np.floor(true / np.radians(step) + 1e-9) * np.radians(step) if step else true
+    times, angles, found = told_by_counts(shown, np.arange(4000.0))
+    assert np.degrees(found) == pytest.approx(step, abs=1e-4)
+    away = np.degrees(angles - (np.radians(per_sample) * times + 0.001))
+    assert abs(np.mean(away)) < 0.03 * max(step, 1e-9) + 0.5 * per_sample * (step > per_sample) * 0.1 + 1e-9
+
+
+def test_rounding_makes_no_outliers():
+    clean = recording(Rig(force_noise=0.0, lift_noise=0.0, jitter=0.0, force_drift=0.0, turn_variation=0.0, drift_of_speed=0.0))
+    assert not cycles_in(clean, "clean", replace(WHEEL, offset=0.0)).outliers

@@ -23,6 +23,8 @@ MOST_VALUES = 50_000_000
 #: A cycle is an outlier where its distance to the median cycle is this many times the usual spread of distances, and this many times
 #: the usual distance; with fewer cycles nobody can tell.
 FAR, TIMES, FEWEST = 6.0, 2.0, 5
+#: Share of the swing of a cycle below which no distance matters.
+LEAST = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +126,7 @@ def outliers_of(values: Array) -> list[tuple[int, str]]:
     away = np.sqrt(np.mean((values - middle) ** 2, axis=1))
     usual = float(np.median(away[whole]))
     spread = 1.4826 * float(np.median(np.abs(away[whole] - usual)))
-    far = np.flatnonzero(whole & (away > usual + FAR * spread) & (away > TIMES * usual))
+    far = np.flatnonzero(whole & (away > usual + FAR * spread) & (away > TIMES * usual) & (away > LEAST * np.ptp(middle)))
     return found + [
         (int(place), f"lies {away[place] / max(usual, 1e-300):.3g} times as far from the median cycle as usual") for place in far
     ]
