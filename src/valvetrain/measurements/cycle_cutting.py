@@ -24,7 +24,7 @@ MOST_VALUES = 50_000_000
 #: the usual distance; with fewer cycles nobody can tell.
 FAR, TIMES, FEWEST = 6.0, 2.0, 5
 #: Share of the swing of a cycle below which no distance matters.
-LEAST = 1e-4
+LEAST = 2e-3
 
 
 @dataclass(frozen=True, eq=False)
