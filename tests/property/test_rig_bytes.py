@@ -106,7 +106,9 @@ def test_a_reader_that_dies_is_a_sentence(tmp_path, monkeypatch, files):
     changed = "from valvetrain import registry; registry.BUILT_IN['rig_formats']['mdf'] = 'fatal:SPEC'"
     apart = f"{changed}; from {reader_process.__name__} import serve; serve()"
     real = subprocess.run
-    monkeypatch.setattr(reader_process.subprocess, "run", lambda command, **more: real([command[0], "-c", apart, command[-1]], **more))
+    monkeypatch.setattr(
+        reader_process.subprocess, "run", lambda command, **more: real([command[0], "-P", "-c", apart, command[-1]], **more)
+    )
     (tmp_path / "it").write_bytes(b"fatal")
     try:
         with pytest.raises(InputError, match="cannot be read as fatal: it is damaged, was cut short, or is too large"):
@@ -115,6 +117,16 @@ def test_a_reader_that_dies_is_a_sentence(tmp_path, monkeypatch, files):
         monkeypatch.undo()
         registry.places.cache_clear()
         registry._load.cache_clear()
+
+
+def test_a_module_beside_the_recording_is_not_run(tmp_path, monkeypatch, files):
+    """Whoever reads a recording in a stranger's folder runs nothing that lies there."""
+    for name in ("h5py", "json", "nptdms", "numpy"):
+        (tmp_path / f"{name}.py").write_text(f"open(r'{tmp_path / 'ran'}', 'w').close()\nraise SystemExit('ran')\n")
+    (tmp_path / "rig.tdms").write_bytes((files / "rig.tdms").read_bytes())
+    monkeypatch.chdir(tmp_path)
+    assert len(read_recording(Path("rig.tdms")).channels) == 5
+    assert not (tmp_path / "ran").exists()
 
 
 def test_other_kinds_of_files_are_refused(tmp_path):
