@@ -218,6 +218,25 @@ def test_a_library_that_is_not_installed_is_named(form, library, monkeypatch, fi
         reader.read(files / name, name, ())
 
 
+def test_pieces_of_a_file_and_of_the_work_move_no_bit(tmp_path, monkeypatch):
+    """Segments of TDMS, and how many angles are filtered at once."""
+    from sample_rig import write_tdms
+
+    from valvetrain.measurements import angle_grid
+
+    records = small()
+    reader: RigFormat = registry.find("rig_formats", "tdms")
+    answers = RigAnswers(angle_of="crank", encoder="Crank angle")
+    found = []
+    for segments, at_once in ((1, 2_000_000), (7, 2_000_000), (1, 5_000)):
+        monkeypatch.setattr(angle_grid, "_AT_ONCE", at_once)
+        write_tdms(tmp_path / "rig.tdms", records, segments)
+        found.append(cycles_in(reader.read(tmp_path / "rig.tdms", "rig", ()), "rig", answers))
+    for other in found[1:]:
+        for one, two in zip(found[0].cycles, other.cycles, strict=True):
+            np.testing.assert_array_equal(one.values, two.values)
+
+
 def test_every_form_says_the_same(files):
     """One recording in nine clothes: the same channels, units and cycles."""
     true = small()
