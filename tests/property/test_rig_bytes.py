@@ -185,7 +185,8 @@ def test_mat_objects_and_structures_are_left_alone(tmp_path):
     assert len(found.notes) == 2 and all("no array of numbers" in note for note in found.notes)
 
 
-def test_a_formula_of_mdf_is_not_evaluated(tmp_path):
+@pytest.mark.parametrize("version", ["3.30", "4.10"])
+def test_a_formula_of_mdf_is_not_evaluated(tmp_path, version):
     from asammdf import MDF, Signal
 
     times = np.arange(100) * 1e-3
@@ -197,12 +198,16 @@ def test_a_formula_of_mdf_is_not_evaluated(tmp_path):
         Signal(np.arange(100, dtype=np.int16), times, "N", "table",
                conversion={"raw_0": 0.0, "phys_0": 0.0, "raw_1": 99.0, "phys_1": 198.0, "interpolation": 1}),
     ]  # fmt: skip
-    with MDF(version="4.10") as file:
+    with MDF(version=version) as file:
         file.append(signals)
-        file.attach(b"import os", file_name="run.py", embedded=True)
-        file.save(tmp_path / "it.mf4")
-    found = read_recording(tmp_path / "it.mf4")
+        if version > "4":
+            file.attach(b"import os", file_name="run.py", embedded=True)
+        path = file.save(tmp_path / "it.mf4")
+    found = read_recording(Path(path))
     assert sum("is left out: its conversion is" in note for note in found.notes) == 2
+    with MDF(path) as file:
+        for channel in found.channels:  # the library's own conversion is the oracle
+            np.testing.assert_allclose(channel.values, file.get(channel.name).samples)
     values = {channel.name: channel.values for channel in found.channels}
     np.testing.assert_array_equal(values["linear"], 0.5 * np.arange(100) + 3)
     np.testing.assert_allclose(values["table"], 2.0 * np.arange(100))
@@ -253,3 +258,35 @@ def test_every_form_says_the_same(files):
         one = channels["Valve lift"]
         times = one.times if one.times is not None else one.start + one.step * np.arange(len(one.values))
         np.testing.assert_allclose(times, true.times, atol=1e-7)
+
+
+@pytest.mark.parametrize("version", ["3.30", "4.10"])
+def test_times_of_mdf_by_formula_are_not_evaluated(tmp_path, monkeypatch, version):
+    """asammdf converts the times of a group whenever they are asked for, by numexpr where the file holds a formula."""
+    from asammdf import MDF, Signal
+    from asammdf.blocks import v2_v3_blocks, v4_blocks
+
+    with MDF(version=version) as file:
+        file.append([Signal(np.arange(100.0), np.arange(100) * 1e-3, "N", "force")])
+        source = Signal(np.arange(3.0), np.arange(3.0), "N", "other", conversion={"formula": "X + 1"})
+        file.append([source])
+        file.groups[0].channels[0].conversion = file.groups[1].channels[1].conversion
+        path = file.save(tmp_path / "it.mf4")
+
+    def evaluate(*given, **more):
+        raise AssertionError("a formula was evaluated")
+
+    for module in (v2_v3_blocks, v4_blocks):
+        monkeypatch.setattr(module, "evaluate", evaluate)
+    reader: RigFormat = registry.find("rig_formats", "mdf")
+    found = reader.read(Path(path), "it", ())
+    assert not found.channels and sum("formula" in note for note in found.notes) == 2
+
+
+def test_a_file_beyond_all_bounds_is_not_opened(tmp_path):
+    for name, head in (("it.tdms", b"TDSm"), ("it.h5", b"\x89HDF\r\n\x1a\n"), ("it.txt", b"1 2\n")):
+        with (tmp_path / name).open("wb") as stream:
+            stream.write(head)
+            stream.truncate(5_000_000_000)  # a hole, no bytes
+        with pytest.raises(InputError, match="is larger than 4 GB; cut the recording"):
+            read_recording(tmp_path / name)
