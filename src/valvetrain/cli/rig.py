@@ -149,7 +149,9 @@ class _Asked:
     open_page: bool
     created_at: datetime
 
-    def deliver(self, name: str, text: str, page: Page, data: dict[str, Any], write: Any, show: Any, home: Path = Path()) -> None:
+    def deliver(
+        self, name: str, text: str, page: Page, data: dict[str, Any], write: Any, show: Any, choices: dict[str, str], home: Path = Path()
+    ) -> None:
         """Keep the folder (page, files, run.json) and tell."""
         from valvetrain.cli.outcome import Outcome, deliver
         from valvetrain.cli.study_command import keep_run
@@ -162,7 +164,7 @@ class _Asked:
             pages.append(write_text(folder / "report.html", render(page)))
             return [*write(folder), *pages]
 
-        folder, files = keep_run(_Kept(_Named(name), self.output, self.created_at, folder=home), text, {"name": name}, data, fill)
+        folder, files = keep_run(_Kept(_Named(name), self.output, self.created_at, folder=home), text, choices, data, fill)
         if self.open_page:
             import webbrowser
 
@@ -178,6 +180,8 @@ class _Asked:
 
 
 def _answer(file: Path, answers: RigAnswers, case: str | None, settings: list[str] | None, write: Path | None, asked: _Asked) -> None:
+    from hashlib import file_digest
+
     from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.progress import busy
     from valvetrain.report.file_names import FreeNames
@@ -209,7 +213,11 @@ def _answer(file: Path, answers: RigAnswers, case: str | None, settings: list[st
 
     text = chosen.text if chosen is not None else f'name = "{name}"\n'
     home = folder_of(case) if case is not None else Path()
-    asked.deliver(name, text, rig_page(file.name, result), data, files, lambda console: _show(console, result), home)
+    # what was asked, and of which bytes: two kept runs are the same where these are
+    given = {key: str(value) for key, value in vars(answers).items() if value not in (None, "", 0, False) and value != {}}
+    with file.open("rb") as stream:
+        given |= {"file": file.name, "digest": file_digest(stream, "blake2b").hexdigest()[:32]}
+    asked.deliver(name, text, rig_page(file.name, result), data, files, lambda console: _show(console, result), given, home)
 
 
 def _show(console: Console, result: RigResult) -> None:

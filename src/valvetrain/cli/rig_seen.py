@@ -27,7 +27,7 @@ def seen(
     """Run the case and tell true and recorded peaks; ``gauge``: --bandwidth, --sensor, --sampling-rate."""
     from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.progress import busy
-    from valvetrain.report.seen_page import data_of, seen_page
+    from valvetrain.report.seen_page import data_of, seen_page, sensor_words
     from valvetrain.report.seen_page import write_seen as write
     from valvetrain.studies.seen import seen_in_case
 
@@ -43,7 +43,7 @@ def seen(
 
     def show(console: Console) -> None:
         from valvetrain.cli.tables import plain_table
-        from valvetrain.report.seen_page import HEAD, notes_of, seen_rows, sensor_words
+        from valvetrain.report.seen_page import HEAD, notes_of, seen_rows
 
         console.print(f"Gauge: {sensor_words(sensor)}", soft_wrap=True)
         console.print()
@@ -51,7 +51,8 @@ def seen(
         for sentence in notes_of(found):
             console.print(f"{sentence}.", soft_wrap=True)
 
-    deliver(chosen.name, chosen.text, page, data, files, show, folder_of(case))
+    asked = {"gauge": sensor_words(sensor), "speeds": str(engine_speeds or ""), "models": ", ".join(spring_models)}
+    deliver(chosen.name, chosen.text, page, data, files, show, asked, folder_of(case))
 
 
 def read_sensor(bandwidth: str | None, words: str | None, sampling_rate: str | None) -> Sensor:

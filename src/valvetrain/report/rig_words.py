@@ -102,8 +102,13 @@ def sentences_of(result: RigResult) -> tuple[str, ...]:
 
 
 def data_of(result: RigResult) -> dict[str, Any]:
-    """The same for JSON, SI."""
+    """The same for JSON, SI; ``quantities`` as every command names its numbers."""
+    named = {
+        f"{one['figure']}_{channel.cycles.quantity}": {"value": one["mean"], "unit": channel.cycles.unit}
+        for channel in result.channels for one in figures_of(channel)
+    }  # fmt: skip
     return {
+        "quantities": named,
         "command": "rig", "case": "", "completed": True, "file": result.name, "form": result.form, "synthetic": result.synthetic,
         "cycles": result.grid.cycles, "kept": [place + 1 for place in result.kept],
         "outliers": [{"cycle": place + 1, "why": why} for place, why in result.outliers],

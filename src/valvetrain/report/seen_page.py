@@ -118,8 +118,12 @@ def write_seen(found: Sequence[SeenChannel], folder: Path) -> list[Path]:
 def data_of(found: Sequence[SeenChannel], sensor: Sensor, case: str) -> dict[str, Any]:
     """The same for JSON, SI."""
     gauge = {name: getattr(sensor, name) for name in Sensor.__dataclass_fields__} | {"resonance": sensor.resonance}
+    named: dict[str, dict[str, Any]] = {}
+    for one in found:
+        peaks = (("true", one.true_peak), ("recorded", sum(one.seen.peaks) / 2))
+        named.setdefault(_run_of(one), {}).update({f"{word}_peak_{one.channel}": {"value": peak, "unit": one.unit} for word, peak in peaks})
     return {
-        "command": "rig", "case": case, "completed": True, "gauge": gauge,
+        "command": "rig", "case": case, "completed": True, "gauge": gauge, "quantities_by_label": named,
         "seen": [
             {
                 "run": one.label, "engine_speed": one.engine_speed, "channel": one.channel, "unit": one.unit, "true_peak": one.true_peak,
