@@ -37,7 +37,7 @@ class Agreement:
 
 
 def agreement(cam_angle: Array, values: Array, model: Array, weights: Array, even: bool) -> Agreement:
-    """Model (angles,) against ``values`` (repeats, angles) at ``cam_angle`` (rad, rising); ``weights`` sum to one; ``even``: equal steps."""
+    """Model (angles,) against ``values`` (repeats, angles) at ``cam_angle`` (rad); ``weights`` sum to one; ``even``: equal steps."""
     mean = values.mean(axis=0)
     difference = model - mean
     bias = float(weights @ difference)

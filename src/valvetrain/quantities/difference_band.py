@@ -56,7 +56,7 @@ def difference_band(values: Array, model: Array, level: float = LEVEL) -> Differ
 
     Raises :class:`InputError` for fewer than :data:`FEWEST` repeats. Angles at which all repeats agree have no width.
     """
-    repeats, places = values.shape
+    repeats = len(values)
     if repeats < FEWEST:
         raise InputError(f"{repeats} repeats give no band worth drawing; give {FEWEST} or more")
     mean = values.mean(axis=0)

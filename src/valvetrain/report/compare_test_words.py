@@ -1,0 +1,204 @@
+"""Model against test in words: the rows that terminal and page both show, in units of the field."""
+
+from __future__ import annotations
+
+import math
+
+from valvetrain.measurements.measured_cycles import MeasuredCycles
+from valvetrain.measurements.value_table import ValueTable
+from valvetrain.quantities.adequacy import AdequacyTest, chance_words
+from valvetrain.quantities.trace_events import EventRow
+from valvetrain.report.words import number, quantity_words, speed_words, unit_words
+from valvetrain.solution.display import SHOWN_UNITS
+from valvetrain.studies.against_test import RunAgainstTest
+from valvetrain.studies.compare_test import ModelAgainstTest
+from valvetrain.units import unit_factor
+
+Row = tuple[str, ...]
+SYNTHETIC = "The test is synthetic: it was computed, not measured. Nothing here speaks of a real engine."
+
+
+def unit_of_test(found: ModelAgainstTest) -> tuple[str, float]:
+    """Unit in which the curve is shown, and the factor from SI; of a table nothing."""
+    if isinstance(found.test, ValueTable):
+        return "", 1.0
+    unit, factor = SHOWN_UNITS.get(found.test.unit, (found.test.unit, 1.0))
+    return unit_words(unit), factor
+
+
+def words_of_test(found: ModelAgainstTest) -> str:
+    """What the test is, in one line."""
+    test = found.test
+    made = "synthetic, not measured: " if test.synthetic else ""
+    if isinstance(test, ValueTable):
+        return f"{made}{len(test.values)} values of {test.source or 'a table'}, {_repeats(test.repeats)}"
+    speed = f" at {speed_words(2 * test.cam_speed)} of the crank" if test.cam_speed else ""
+    return f"{made}{quantity_words(test.quantity).lower()}, {len(test.values)} cycles of {len(test.cam_angle)} angles{speed}" + (
+        f", {test.source}" if test.source else ""
+    )
+
+
+def _repeats(repeats: int) -> str:
+    return f"{repeats} repeats" if repeats > 1 else "with stated scatter"
+
+
+def verdict_sentences(found: ModelAgainstTest) -> list[str]:
+    """The verdict on every run, what the test could have refuted, and which run is nearer."""
+    told = [one.sentence for one in found.runs] if any(one.adequacy for one in found.runs) else [one.sentence for one in found.runs[:1]]
+    best = found.best
+    if best.adequacy is not None:
+        unit, factor = unit_of_test(found)
+        reach = number(best.adequacy.refutable * (factor if best.adequacy.repeats else 1.0), 3)
+        of_what = unit or "of the common unit (SI)"
+        if best.adequacy.repeats:
+            told.append(
+                f"a root mean square difference of more than {reach} {of_what} from the mean of the repeats is refuted by this test"
+            )
+        else:
+            told.append(f"a root mean square difference of more than {reach} stated scatters is refuted by this test")
+    told += [one.sentence for one in found.closer]
+    return [f"{one[:1].upper()}{one[1:]}." for one in told]
+
+
+def agreement_rows(found: ModelAgainstTest) -> list[Row]:
+    """Run, bias, root mean square, what is left without bias and shift, correlation, shift with its interval."""
+    _, factor = unit_of_test(found)
+    rows: list[Row] = []
+    for one in found.runs:
+        if one.agreement is None:
+            continue
+        near = one.agreement
+        reach = f"±{number(math.degrees(near.shift_reach), 2)}" if math.isfinite(near.shift_reach) else ""
+        rows.append(
+            (one.label, number(near.bias * factor, 3), number(near.rms * factor, 3), number(near.rest * factor, 3),
+             f"{near.correlation:.5f}", number(math.degrees(near.shift), 3), reach)
+        )  # fmt: skip
+    return rows
+
+
+def agreement_heads(found: ModelAgainstTest) -> Row:
+    """Headings of :func:`agreement_rows`."""
+    unit, _ = unit_of_test(found)
+    return (
+        "model",
+        f"bias ({unit})",
+        f"rms ({unit})",
+        f"without bias and shift ({unit})",
+        "correlation",
+        "model later by (cam deg)",
+        "95 %",
+    )
+
+
+def adequacy_rows(found: ModelAgainstTest) -> list[Row]:
+    """Run, adequacy, reproducibility, ratio, degrees of freedom, critical ratio, chance, and the chance if every angle counted."""
+    _, factor = unit_of_test(found)
+    rows: list[Row] = []
+    for one in found.runs:
+        test = one.adequacy
+        if test is None:
+            continue
+        square = factor**2 if test.repeats else 1.0
+        rows.append((one.label, number(test.adequacy * square, 3), number(test.reproducibility * square, 3), number(test.ratio, 3),
+                     degrees_words(test), number(test.critical, 3), chance_words(test.p_value),
+                     "not refuted" if test.adequate else "refuted"))  # fmt: skip
+    return rows
+
+
+ADEQUACY_HEADS = ("model", "adequacy variance", "reproducibility variance", "F", "degrees of freedom", "critical F", "p", "verdict")
+
+
+def degrees_words(test: AdequacyTest) -> str:
+    """Both degrees of freedom."""
+    return ", ".join("∞" if math.isinf(one) else number(one, 3) for one in test.degrees)
+
+
+def counting_sentence(test: AdequacyTest) -> str:
+    """How many independent angles there are, and what the test would say if every angle counted."""
+    what = "places" if test.repeats else "values"
+    words = f"{test.places} {what} hold about {number(test.independent, 3)} independent ones; the degrees of freedom count these"
+    if test.repeats and test.independent < 0.95 * test.places:
+        words += (
+            f" (if every one counted, p would be {chance_words(test.counted_p_value)}, and sampling more densely would change the verdict)"
+        )
+    return f"{words}."
+
+
+EVENT_HEADS = ("event", "model", "test", "difference", "", "scatter of one cycle", "in standard errors", "95 %")
+
+
+def event_rows(run: RunAgainstTest, unit: str, factor: float, spikes: bool) -> list[Row]:
+    """Events of one run, spikes and their distances or the others, with their difference in units of scatter."""
+    rows: list[Row] = []
+    for one in run.events:
+        if one.name.startswith(("spike", "interval")) is not spikes:
+            continue
+        scale, words = (math.degrees(1.0), "cam deg") if one.dimension == "angle" else (factor, unit)
+        rows.append(
+            (f"{one.name[:1].upper()}{one.name[1:]}{', angle' if one.dimension == 'angle' and 'interval' not in one.name else ''}",
+             number(one.model * scale), number(one.test * scale), number(one.difference * scale, 3), words,
+             number(one.scatter * scale, 2), number(one.in_errors, 2), _inside(one))
+        )  # fmt: skip
+    return rows
+
+
+def _inside(one: EventRow) -> str:
+    if math.isnan(one.model):
+        return "not in the model"
+    return "" if one.outside is None else "outside" if one.outside else "inside"
+
+
+STAGE_HEADS = ("stretch", "from (cam deg)", "to (cam deg)", "bias", "± (95 %)", "rms", "surely off")
+
+
+def stage_rows(run: RunAgainstTest, factor: float, student: float) -> list[Row]:
+    """Errors by stretch of the turn; ``student``: half width of a 95 % interval in standard errors."""
+    return [
+        (one.name[:1].upper() + one.name[1:], number(math.degrees(one.first)), number(math.degrees(one.last)), number(one.bias * factor, 3),
+         number(student * one.bias_error * factor, 2), number(one.rms * factor, 3),
+         "–" if math.isnan(one.share_outside) else f"{100 * one.share_outside:.0f} % of angles")
+        for one in run.stages
+    ]  # fmt: skip
+
+
+VALUE_HEADS = ("quantity", "speed", "model", "test", "", "scatter", "difference", "in scatters")
+
+
+def value_rows(run: RunAgainstTest) -> list[Row]:
+    """Measured values beside the model's, with the difference in units of their scatter."""
+    rows: list[Row] = []
+    for one in run.values:
+        factor = 1 / unit_factor(one.unit)
+        words = quantity_words(one.quantity) + (", angle" if one.kind == "angle" else "")
+        rows.append(
+            (words, speed_words(one.engine_speed), number(one.model * factor), number(one.test * factor), unit_words(one.unit),
+             number(one.scatter * factor, 2), number(one.difference * factor, 3), number(one.in_scatters, 2))
+        )  # fmt: skip
+    return rows
+
+
+def outside_sentence(run: RunAgainstTest) -> str:
+    """How many values lie further than two scatters off, and which is the furthest."""
+    told = [one for one in run.values if math.isfinite(one.model)]
+    far = [one for one in told if abs(one.in_scatters) > 2]
+    if not told:
+        return "The run tells none of these values."
+    if not far:
+        return f"All {len(told)} values lie within two scatters of the model."
+    worst = max(far, key=lambda one: abs(one.in_scatters))
+    name = quantity_words(worst.quantity) + (", angle" if worst.kind == "angle" else "")
+    return (
+        f"{len(far)} of {len(told)} values lie more than two scatters off {run.label}; the furthest is {name} at "
+        f"{speed_words(worst.engine_speed)}, by {number(abs(worst.in_scatters), 2)}."
+    )
+
+
+def band_sentence(run: RunAgainstTest, cycles: MeasuredCycles) -> str:
+    """How much of the turn is surely off, and how wide the band is."""
+    if run.band is None:
+        return f"{len(cycles.values)} repeats give no band."
+    share = float(run.band.outside.mean())
+    width = f"the band is {number(run.band.factor, 3)} standard errors wide on either side"
+    if share == 0:
+        return f"Nowhere on the turn is {run.label} surely off; {width}."
+    return f"{run.label[:1].upper()}{run.label[1:]} is surely off at {100 * share:.0f} % of the angles; {width}."
