@@ -46,7 +46,8 @@ def _text(flag: str, metavar: str, words: str) -> Any:
 def compare_test(
     case: CaseArgument,
     test: Annotated[Path, typer.Option("--test", metavar="FILE", help="Measured cycles, or a table of values with scatter or repeats.")],
-    quantity: Annotated[str, _text("--quantity", "NAME", "Which channel of several.")] = "",
+    quantity: Annotated[str, _text("--quantity", "NAME", "The model's curve, where the file calls it otherwise.")] = "",
+    channel: Annotated[int, _text("--channel", "N", "Which channel of a file of several, from 1.")] = 0,
     engine_speed: Annotated[str | None, _text("--engine-speed", "SPEED", "Crank speed where the test does not tell it.")] = None,
     spring: SpringOption = None, spring_set: SpringSetOption = None,
     bandwidth: Annotated[str | None, _text("--bandwidth", "FREQUENCY", "See the model through an instrument of '10 kHz'.")] = None,
@@ -67,7 +68,7 @@ def compare_test(
     announce_compilation(*(("train",) if chosen.train is not None else ("statics", "transient")))
     with progress_bar(chosen.name) as report:
         found = compare_with_test(
-            chosen, test, quantity=quantity, engine_speed=engine_speed, spring_models=read_models(spring),
+            chosen, test, quantity=quantity, channel=channel, engine_speed=engine_speed, spring_models=read_models(spring),
             spring_sets=read_words(spring_set), bandwidth=bandwidth, fitted=fitted, level=level, workers=read_workers(workers),
             progress=report, limit=", ".join(limit or ()), implausible=implausible,
         )  # fmt: skip
@@ -133,8 +134,7 @@ def _show(console: Console, found: ModelAgainstTest, folder: Path) -> None:
     rows = words.adequacy_rows(found)
     heads: tuple[str, ...]
     if rows:
-        heads = ("model", "adequacy", "reproducibility", *words.ADEQUACY_HEADS[3:])
-        console.print(plain_table(heads, rows, right=(1, 2, 3, 5, 6)))
+        console.print(plain_table(words.adequacy_heads(found), rows, right=(1, 2, 3, 5, 6)))
         console.print()
     unit, factor = words.unit_of_test(found)
     if isinstance(test, MeasuredCycles):
@@ -142,8 +142,10 @@ def _show(console: Console, found: ModelAgainstTest, folder: Path) -> None:
         console.print(plain_table(heads, words.agreement_rows(found), right=(1, 2, 3, 4, 5, 6)))
         told = [*words.event_rows(found.best, unit, factor, spikes=False), *words.event_rows(found.best, unit, factor, spikes=True)]
         console.print()
-        heads = (f"{found.best.label}", "model", "test", "difference", "", "scatter", "errors", "95 %")
+        heads = (f"{found.best.label}", "model", "test", "difference", "", "scatter", "in s.e.", "95 %")
         console.print(plain_table(heads, told, right=(1, 2, 3, 5, 6)))
+        console.print()
+        console.print(words.events_sentence(found.best), soft_wrap=True)
     else:
         for one in found.runs:
             console.print(words.outside_sentence(one), soft_wrap=True)

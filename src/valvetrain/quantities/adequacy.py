@@ -29,7 +29,7 @@ class AdequacyTest:
 
     Parameters
     ----------
-    adequacy : variance of adequacy: mean square of model less mean of repeats, times the number of repeats; square of the unit
+    mean_square : mean square of model less mean of repeats, times the number of repeats; square of the unit
     reproducibility : variance between repeats; with stated scatters both are in units of them and this is 1
     repeats : number of repeats; 0 where scatters are stated
     places : angles or values compared
@@ -43,14 +43,14 @@ class AdequacyTest:
 
     Examples
     --------
-    Lack of fit of a straight line, by hand: 3 doses with 2 repeats each, 2 parameters fitted.
+    Lack of fit of a straight line, by hand: 3 places with 2 repeats each, 2 parameters fitted.
 
-    >>> test = AdequacyTest(adequacy=9.0, reproducibility=2.0, repeats=2, places=3, independent=3.0, fitted=2)
+    >>> test = AdequacyTest(mean_square=3.0, reproducibility=2.0, repeats=2, places=3, independent=3.0, fitted=2)
     >>> round(test.ratio, 2), test.degrees, round(test.critical, 2), test.adequate
     (4.5, (1.0, 3.0), 10.13, True)
     """
 
-    adequacy: float
+    mean_square: float
     reproducibility: float
     repeats: int
     places: int
@@ -65,6 +65,11 @@ class AdequacyTest:
             raise InputError(
                 f"{self.fitted} fitted values leave nothing of {self.independent:.3g} independent values to test; give more of these"
             )
+
+    @property
+    def adequacy(self) -> float:
+        """Variance of adequacy: the mean square over the degrees of freedom that fitted parameters leave."""
+        return self.mean_square * self.independent / (self.independent - self.fitted)
 
     @property
     def ratio(self) -> float:
@@ -90,7 +95,10 @@ class AdequacyTest:
     @property
     def counted_p_value(self) -> float:
         """The same if every place counted as independent of its neighbours, as in a table of separate trials."""
-        return chance(self.ratio, self.places - self.fitted, self.places * (self.repeats - 1) if self.repeats else math.inf)
+        if self.fitted >= self.places:
+            return math.nan
+        ratio = self.mean_square * self.places / (self.places - self.fitted) / self.reproducibility
+        return chance(ratio, self.places - self.fitted, self.places * (self.repeats - 1) if self.repeats else math.inf)
 
     @property
     def adequate(self) -> bool:
@@ -111,13 +119,18 @@ class AdequacyTest:
         beside = "not above" if self.adequate else "above"
         return (
             f"the test {verdict} {label}: F = {number(self.ratio, 3)} is {beside} the critical {number(self.critical, 3)} "
-            f"({100 * self.level:g} %, {between}; p = {chance_words(self.p_value)})"
+            f"({100 * self.level:g} %, {between}; {p_words(self.p_value)})"
         )
 
 
 def chance_words(p_value: float) -> str:
     """A chance as people read it."""
     return "below 1e-12" if p_value < 1e-12 else number(p_value, 2)
+
+
+def p_words(p_value: float) -> str:
+    """The same as an equation."""
+    return f"p {'' if p_value < 1e-12 else '= '}{chance_words(p_value)}"
 
 
 def critical_ratio(first: float, second: float, level: float) -> float:
@@ -165,9 +178,8 @@ def adequacy_test(
     mean = values.mean(axis=0)
     residuals = (values - mean) * np.sqrt(shares)
     independent = independent_places(residuals, ring)
-    fitting = independent / (independent - fitted) if 0 < fitted < independent else 1.0
-    adequacy = repeats * float(np.sum(shares * (mean - model) ** 2)) * fitting
-    return AdequacyTest(adequacy, float(np.sum(residuals**2)) / (repeats - 1), repeats, places, independent, fitted, level)
+    off = repeats * float(np.sum(shares * (mean - model) ** 2))
+    return AdequacyTest(off, float(np.sum(residuals**2)) / (repeats - 1), repeats, places, independent, fitted, level)
 
 
 def independent_places(residuals: Array, ring: bool) -> float:

@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 _TURN = 2 * np.pi
 #: A spike stands out by this share of the range of the curve, and by this many standard errors of the mean.
 SPIKE_SHARE, SPIKE_ERRORS = 0.04, 6.0
+#: A maximum is as high as another where it is less than this many standard errors lower.
+RIVAL = 4.0
 #: Most spikes that are told, the most prominent ones.
 MOST_SPIKES = 8
 #: A spike of the model meets one of the test within this angle (rad).
@@ -79,7 +81,7 @@ def jackknife(values: Array, told: Callable[[Array], float]) -> tuple[float, flo
 
 
 def extreme_rows(name: str, cam_angle: Array, values: Array, model: Array, inside: NDArray[np.bool_], sign: float) -> list[EventRow]:
-    """Largest (``sign`` 1) or least (-1) value within ``inside``, and its angle; the angle only of a maximum or minimum of its own."""
+    """Largest (``sign`` 1) or least (-1) value within ``inside``, and its angle; the angle only of one that stands alone within."""
     places = np.flatnonzero(inside)
     if len(places) < 3:
         return []
@@ -94,9 +96,18 @@ def extreme_rows(name: str, cam_angle: Array, values: Array, model: Array, insid
     for dimension, told in (("value", value), ("angle", angle)):
         test, error = jackknife(values, told)
         rows.append(EventRow(name, dimension, told(model), test, error, len(values)))
+    if _rivalled(sign * values.mean(axis=0)[places], rows[0].error):
+        return rows[:1]
     ends = {int(places[0]), int(places[-1])} if len(places) < len(cam_angle) else set()
     at_end = any(int(places[np.argmax(sign * curve[places])]) in ends for curve in (model, values.mean(axis=0)))
     return rows[:1] if at_end else rows
+
+
+def _rivalled(curve: Array, error: float) -> bool:
+    """Whether another maximum is as high but for what the repeats scatter, so that the place of the largest is a matter of chance."""
+    near = RIVAL * error if error > 0 else 0.01 * float(np.ptp(curve))
+    peaks = prominent_peaks(curve, max(near, 1e-12))
+    return int(np.sum(curve[peaks] > float(curve.max()) - near)) > 1
 
 
 def _top(cam_angle: Array, curve: Array, places: NDArray[np.int64]) -> tuple[float, float]:

@@ -10,18 +10,19 @@ from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, thin
 from valvetrain.report.compare_test_words import (
-    ADEQUACY_HEADS,
     EVENT_HEADS,
     STAGE_HEADS,
     SYNTHETIC,
     VALUE_HEADS,
     Row,
+    adequacy_heads,
     adequacy_rows,
     agreement_heads,
     agreement_rows,
     band_sentence,
     counting_sentence,
     event_rows,
+    events_sentence,
     outside_sentence,
     stage_rows,
     unit_of_test,
@@ -36,6 +37,12 @@ from valvetrain.studies.against_test import RunAgainstTest
 from valvetrain.studies.compare_test import ModelAgainstTest
 
 Array = NDArray[np.float64]
+#: What the columns of nearness mean.
+NEAR = (
+    "Bias is the mean of model less test, rms its root mean square; rest is what is left of it when bias and shift are taken away; later "
+    "says by how many cam degrees the model follows the test, from their cross-correlation. In the tables of events scatter is one "
+    "standard deviation of a cycle, s.e. the standard error of the mean of the cycles."
+)
 #: Most runs whose difference is drawn; tables hold them all.
 MOST_DRAWN = 4
 
@@ -53,7 +60,7 @@ def compare_test_page(found: ModelAgainstTest) -> Page:
     tests = [one.adequacy for one in found.runs if one.adequacy is not None]
     if tests:
         explained = text(counting_sentence(tests[0]), "note")
-        sections.append(Section("f-test", "Fisher's test of adequacy", (_grid(ADEQUACY_HEADS, adequacy_rows(found)), explained)))
+        sections.append(Section("f-test", "Fisher's test of adequacy", (_grid(adequacy_heads(found), adequacy_rows(found)), explained)))
     said = [text(f"{one[:1].upper()}{one[1:]}.", "note") for one in dict.fromkeys(found.notes)]
     said += [text(f"Not completed: {one}", "alert") for one in found.failures]
     if said:
@@ -93,12 +100,12 @@ def _of_cycles(found: ModelAgainstTest) -> list[Section]:
         Section("overlay", "Model and test", (Figure(overlay_chart(found, test, unit, factor, known)),)),
         Section("difference", "Difference with its band",
                 (Figure(difference_chart(found, drawn, unit, factor, known)), *(text(band_sentence(one, test), "note") for one in drawn))),
-        Section("agreement", "How near", (_grid(agreement_heads(found), agreement_rows(found)),)),
+        Section("agreement", "How near", (_grid(agreement_heads(found), agreement_rows(found)), text(NEAR, "note"))),
     ]  # fmt: skip
     student = float(stdtrit(len(test.values) - 1, 0.975)) if len(test.values) > 1 else float("nan")
     for one in drawn:
         name = known[one.label].words
-        blocks: list[Block] = [_grid(EVENT_HEADS, event_rows(one, unit, factor, spikes=False))]
+        blocks: list[Block] = [text(events_sentence(one), "note"), _grid(EVENT_HEADS, event_rows(one, unit, factor, spikes=False))]
         spikes = event_rows(one, unit, factor, spikes=True)
         blocks += [_grid(("spike", *EVENT_HEADS[1:]), spikes)] if spikes else []
         if one.stages:

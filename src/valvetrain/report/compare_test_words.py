@@ -6,7 +6,7 @@ import math
 
 from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.measurements.value_table import ValueTable
-from valvetrain.quantities.adequacy import AdequacyTest, chance_words
+from valvetrain.quantities.adequacy import AdequacyTest, chance_words, p_words
 from valvetrain.quantities.trace_events import EventRow
 from valvetrain.report.words import number, quantity_words, speed_words, unit_words
 from valvetrain.solution.display import SHOWN_UNITS
@@ -19,9 +19,11 @@ SYNTHETIC = "The test is synthetic: it was computed, not measured. Nothing here 
 
 
 def unit_of_test(found: ModelAgainstTest) -> tuple[str, float]:
-    """Unit in which the curve is shown, and the factor from SI; of a table nothing."""
+    """Unit in which the curve, or the values of one unit, are shown, and the factor from SI; of a table of several units nothing."""
     if isinstance(found.test, ValueTable):
-        return "", 1.0
+        units = {one.unit for one in found.test.values}
+        unit = next(iter(units))
+        return (unit_words(unit), 1 / unit_factor(unit)) if len(units) == 1 and found.test.repeats > 1 else ("", 1.0)
     unit, factor = SHOWN_UNITS.get(found.test.unit, (found.test.unit, 1.0))
     return unit_words(unit), factor
 
@@ -49,13 +51,11 @@ def verdict_sentences(found: ModelAgainstTest) -> list[str]:
     if best.adequacy is not None:
         unit, factor = unit_of_test(found)
         reach = number(best.adequacy.refutable * (factor if best.adequacy.repeats else 1.0), 3)
-        of_what = unit or "of the common unit (SI)"
-        if best.adequacy.repeats:
-            told.append(
-                f"a root mean square difference of more than {reach} {of_what} from the mean of the repeats is refuted by this test"
-            )
-        else:
-            told.append(f"a root mean square difference of more than {reach} stated scatters is refuted by this test")
+        of_what = f"{unit} from the mean of the repeats".strip() if best.adequacy.repeats else "stated scatters"
+        told.append(f"a root mean square difference of more than {reach} {of_what} is refuted by this test")
+        if not best.adequacy.repeats and not best.adequacy.adequate:
+            times = number(math.sqrt(best.adequacy.ratio / best.adequacy.critical), 3)
+            told.append(f"scatters {times} times as large as stated would not refute {best.label}")
     told += [one.sentence for one in found.closer]
     return [f"{one[:1].upper()}{one[1:]}." for one in told]
 
@@ -83,9 +83,9 @@ def agreement_heads(found: ModelAgainstTest) -> Row:
         "model",
         f"bias ({unit})",
         f"rms ({unit})",
-        f"without bias and shift ({unit})",
+        f"rest ({unit})",
         "correlation",
-        "model later by (cam deg)",
+        "later (deg)",
         "95 %",
     )
 
@@ -105,7 +105,11 @@ def adequacy_rows(found: ModelAgainstTest) -> list[Row]:
     return rows
 
 
-ADEQUACY_HEADS = ("model", "adequacy variance", "reproducibility variance", "F", "degrees of freedom", "critical F", "p", "verdict")
+def adequacy_heads(found: ModelAgainstTest) -> Row:
+    """Headings of :func:`adequacy_rows`; variances carry the square of the unit."""
+    unit, _ = unit_of_test(found)
+    square = f" ({unit}²)" if unit else ""
+    return ("model", f"adequacy{square}", f"reproducibility{square}", "F", "degrees of freedom", "critical F", "p", "verdict")
 
 
 def degrees_words(test: AdequacyTest) -> str:
@@ -119,12 +123,12 @@ def counting_sentence(test: AdequacyTest) -> str:
     words = f"{test.places} {what} hold about {number(test.independent, 3)} independent ones; the degrees of freedom count these"
     if test.repeats and test.independent < 0.95 * test.places:
         words += (
-            f" (if every one counted, p would be {chance_words(test.counted_p_value)}, and sampling more densely would change the verdict)"
+            f" (if every one counted, {p_words(test.counted_p_value)} would follow, and sampling more densely would change the verdict)"
         )
     return f"{words}."
 
 
-EVENT_HEADS = ("event", "model", "test", "difference", "", "scatter of one cycle", "in standard errors", "95 %")
+EVENT_HEADS = ("event", "model", "test", "difference", "", "scatter", "in s.e.", "95 %")
 
 
 def event_rows(run: RunAgainstTest, unit: str, factor: float, spikes: bool) -> list[Row]:
@@ -140,6 +144,19 @@ def event_rows(run: RunAgainstTest, unit: str, factor: float, spikes: bool) -> l
              number(one.scatter * scale, 2), number(one.in_errors, 2), _inside(one))
         )  # fmt: skip
     return rows
+
+
+def events_sentence(run: RunAgainstTest) -> str:
+    """How many events lie outside their interval, beside how many would by chance."""
+    judged = [one.outside for one in run.events if one.outside is not None]
+    missing = sum(math.isnan(one.model) and one.dimension == "value" for one in run.events)
+    lost = f"; {missing} spikes of the test are not in the model" if missing else ""
+    if not judged:
+        return f"One cycle tells no scatter, so no event is judged{lost}."
+    return (
+        f"{sum(judged)} of {len(judged)} numbers of events lie outside the 95 % interval of the test's mean, where chance alone would put "
+        f"about {number(0.05 * len(judged), 2)}{lost}."
+    )
 
 
 def _inside(one: EventRow) -> str:
@@ -161,7 +178,7 @@ def stage_rows(run: RunAgainstTest, factor: float, student: float) -> list[Row]:
     ]  # fmt: skip
 
 
-VALUE_HEADS = ("quantity", "speed", "model", "test", "", "scatter", "difference", "in scatters")
+VALUE_HEADS = ("quantity", "crank speed", "model", "test", "", "scatter", "difference", "in scatters")
 
 
 def value_rows(run: RunAgainstTest) -> list[Row]:

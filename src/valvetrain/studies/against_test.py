@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -14,8 +15,10 @@ from scipy.special import stdtr
 from valvetrain.errors import InputError
 from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.measurements.value_table import MeasuredValue
-from valvetrain.quantities.adequacy import AdequacyTest, adequacy_test, ring_weights
+from valvetrain.parameters.words import number
+from valvetrain.quantities.adequacy import AdequacyTest, adequacy_test, p_words, ring_weights
 from valvetrain.quantities.agreement import Agreement, agreement
+from valvetrain.quantities.compare import pair_angles
 from valvetrain.quantities.difference_band import FEWEST, DifferenceBand, difference_band
 from valvetrain.quantities.trace_events import EventRow, extreme_rows, interval_row, spike_rows
 from valvetrain.quantities.traces import WHOLE, Active, Trace, trace_of
@@ -27,6 +30,8 @@ Array = NDArray[np.float64]
 Stage = tuple[str, float, float]
 Sense = Callable[[Trace], Trace]
 _TURN = 2 * math.pi
+#: A cam angle that is counted through a cycle.
+_COUNTED = re.compile(r"(.+)_\d+_cam_angle")
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,12 +112,14 @@ class CloserRow:
         """Which is closer, in one sentence."""
         near, far = (self.first, self.second) if self.first_square <= self.second_square else (self.second, self.first)
         ratio = max(self.first_square, self.second_square) / max(min(self.first_square, self.second_square), 1e-300)
-        words = f"the mean square of {far} is {ratio:.3g} times that of {near}"
+        words = f"the mean square of {far} is {number(ratio, 3)} times that of {near}"
         if not math.isfinite(self.p_value):
             return f"{words}; one repeat does not tell whether that is more than chance"
         if self.p_value < 0.05:
-            return f"{near} is closer to the test than {far}: {words}, beyond the scatter of the repeats (paired t, p = {self.p_value:.2g})"
-        return f"the test does not tell {near} from {far}: {words}, within the scatter of the repeats (paired t, p = {self.p_value:.2g})"
+            return (
+                f"{near} is closer to the test than {far}: {words}, beyond the scatter of the repeats (paired t, {p_words(self.p_value)})"
+            )
+        return f"the test does not tell {near} from {far}: {words}, within the scatter of the repeats (paired t, {p_words(self.p_value)})"
 
 
 def against_cycles(
@@ -132,7 +139,7 @@ def against_cycles(
         without = error.reason
     events: list[EventRow] = []
     everywhere = np.ones(len(angle), dtype=bool)
-    for name, sign in (("largest", 1.0), ("least", -1.0)):
+    for name, sign in (("largest", 1.0), ("least", -1.0)) if not stages else ():
         events += extreme_rows(name, angle, values, curve, everywhere, sign)
     rows = []
     for name, first, last in stages:
@@ -169,6 +176,8 @@ def against_values(
     """Runs of one label, by crank speed (rad/s, as in ``values``), against a table."""
     first = next(iter(runs.values()))
     told = [_model_of(runs[one.engine_speed], still, one, active) for one in values]
+    partners = counted_partners(values, {speed: run.quantities for speed, run in runs.items()})
+    told = [(partners.get(place, model), angle) for place, (model, angle) in enumerate(told)]
     rows: list[ValueRow] = []
     for one, (model, place) in zip(values, told, strict=True):
         rows.append(ValueRow(one.quantity, one.unit, one.engine_speed, model, one.value, _error(one)))
@@ -180,6 +189,22 @@ def against_values(
     except InputError as error:
         without = error.reason
     return RunAgainstTest(first.label, first.model, adequacy, without, values=tuple(rows))
+
+
+def counted_partners(values: Sequence[MeasuredValue], named: Mapping[float, Mapping[str, float]]) -> dict[int, float]:
+    """Place of every measured angle that is counted through a cycle, ``clash_3_cam_angle``, and the model's that meets it: one more early
+    on would shift the count of all that follow, so they meet in their order round the circle."""
+    families: dict[tuple[float, str], list[int]] = {}
+    for place, one in enumerate(values):
+        if (found := _COUNTED.fullmatch(one.quantity)) is not None:
+            families.setdefault((one.engine_speed, found[1]), []).append(place)
+    partners: dict[int, float] = {}
+    for (speed, word), places in families.items():
+        places.sort(key=lambda place: values[place].value)
+        mine = [value for name, value in named[speed].items() if (found := _COUNTED.fullmatch(name)) and found[1] == word]
+        met = pair_angles([values[place].value for place in places], mine)
+        partners |= {place: math.nan if one is None else one for place, one in zip(places, met, strict=True)}
+    return partners
 
 
 def _error(one: MeasuredValue) -> float:
@@ -202,8 +227,7 @@ def _adequacy(values: Sequence[MeasuredValue], told: Sequence[float], rows: Sequ
     if not len(off):
         raise InputError("the run tells none of these values, so there is no test; docs/quantities.md lists what it tells")
     count = len(off)
-    mean_square = float(np.sum(off**2)) / (count - fitted) if fitted < count else math.nan
-    return AdequacyTest(mean_square, 1.0, 0, count, float(count), fitted, level)
+    return AdequacyTest(float(np.mean(off**2)), 1.0, 0, count, float(count), fitted, level)
 
 
 def _model_of(run: Solution, still: Mapping[str, float], one: MeasuredValue, active: Active) -> tuple[float, float]:

@@ -88,9 +88,9 @@ class ModelAgainstTest:
 
 
 def compare_with_test(
-    case: AnyCase, test: AnyTest, *, quantity: str = "", engine_speed: Given | None = None, spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (), bandwidth: Given | None = None, fitted: int = 0, level: float = LEVEL, workers: int | None = None,
-    progress: Progress | None = None, limit: str = "", implausible: bool = False,
+    case: AnyCase, test: AnyTest, *, quantity: str = "", channel: int = 0, engine_speed: Given | None = None,
+    spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (), bandwidth: Given | None = None, fitted: int = 0,
+    level: float = LEVEL, workers: int | None = None, progress: Progress | None = None, limit: str = "", implausible: bool = False,
 ) -> ModelAgainstTest:  # fmt: skip
     """A case against measured cycles, or against a table of measured values: errors, events, bands and Fisher's test of adequacy.
 
@@ -98,7 +98,8 @@ def compare_with_test(
     ----------
     case : Case, name of a library case, or path of a case file
     test : MeasuredCycles, ValueTable, or the file of either
-    quantity : which channel of a file that holds several
+    quantity : name of the curve of the model, where the file calls it otherwise
+    channel : which channel of a file that holds several, from 1; 0 for the only one, or the one of that quantity
     engine_speed : speed of the crank where the test does not tell it, "4200 rpm", rad/s or a pint quantity
     spring_models : words of spring models, compared side by side; the case's own by default
     spring_sets : names of spring sets of a train
@@ -125,7 +126,7 @@ def compare_with_test(
     >>> vt.compare_with_test("job-t", cycles, spring_models=["multi-mass"]).best.adequacy.adequate
     True
     """
-    chosen, own = case_of(case), read_test(test, quantity)
+    chosen, own = case_of(case), read_test(test, quantity, channel)
     if not 0 < level < 1:
         raise InputError(f"the level {level!r:.20} is no chance; give one such as 0.05", "level")
     if isinstance(fitted, bool) or not isinstance(fitted, int) or fitted < 0:
@@ -137,13 +138,13 @@ def compare_with_test(
         chosen, speeds, spring_models=spring_models, spring_sets=spring_sets, workers=workers, progress=progress, limit=limit,
         implausible=implausible,
     )  # fmt: skip
-    active = _active(build(chosen, spring_models=spring_models, spring_sets=spring_sets))
+    active = active_wire(build(chosen, spring_models=spring_models, spring_sets=spring_sets))
     if isinstance(own, ValueTable):
         return _with_values(study, own, speeds, fitted, level, notes, active)
     return _with_cycles(study, own, sense, fitted, level, notes, active)
 
 
-def _active(problem: Problem) -> dict[str, Active]:
+def active_wire(problem: Problem) -> dict[str, Active]:
     """Label of a run -> coil numbers between which the wire of each of its springs is active."""
     return {
         member.label: {

@@ -33,8 +33,11 @@ FEW = 4
 _MOST_BYTES = 500_000_000
 
 
-def read_test(test: AnyTest, quantity: str = "") -> MeasuredCycles | ValueTable:
-    """The test in a file, by content; ``quantity`` names the channel of a file that holds several."""
+def read_test(test: AnyTest, quantity: str = "", channel: int = 0) -> MeasuredCycles | ValueTable:
+    """The test in a file, by content. ``channel``: which of several, from 1 (0: the one of that ``quantity``, or the only one);
+    ``quantity``: what it is compared with where the file calls it otherwise.
+
+    Raises :class:`InputError` where it is not told which channel is meant."""
     found: tuple[MeasuredCycles | ValueTable, ...]
     if isinstance(test, (MeasuredCycles, ValueTable)):
         found = (test,)
@@ -45,11 +48,16 @@ def read_test(test: AnyTest, quantity: str = "") -> MeasuredCycles | ValueTable:
             return values_in(text, path.name[:80])
         del content
         found = read_cycles(path)
-    fits = [one for one in found if isinstance(one, ValueTable) or quantity in ("", one.quantity)]
+    cycles = [one for one in found if isinstance(one, MeasuredCycles)]
+    if len(cycles) < len(found):
+        return found[0]
+    if not 0 <= channel <= len(cycles):
+        raise InputError(f"the test holds {len(cycles)} channels, numbered from 1; correct the number", "channel")
+    fits = [cycles[channel - 1]] if channel else [one for one in cycles if quantity in ("", one.quantity)] or cycles
     if len(fits) != 1:
-        names = ", ".join(one.quantity for one in found if isinstance(one, MeasuredCycles))
-        raise InputError(f"the file holds {names}; name one of them", "quantity")
-    return fits[0]
+        names = ", ".join(f"{place} {one.quantity}" for place, one in enumerate(cycles[:20], start=1))
+        raise InputError(f"the test holds {len(cycles)} channels ({names}); say which by its number", "channel")
+    return replace(fits[0], quantity=quantity or fits[0].quantity)
 
 
 def at_speeds(
