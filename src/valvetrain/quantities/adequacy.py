@@ -19,6 +19,8 @@ from valvetrain.parameters.words import number
 Array = NDArray[np.float64]
 #: Share of adequate models that a test may refute.
 LEVEL = 0.05
+#: A gap in the angles stands for this many steps at most.
+WIDEST = 4.0
 #: Steps of a ring of angles that differ by less than this share of the median are even.
 EVEN = 0.01
 
@@ -223,10 +225,10 @@ def _on_a_ring(residuals: Array, n: int, trace: float) -> float:
 
 
 def ring_weights(cam_angle: Array) -> tuple[Array, bool]:
-    """Share of the turn that each angle (rad, rising) stands for, and whether the steps are even; a gap counts as 1.5 steps at most."""
+    """Share of the turn that each angle (rad, rising) stands for, and whether the steps are even; a gap counts as few steps only."""
     steps = np.diff(np.append(cam_angle, cam_angle[0] + 2 * np.pi))
     usual = float(np.median(steps))
     even = bool(np.all(np.abs(steps - usual) < EVEN * usual))
-    clipped = np.minimum(steps, 1.5 * usual)
+    clipped = np.minimum(steps, WIDEST * usual)
     weights = clipped + np.roll(clipped, 1)
     return weights / weights.sum(), even

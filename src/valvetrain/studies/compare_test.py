@@ -39,7 +39,7 @@ class ModelAgainstTest:
 
     >>> import valvetrain as vt
     >>> angle = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
-    >>> level = vt.MeasuredCycles("valve_lift", "m", angle, np.full((1, 180), 1e-3), cam_speed=150.0)
+    >>> level = MeasuredCycles("valve_lift", "m", angle, np.full((1, 180), 1e-3), cam_speed=150.0)
     >>> found = vt.compare_with_test("job-t", level, spring_models=["massless"])
     >>> found.verdict
     'One cycle tells no scatter, so there is no F-test; give two or more repeats.'
@@ -122,7 +122,7 @@ def compare_with_test(
     >>> angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
     >>> forces = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"]).solutions[0]
     >>> drawn = np.random.default_rng(1).normal(0.0, 5.0, (8, 1)) + np.interp(angle, forces.cam_angle, forces.channel("seat_force"))
-    >>> cycles = vt.MeasuredCycles("spring_force", "N", angle, drawn, cam_speed=157.07963267948966, synthetic=True)
+    >>> cycles = MeasuredCycles("spring_force", "N", angle, drawn, cam_speed=157.07963267948966, synthetic=True)
     >>> vt.compare_with_test("job-t", cycles, spring_models=["multi-mass"]).best.adequacy.adequate
     True
     """
