@@ -12,6 +12,7 @@ from valvetrain.errors import InputError
 from valvetrain.quantities.adequacy import adequacy_test, independent_places, ring_weights
 from valvetrain.quantities.agreement import agreement, best_shift, shifted
 from valvetrain.quantities.difference_band import difference_band
+from valvetrain.quantities.trace_events import extreme_rows, scatter_of_mean
 
 ANGLES = 144
 TRIALS = 400
@@ -120,3 +121,19 @@ def test_what_cannot_be_judged_is_refused():
         adequacy_test(np.random.default_rng(0).standard_normal((4, 5)), np.zeros(5), fitted=5)
     with pytest.raises(InputError, match="no band"):
         difference_band(np.ones((2, 20)), np.zeros(20))
+
+
+def test_events_of_a_true_model_lie_outside_one_time_in_twenty():
+    """Extremes of a mean are moved by its scatter; without that being counted the least value of a level part would be off."""
+    draw, angle = np.random.default_rng(9), np.arange(ANGLES) * 2 * np.pi / ANGLES
+    truth = 40 * np.exp(8 * np.cos(angle - 3.0) - 8)
+    inside = {sign: (angle > 4.0) if sign < 0 else np.ones(ANGLES, dtype=bool) for sign in (1.0, -1.0)}
+    judged, naive = [], []
+    for _ in range(60):
+        values = truth + 0.8 * repeats(draw, 8)
+        drawn = scatter_of_mean(values)[:60]
+        for sign in (1.0, -1.0):
+            rows = extreme_rows("any", angle, values, truth, drawn, inside[sign], sign)
+            judged += [row.outside for row in rows]
+            naive.append(abs(rows[0].model - rows[0].test) > 2.36 * rows[0].error)
+    assert np.mean(judged) < 0.12 and np.mean(naive[1::2]) > 0.3

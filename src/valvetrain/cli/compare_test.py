@@ -134,7 +134,9 @@ def _show(console: Console, found: ModelAgainstTest, folder: Path) -> None:
     rows = words.adequacy_rows(found)
     heads: tuple[str, ...]
     if rows:
-        console.print(plain_table(words.adequacy_heads(found), rows, right=(1, 2, 3, 5, 6)))
+        first, *heads_of = words.adequacy_heads(found)
+        heads = (first, heads_of[0], "repeats", "F", "degrees", "critical", "p", "verdict")
+        console.print(plain_table(heads, rows, right=(1, 2, 3, 5, 6)))
         console.print()
     unit, factor = words.unit_of_test(found)
     if isinstance(test, MeasuredCycles):
@@ -142,8 +144,8 @@ def _show(console: Console, found: ModelAgainstTest, folder: Path) -> None:
         console.print(plain_table(heads, words.agreement_rows(found), right=(1, 2, 3, 4, 5, 6)))
         told = [*words.event_rows(found.best, unit, factor, spikes=False), *words.event_rows(found.best, unit, factor, spikes=True)]
         console.print()
-        heads = (f"{found.best.label}", "model", "test", "difference", "", "scatter", "in s.e.", "95 %")
-        console.print(plain_table(heads, told, right=(1, 2, 3, 5, 6)))
+        heads = (f"{found.best.label}", *words.EVENT_HEADS[1:])
+        console.print(plain_table(heads, told, right=(1, 2, 3, 4, 6, 7)))
         console.print()
         console.print(words.events_sentence(found.best), soft_wrap=True)
     else:

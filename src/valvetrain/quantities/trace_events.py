@@ -1,4 +1,8 @@
-"""Events of a curve over one cam turn: largest and least values, spikes that stand out, and how surely repeats tell them."""
+"""Events of a curve over one cam turn: largest and least values, spikes that stand out, in a model as the test would have shown them.
+
+The largest value of a mean of repeats is too large by what scatter adds to it, and where two maxima are alike its place is chance. So the
+model is judged by its events under the scatter of the test: the mean's own scatter, drawn from the repeats, is added to it many times.
+"""
 
 from __future__ import annotations
 
@@ -14,40 +18,44 @@ from valvetrain.quantities.compare import pair_angles
 from valvetrain.quantities.peaks import prominences, prominent_peaks
 
 Array = NDArray[np.float64]
+Told = Callable[[Array], float]
 _TURN = 2 * np.pi
 #: A spike stands out by this share of the range of the curve, and by this many standard errors of the mean.
 SPIKE_SHARE, SPIKE_ERRORS = 0.04, 6.0
-#: A maximum is as high as another where it is less than this many standard errors lower.
-RIVAL = 4.0
 #: Most spikes that are told, the most prominent ones.
 MOST_SPIKES = 8
 #: A spike of the model meets one of the test within this angle (rad).
 MEETING = math.radians(20.0)
+#: Draws of the mean's scatter, most numbers they take together, and the seed.
+DRAWS, MOST_DRAWN, SEED = 200, 4_000_000, 20260101
+#: An angle whose standard error is larger than this (rad) is a matter of chance.
+CHANCE = math.radians(10.0)
 
 
 @dataclass(frozen=True, slots=True)
 class EventRow:
     """One event in model and test.
 
-    ``name`` in words; ``dimension``: ``value`` of the curve or ``angle`` (rad). ``error``: standard error of the test's by leaving out
-    one repeat at a time (NaN where it cannot be told); ``repeats`` behind it. ``model`` is NaN where the model shows none.
+    ``name`` in words; ``dimension``: ``value`` of the curve or ``angle`` (rad). ``model`` is NaN where it shows none; ``seen``: what the
+    test would show of it on average, for its scatter moves extremes; ``error``: standard deviation of that (NaN for one repeat).
 
-    >>> EventRow("largest", "value", model=820.0, test=800.0, error=5.0, repeats=10).in_errors
-    4.0
+    >>> EventRow("largest", "value", model=820.0, test=800.0, seen=825.0, error=5.0, repeats=10).in_errors
+    5.0
     """
 
     name: str
     dimension: str
     model: float
     test: float
+    seen: float
     error: float
     repeats: int
 
     @property
     def difference(self) -> float:
-        """Model less test; angles the short way round."""
-        off = self.model - self.test
-        return (off + math.pi) % _TURN - math.pi if self.dimension == "angle" else off
+        """Model, as the test would show it, less test; angles the short way round."""
+        off = self.seen - self.test
+        return _short(off) if self.dimension == "angle" else off
 
     @property
     def scatter(self) -> float:
@@ -56,32 +64,46 @@ class EventRow:
 
     @property
     def in_errors(self) -> float:
-        """Difference in standard errors of the test's mean; NaN where there are none."""
+        """Difference in standard errors; NaN where there are none."""
         return self.difference / self.error if self.error > 0 else math.nan
 
     @property
     def outside(self) -> bool | None:
-        """Whether the model lies outside the 95 % interval of the test; None where that cannot be told."""
+        """Whether the test's is none that the model would show in 95 of 100 such tests; None where that cannot be told."""
         if not math.isfinite(self.in_errors):
             return None
         return abs(self.in_errors) > float(stdtrit(self.repeats - 1, 0.975))
 
 
-def jackknife(values: Array, told: Callable[[Array], float]) -> tuple[float, float]:
-    """What ``told`` makes of the mean of ``values`` (repeats, angles), and its standard error by leaving out one repeat at a time."""
-    repeats = len(values)
-    whole = told(values.mean(axis=0))
+def _short(angle: float) -> float:
+    return (angle + math.pi) % _TURN - math.pi
+
+
+def scatter_of_mean(values: Array) -> Array:
+    """Draws (draws, angles) of the scatter that the mean of ``values`` (repeats, angles) has; none for one repeat."""
+    repeats, angles = values.shape
     if repeats < 2:
-        return whole, math.nan
-    total = values.sum(axis=0)
-    parts = np.array([told((total - one) / (repeats - 1)) for one in values])
-    if not np.all(np.isfinite(parts)):
-        return whole, math.nan
-    return whole, math.sqrt((repeats - 1) / repeats * float(np.sum((parts - parts.mean()) ** 2)))
+        return np.zeros((0, angles))
+    count = int(np.clip(MOST_DRAWN // angles, 20, DRAWS))
+    weights = np.random.default_rng(SEED).standard_normal((count, repeats)) / math.sqrt(repeats * (repeats - 1))
+    drawn: Array = weights @ (values - values.mean(axis=0))
+    return drawn
 
 
-def extreme_rows(name: str, cam_angle: Array, values: Array, model: Array, inside: NDArray[np.bool_], sign: float) -> list[EventRow]:
-    """Largest (``sign`` 1) or least (-1) value within ``inside``, and its angle; the angle only of one that stands alone within."""
+def _row(name: str, dimension: str, told: Told, model: Array, test: float, drawn: Array, repeats: int) -> EventRow:
+    own = told(model)
+    if not len(drawn):
+        return EventRow(name, dimension, own, test, own, math.nan, repeats)
+    moved = np.array([told(model + one) for one in drawn]) - own
+    if dimension == "angle":
+        moved = (moved + math.pi) % _TURN - math.pi
+    return EventRow(name, dimension, own, test, own + float(moved.mean()), float(np.std(moved, ddof=1)), repeats)
+
+
+def extreme_rows(
+    name: str, cam_angle: Array, values: Array, model: Array, drawn: Array, inside: NDArray[np.bool_], sign: float
+) -> list[EventRow]:  # fmt: skip
+    """Largest (``sign`` 1) or least (-1) value within ``inside``, and its angle where that is neither chance nor an end of the stretch."""
     places = np.flatnonzero(inside)
     if len(places) < 3:
         return []
@@ -92,22 +114,13 @@ def extreme_rows(name: str, cam_angle: Array, values: Array, model: Array, insid
     def angle(curve: Array) -> float:
         return _top(cam_angle, sign * curve, places)[0]
 
-    rows = []
-    for dimension, told in (("value", value), ("angle", angle)):
-        test, error = jackknife(values, told)
-        rows.append(EventRow(name, dimension, told(model), test, error, len(values)))
-    if _rivalled(sign * values.mean(axis=0)[places], rows[0].error):
-        return rows[:1]
+    mean = values.mean(axis=0)
+    rows = [
+        _row(name, dimension, told, model, told(mean), drawn, len(values)) for dimension, told in (("value", value), ("angle", angle))
+    ]  # fmt: skip
     ends = {int(places[0]), int(places[-1])} if len(places) < len(cam_angle) else set()
-    at_end = any(int(places[np.argmax(sign * curve[places])]) in ends for curve in (model, values.mean(axis=0)))
-    return rows[:1] if at_end else rows
-
-
-def _rivalled(curve: Array, error: float) -> bool:
-    """Whether another maximum is as high but for what the repeats scatter, so that the place of the largest is a matter of chance."""
-    near = RIVAL * error if error > 0 else 0.01 * float(np.ptp(curve))
-    peaks = prominent_peaks(curve, max(near, 1e-12))
-    return int(np.sum(curve[peaks] > float(curve.max()) - near)) > 1
+    at_end = any(int(places[np.argmax(sign * curve[places])]) in ends for curve in (model, mean))
+    return rows[:1] if at_end or rows[1].error > CHANCE else rows
 
 
 def _top(cam_angle: Array, curve: Array, places: NDArray[np.int64]) -> tuple[float, float]:
@@ -122,34 +135,37 @@ def _top(cam_angle: Array, curve: Array, places: NDArray[np.int64]) -> tuple[flo
     return float(cam_angle[top]) + steps[0] * (before - after) / (2 * bend), here - (after - before) ** 2 / (8 * bend)
 
 
-def spike_rows(cam_angle: Array, values: Array, model: Array) -> list[EventRow]:
-    """Maxima that stand out of the mean of ``values`` (repeats, angles), each beside the model's: height and angle; and the mean
-    distance of those that follow each other where three or more are met."""
+def spike_rows(cam_angle: Array, values: Array, model: Array, drawn: Array) -> list[EventRow]:
+    """Maxima that stand out of the mean of ``values`` (repeats, angles), height and angle, each beside the one of the model it meets."""
     mean = values.mean(axis=0)
     error = float(np.sqrt(np.mean(np.var(values, axis=0, ddof=1)) / len(values))) if len(values) > 1 else 0.0
     least = max(SPIKE_SHARE * float(np.ptp(mean)), SPIKE_ERRORS * error)
     theirs, mine = _spikes(mean, least), _spikes(model, 0.5 * least, 3 * MOST_SPIKES)
-    angles = [float(cam_angle[place]) for place in theirs]
-    partners = pair_angles(angles, [float(cam_angle[place]) for place in mine]) if len(theirs) else []
+    angles, own = ([float(cam_angle[place]) for place in places] for places in (theirs, mine))
+    partners = pair_angles(angles, own) if angles else []
     rows: list[EventRow] = []
-    half = 0.5 * MEETING
     for count, (angle, partner) in enumerate(zip(angles, partners, strict=True), start=1):
-        met = partner is not None and abs((partner - angle + math.pi) % _TURN - math.pi) <= MEETING
-        around = np.abs((cam_angle - angle + math.pi) % _TURN - math.pi) <= 0.5 * _room(angles, angle, half)
-        for dimension in ("value", "angle"):
-            column = 1 if dimension == "value" else 0
-            test, spread = jackknife(values, lambda curve, c=column, a=around: _top(cam_angle, curve, np.flatnonzero(a))[c])  # type: ignore[misc]
-            ours = math.nan
-            if met and partner is not None:
-                ours = _top(cam_angle, model, np.flatnonzero(cam_angle == partner))[column]
-            rows.append(EventRow(f"spike {count}", dimension, ours, test, spread, len(values)))
+        test = _top(cam_angle, mean, _around(cam_angle, angle, angles))
+        met = partner is not None and abs(_short(partner - angle)) <= MEETING
+        for place, dimension in ((1, "value"), (0, "angle")):
+            if not met or partner is None:
+                rows.append(EventRow(f"spike {count}", dimension, math.nan, test[place], math.nan, math.nan, len(values)))
+                continue
+            near = _around(cam_angle, partner, own)
+            told = _told(cam_angle, near, place)
+            rows.append(_row(f"spike {count}", dimension, told, model, test[place], drawn, len(values)))
     return rows
 
 
-def _room(angles: list[float], angle: float, most: float) -> float:
-    """Angle (rad) in which a spike may be looked for: less than the distance of its neighbour."""
-    others = [abs((other - angle + math.pi) % _TURN - math.pi) for other in angles if other != angle]
-    return min([most, *others])
+def _told(cam_angle: Array, near: NDArray[np.int64], place: int) -> Told:
+    return lambda curve: _top(cam_angle, curve, near)[place]
+
+
+def _around(cam_angle: Array, angle: float, others: list[float]) -> NDArray[np.int64]:
+    """Places about a spike in which it is looked for, well short of its neighbours."""
+    rooms = [abs(_short(other - angle)) for other in others if other != angle]
+    found: NDArray[np.int64] = np.flatnonzero(np.abs((cam_angle - angle + math.pi) % _TURN - math.pi) <= 0.5 * min([MEETING, *rooms]))
+    return found
 
 
 def _spikes(curve: Array, least: float, most: int = MOST_SPIKES) -> list[int]:
@@ -167,8 +183,7 @@ def interval_row(rows: list[EventRow], first: float, last: float) -> EventRow | 
     told = [one for one in rows if one.dimension == "angle" and math.isfinite(one.model) and first <= one.test < last]
     if len(told) < 2:
         return None
-    count = len(told) - 1
-    ends = told[0], told[-1]
-    model, test = ((getattr(ends[1], side) - getattr(ends[0], side)) / count for side in ("model", "test"))
-    error = math.hypot(ends[0].error, ends[1].error) / count
-    return EventRow(f"interval of {count + 1} spikes", "angle", model, test, error, ends[0].repeats)
+    count, one, other = len(told) - 1, told[0], told[-1]
+    error = math.hypot(one.error, other.error) / count
+    model, test, seen = (other.model - one.model) / count, (other.test - one.test) / count, (other.seen - one.seen) / count
+    return EventRow(f"interval of {count + 1} spikes", "angle", model, test, seen, error, one.repeats)

@@ -45,7 +45,7 @@ def _run(one: RunAgainstTest) -> dict[str, Any]:
         data["band"] = {"factor": one.band.factor, "level": one.band.level, "share_outside": float(one.band.outside.mean())}
     if one.events:
         data["events"] = [
-            {"event": row.name, "what": row.dimension, "model": row.model, "test": row.test, "difference": row.difference,
+            {"event": row.name, "what": row.dimension, "model": row.model, "seen": row.seen, "test": row.test, "difference": row.difference,
              "scatter": row.scatter, "in_standard_errors": row.in_errors, "outside": row.outside}
             for row in one.events
         ]  # fmt: skip
@@ -78,6 +78,7 @@ def _test(test: AdequacyTest | None) -> dict[str, Any] | None:
 def write_compare_test(found: ModelAgainstTest, folder: Path) -> list[Path]:
     """``curves.csv`` and ``events.csv`` of measured cycles, or ``values.csv`` of a table; SI but for angles in cam degrees."""
     test = found.test
+    heads: tuple[str, ...]
     if not isinstance(test, MeasuredCycles):
         rows: list[tuple[Any, ...]] = [
             (one.label, row.quantity, row.kind, row.engine_speed * 30 / math.pi, row.model, row.test, row.scatter, row.difference,
@@ -107,9 +108,9 @@ def write_compare_test(found: ModelAgainstTest, folder: Path) -> list[Path]:
             columns[f"{one.label} less test [{test.unit}]"] = one.band.difference
             columns[f"half width of its band [{test.unit}] ({one.label})"] = one.band.half_width
     made = [_write(folder / "curves.csv", tuple(columns), zip(*(column.tolist() for column in columns.values()), strict=True))]
-    heads = ("run", "event", "what", "model", "test", "difference", "scatter of one cycle", "in standard errors", "outside")
+    heads = ("run", "event", "what", "model", "seen", "test", "difference", "scatter of one cycle", "in standard errors", "outside")
     told = [
-        (one.label, row.name, row.dimension, row.model, row.test, row.difference, row.scatter, row.in_errors, row.outside)
+        (one.label, row.name, row.dimension, row.model, row.seen, row.test, row.difference, row.scatter, row.in_errors, row.outside)
         for one in found.runs for row in one.events
     ]  # fmt: skip
     return [*made, _write(folder / "events.csv", heads, told)]

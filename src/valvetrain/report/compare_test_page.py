@@ -40,7 +40,8 @@ Array = NDArray[np.float64]
 #: What the columns of nearness mean.
 NEAR = (
     "Bias is the mean of model less test, rms its root mean square; rest is what is left of it when bias and shift are taken away; later "
-    "says by how many cam degrees the model follows the test, from their cross-correlation. In the tables of events scatter is one "
+    "says by how many cam degrees the model follows the test, from their cross-correlation. In the tables of events seen is "
+    "what this test would show of the model on average, for scatter raises what is largest; the difference is seen less test, scatter one "
     "standard deviation of a cycle, s.e. the standard error of the mean of the cycles."
 )
 #: Most runs whose difference is drawn; tables hold them all.

@@ -128,7 +128,7 @@ def counting_sentence(test: AdequacyTest) -> str:
     return f"{words}."
 
 
-EVENT_HEADS = ("event", "model", "test", "difference", "", "scatter", "in s.e.", "95 %")
+EVENT_HEADS = ("event", "model", "seen", "test", "difference", "", "scatter", "in s.e.", "95 %")
 
 
 def event_rows(run: RunAgainstTest, unit: str, factor: float, spikes: bool) -> list[Row]:
@@ -140,7 +140,7 @@ def event_rows(run: RunAgainstTest, unit: str, factor: float, spikes: bool) -> l
         scale, words = (math.degrees(1.0), "cam deg") if one.dimension == "angle" else (factor, unit)
         rows.append(
             (f"{one.name[:1].upper()}{one.name[1:]}{', angle' if one.dimension == 'angle' and 'interval' not in one.name else ''}",
-             number(one.model * scale), number(one.test * scale), number(one.difference * scale, 3), words,
+             number(one.model * scale), number(one.seen * scale), number(one.test * scale), number(one.difference * scale, 3), words,
              number(one.scatter * scale, 2), number(one.in_errors, 2), _inside(one))
         )  # fmt: skip
     return rows
@@ -154,8 +154,8 @@ def events_sentence(run: RunAgainstTest) -> str:
     if not judged:
         return f"One cycle tells no scatter, so no event is judged{lost}."
     return (
-        f"{sum(judged)} of {len(judged)} numbers of events lie outside the 95 % interval of the test's mean, where chance alone would put "
-        f"about {number(0.05 * len(judged), 2)}{lost}."
+        f"{sum(judged)} of {len(judged)} numbers of events lie outside what the model would show in 95 of 100 such tests, where chance "
+        f"alone would put about {number(0.05 * len(judged), 2)}{lost}."
     )
 
 

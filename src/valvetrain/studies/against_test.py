@@ -20,7 +20,7 @@ from valvetrain.quantities.adequacy import AdequacyTest, adequacy_test, p_words,
 from valvetrain.quantities.agreement import Agreement, agreement
 from valvetrain.quantities.compare import pair_angles
 from valvetrain.quantities.difference_band import FEWEST, DifferenceBand, difference_band
-from valvetrain.quantities.trace_events import EventRow, extreme_rows, interval_row, spike_rows
+from valvetrain.quantities.trace_events import EventRow, extreme_rows, interval_row, scatter_of_mean, spike_rows
 from valvetrain.quantities.traces import WHOLE, Active, Trace, trace_of
 from valvetrain.solution.definition import angle_name
 from valvetrain.solution.result import Solution
@@ -138,17 +138,17 @@ def against_cycles(
     except InputError as error:
         without = error.reason
     events: list[EventRow] = []
-    everywhere = np.ones(len(angle), dtype=bool)
+    everywhere, drawn = np.ones(len(angle), dtype=bool), scatter_of_mean(values)
     for name, sign in (("largest", 1.0), ("least", -1.0)) if not stages else ():
-        events += extreme_rows(name, angle, values, curve, everywhere, sign)
+        events += extreme_rows(name, angle, values, curve, drawn, everywhere, sign)
     rows = []
     for name, first, last in stages:
         inside = (angle % _TURN >= first) & (angle % _TURN < last)
         if inside.sum() > 2:
             for word, sign in (("largest", 1.0), ("least", -1.0)):
-                events += extreme_rows(f"{name}, {word}", angle, values, curve, inside, sign)
+                events += extreme_rows(f"{name}, {word}", angle, values, curve, drawn, inside, sign)
             rows.append(_stage(name, first, last, curve, values, weights, inside, band))
-    spikes = spike_rows(angle, values, curve)
+    spikes = spike_rows(angle, values, curve, drawn)
     events += spikes
     after = stages[-1][1:] if len(stages) > 1 else (0.0, _TURN)
     interval = interval_row(spikes, after[0], after[1])
