@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from valvetrain.measurements.cycles_file import write_cycles
 from valvetrain.measurements.measured_cycles import MeasuredCycles
+from valvetrain.measurements.sensor import Sensor
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.traces import trace_of
 from valvetrain.solution.atomic import write_text
@@ -49,9 +50,9 @@ def force_cycles(cycles: int = 12, angles: int = 720, seed: int = 3) -> Measured
     """Cycles of the spring force of job-t at 3000 rpm of the crank."""
     run = simulate("job-t", "3000 rpm", spring_models=["finite-element"], workers=1).solutions[0]
     cam_angle = np.arange(angles) * 2 * np.pi / angles
-    mean = trace_of(run, "spring_force").below(BANDWIDTH).at(cam_angle)
+    mean = trace_of(run, "spring_force").through(Sensor(bandwidth=BANDWIDTH)).at(cam_angle)
     values = np.round(mean + FORCE_SCATTER * scatter(cycles, cam_angle, seed), 2)
-    note = "finite-element rod below 8 kHz with scatter drawn; a synthetic test, no engine was run"
+    note = "finite-element rod through a gauge of 8 kHz with scatter drawn; a synthetic test, no engine was run"
     return MeasuredCycles("spring_force", "N", cam_angle, values, run.engine_speed / 2, "sample_test_cycles.py", True, (note,))
 
 

@@ -18,6 +18,7 @@ from unit.cli_parts import call as invoke
 from valvetrain.errors import InputError
 from valvetrain.measurements.cycles_file import write_cycles
 from valvetrain.measurements.measured_cycles import MeasuredCycles
+from valvetrain.measurements.sensor import Sensor
 from valvetrain.measurements.value_table import MeasuredValue, ValueTable, read_value_table
 from valvetrain.quantities.traces import Trace, trace_names, trace_of
 from valvetrain.report.compare_test_page import compare_test_page
@@ -176,8 +177,7 @@ def test_the_speed_of_the_test_is_run_and_a_wrong_one_is_said():
         ({"quantity": "valve_lift"}, {}, "gives valve_lift in N, the model in m"),
         ({}, {"level": 0.0}, "no chance"),
         ({}, {"fitted": -1}, "no number of fitted parameters"),
-        ({}, {"bandwidth": "0 Hz"}, "a bandwidth is positive"),
-        ({}, {"bandwidth": "9 mm"}, "frequency"),
+        ({}, {"sensor": Sensor(bandwidth="9 kHz", sampling_rate="50 kHz")}, "compared at its own angles"),
         ({}, {"channel": 3}, "holds 1 channels"),
     ],
 )
@@ -277,11 +277,19 @@ def test_curves_of_coils_are_found_by_number_and_by_share():
             trace_of(run, name)
 
 
-def test_a_model_seen_in_a_bandwidth_loses_what_lies_above():
-    even = np.arange(720) * 2 * np.pi / 720
-    trace = Trace(even, np.sin(2 * even) + np.sin(60 * even), "N", 0.02, True)
-    below = trace.below(1000.0)
-    assert below.at(even) == pytest.approx(np.sin(2 * even), abs=0.01)
+def test_a_model_is_seen_through_the_gauge_of_the_test():
+    """A harmonic at the -3 dB frequency of a first-order gauge comes out lower by the root of two and an eighth of its period later."""
+    angle = np.arange(720) * 2 * np.pi / 720
+    trace = Trace(angle, np.sin(6 * angle), "N", 0.02, True)
+    seen = trace.through(Sensor(bandwidth=300.0, order=1)).at(angle)
+    assert seen == pytest.approx(np.sin(6 * angle - np.pi / 4) / np.sqrt(2), abs=1e-3)
+    late = compared(cycles(), sensor=Sensor(bandwidth="200 Hz")).best.agreement
+    assert late.shift > 3 * late.shift_reach
+
+
+def test_a_table_has_no_gauge():
+    with pytest.raises(InputError, match="those of a bandwidth"):
+        compared(ValueTable((MeasuredValue("peak_spring_force", "N", np.array([1.0]), 1.0),)), sensor=Sensor(bandwidth="1 kHz"))
 
 
 def test_a_table_is_read_in_the_units_it_says(tmp_path):

@@ -50,7 +50,8 @@ def compare_test(
     channel: Annotated[int, _text("--channel", "N", "Which channel of a file of several, from 1.")] = 0,
     engine_speed: Annotated[str | None, _text("--engine-speed", "SPEED", "Crank speed where the test does not tell it.")] = None,
     spring: SpringOption = None, spring_set: SpringSetOption = None,
-    bandwidth: Annotated[str | None, _text("--bandwidth", "FREQUENCY", "See the model through an instrument of '10 kHz'.")] = None,
+    bandwidth: Annotated[str | None, _text("--bandwidth", "FREQUENCY", "See the model through a gauge of '10 kHz'.")] = None,
+    sensor: Annotated[str | None, _text("--sensor", "KEY=VALUE", "More of the gauge: 'natural_frequency=40 kHz, order=2'.")] = None,
     fitted: Annotated[int, typer.Option("--fitted", metavar="N", help="Parameters of the model that were found from this test.")] = 0,
     level: Annotated[float, typer.Option("--level", metavar="SHARE", help="Share of adequate models that the test may refute.")] = 0.05,
     settings: SetOption = None, elements_per_coil: ElementsOption = None, output: OutputOption = None, workers: WorkersOption = None,
@@ -60,16 +61,18 @@ def compare_test(
     """Model against test: overlay, errors by event and stage, band of the difference, Fisher's test of adequacy."""
     from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.progress import announce_compilation, progress_bar
+    from valvetrain.cli.rig_seen import read_sensor
     from valvetrain.studies.compare_test import compare_with_test
     from valvetrain.studies.run_store import check_folder
 
     check_folder(output or Path("runs"), kept=output is None)
+    gauge = read_sensor(bandwidth, sensor, None) if bandwidth or sensor else None
     chosen = choose_case(case, settings, elements_per_coil)
     announce_compilation(*(("train",) if chosen.train is not None else ("statics", "transient")))
     with progress_bar(chosen.name) as report:
         found = compare_with_test(
             chosen, test, quantity=quantity, channel=channel, engine_speed=engine_speed, spring_models=read_models(spring),
-            spring_sets=read_words(spring_set), bandwidth=bandwidth, fitted=fitted, level=level, workers=read_workers(workers),
+            spring_sets=read_words(spring_set), sensor=gauge, fitted=fitted, level=level, workers=read_workers(workers),
             progress=report, limit=", ".join(limit or ()), implausible=implausible,
         )  # fmt: skip
     _answer(found, _Kept(chosen, folder_of(case), output, datetime.now(UTC).replace(microsecond=0)), str(test), open_page)

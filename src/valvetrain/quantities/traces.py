@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.measurements.sensor import Sensor
 from valvetrain.quantities.cycle import is_closed, reported_cycle
-from valvetrain.quantities.filters import low_pass
 from valvetrain.quantities.forces import END_FORCES, fine_of_cycle
 from valvetrain.solution.result import Solution
 
@@ -58,15 +58,13 @@ class Trace:
         found: Array = np.interp(cam_angle % _TURN, self.cam_angle, self.values, period=_TURN)
         return found
 
-    def below(self, cutoff_frequency: float) -> Trace:
-        """What an instrument of that bandwidth (Hz) shows of it: zero phase, 6 dB down there.
-
-        Raises :class:`InputError` for samples too far apart.
-        """
-        count = len(self.values)
-        even = np.arange(count) * _TURN / count
-        values = low_pass(np.arange(count) * self.time / count, self.at(even), cutoff_frequency, self.closed)
-        return Trace(even, values, self.unit, self.time, self.closed)
+    def through(self, sensor: Sensor) -> Trace:
+        """What a gauge shows of it before it is sampled, turn after turn. Raises :class:`InputError` for one that samples or rounds."""
+        if sensor.sampling_rate is not None or sensor.resolution:
+            raise InputError("a test is compared at its own angles; leave sampling_rate and resolution of the gauge out", "sensor")
+        angle = np.append(self.cam_angle, self.cam_angle[0] + _TURN)
+        seen = sensor.response(angle * self.time / _TURN, np.append(self.values, self.values[0]), periodic=True)
+        return Trace(self.cam_angle, seen[:-1], self.unit, self.time, self.closed)
 
 
 def trace_of(solution: Solution, name: str, active: Active = WHOLE) -> Trace:

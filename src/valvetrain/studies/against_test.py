@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,6 +14,7 @@ from scipy.special import stdtr
 
 from valvetrain.errors import InputError
 from valvetrain.measurements.measured_cycles import MeasuredCycles
+from valvetrain.measurements.sensor import Sensor
 from valvetrain.measurements.value_table import MeasuredValue
 from valvetrain.parameters.words import number
 from valvetrain.quantities.adequacy import AdequacyTest, adequacy_test, p_words, ring_weights
@@ -21,14 +22,13 @@ from valvetrain.quantities.agreement import Agreement, agreement
 from valvetrain.quantities.compare import pair_angles
 from valvetrain.quantities.difference_band import FEWEST, DifferenceBand, difference_band
 from valvetrain.quantities.trace_events import EventRow, extreme_rows, interval_row, scatter_of_mean, spike_rows
-from valvetrain.quantities.traces import WHOLE, Active, Trace, trace_of
+from valvetrain.quantities.traces import WHOLE, Active, trace_of
 from valvetrain.solution.definition import angle_name
 from valvetrain.solution.result import Solution
 
 Array = NDArray[np.float64]
 #: Begin and end (cam rad) of a stretch of the turn, and its name.
 Stage = tuple[str, float, float]
-Sense = Callable[[Trace], Trace]
 _TURN = 2 * math.pi
 #: A cam angle that is counted through a cycle.
 _COUNTED = re.compile(r"(.+)_\d+_cam_angle")
@@ -123,12 +123,12 @@ class CloserRow:
 
 
 def against_cycles(
-    run: Solution, cycles: MeasuredCycles, stages: Sequence[Stage], sense: Sense | None, fitted: int, level: float, active: Active = WHOLE
+    run: Solution, cycles: MeasuredCycles, stages: Sequence[Stage], sensor: Sensor | None, fitted: int, level: float, active: Active = WHOLE
 ) -> RunAgainstTest:  # fmt: skip
     """A run against whole ``cycles`` (no value missing). Raises :class:`InputError` for a curve that the run does not tell."""
     trace = trace_of(run, cycles.quantity, active)
-    if sense is not None:
-        trace = sense(trace)
+    if sensor is not None:
+        trace = trace.through(sensor)
     curve, values, angle = trace.at(cycles.cam_angle), cycles.values, cycles.cam_angle
     weights, even = ring_weights(angle)
     band = difference_band(values, curve, level) if len(values) >= FEWEST else None

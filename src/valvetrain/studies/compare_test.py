@@ -11,6 +11,7 @@ import numpy as np
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.measurements.measured_cycles import MeasuredCycles
+from valvetrain.measurements.sensor import Sensor
 from valvetrain.measurements.value_table import ValueTable
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.adequacy import LEVEL, ring_weights
@@ -20,7 +21,7 @@ from valvetrain.solution.display import table
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
-from valvetrain.studies.against_test import CloserRow, RunAgainstTest, Sense, Stage, against_cycles, against_values, closer
+from valvetrain.studies.against_test import CloserRow, RunAgainstTest, Stage, against_cycles, against_values, closer
 from valvetrain.studies.api import simulate
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.tested import AnyTest, at_speeds, check_unit, few_notes, likeness_notes, read_test, rpm_words, whole_cycles
@@ -89,7 +90,7 @@ class ModelAgainstTest:
 
 def compare_with_test(
     case: AnyCase, test: AnyTest, *, quantity: str = "", channel: int = 0, engine_speed: Given | None = None,
-    spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (), bandwidth: Given | None = None, fitted: int = 0,
+    spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (), sensor: Sensor | None = None, fitted: int = 0,
     level: float = LEVEL, workers: int | None = None, progress: Progress | None = None, limit: str = "", implausible: bool = False,
 ) -> ModelAgainstTest:  # fmt: skip
     """A case against measured cycles, or against a table of measured values: errors, events, bands and Fisher's test of adequacy.
@@ -103,7 +104,7 @@ def compare_with_test(
     engine_speed : speed of the crank where the test does not tell it, "4200 rpm", rad/s or a pint quantity
     spring_models : words of spring models, compared side by side; the case's own by default
     spring_sets : names of spring sets of a train
-    bandwidth : the model is seen through an instrument of that bandwidth (Hz, "10 kHz") without phase, 6 dB down there
+    sensor : gauge of the test, through which the model is seen before it is compared
     fitted : parameters of the model that were found from this test
     level : share of adequate models that the test may refute
     workers, progress, limit, implausible : as for :func:`simulate`
@@ -133,7 +134,8 @@ def compare_with_test(
         raise InputError(f"'{fitted!s:.20}' is no number of fitted parameters; give 0, 1, 2 ...", "fitted")
     asked = None if engine_speed is None else si(engine_speed, "engine_speed", "engine_speed")
     own, speeds, notes = at_speeds(chosen, own, asked)
-    sense = None if bandwidth is None else _bandwidth(own, si(bandwidth, "frequency", "bandwidth"))
+    if sensor is not None and isinstance(own, ValueTable):
+        raise InputError("a table holds named quantities; give those of a bandwidth, such as below_10_khz_peak_spring_force", "sensor")
     study = simulate(
         chosen, speeds, spring_models=spring_models, spring_sets=spring_sets, workers=workers, progress=progress, limit=limit,
         implausible=implausible,
@@ -141,7 +143,7 @@ def compare_with_test(
     active = active_wire(build(chosen, spring_models=spring_models, spring_sets=spring_sets))
     if isinstance(own, ValueTable):
         return _with_values(study, own, speeds, fitted, level, notes, active)
-    return _with_cycles(study, own, sense, fitted, level, notes, active)
+    return _with_cycles(study, own, sensor, fitted, level, notes, active)
 
 
 def active_wire(problem: Problem) -> dict[str, Active]:
@@ -162,17 +164,8 @@ def _completed(study: Study) -> tuple[list[Solution], tuple[str, ...]]:
     return good, tuple(f"{run.label} at {rpm_words(run.engine_speed)}: {run.status.sentence()}" for run in lost)
 
 
-def _bandwidth(test: MeasuredCycles | ValueTable, cutoff: float) -> Sense:
-    if isinstance(test, ValueTable):
-        raise InputError("a table of values holds named quantities; name those of a bandwidth, such as below_10_khz_peak_spring_force",
-                         "bandwidth")  # fmt: skip
-    if not cutoff > 0:
-        raise InputError("a bandwidth is positive; give one such as '10 kHz'", "bandwidth")
-    return lambda trace: trace.below(cutoff)
-
-
 def _with_cycles(
-    study: Study, test: MeasuredCycles, sense: Sense | None, fitted: int, level: float, notes: tuple[str, ...],
+    study: Study, test: MeasuredCycles, sensor: Sensor | None, fitted: int, level: float, notes: tuple[str, ...],
     active: Mapping[str, Active],
 ) -> ModelAgainstTest:  # fmt: skip
     whole = whole_cycles(test)
@@ -180,7 +173,7 @@ def _with_cycles(
     for run in runs[:1]:
         check_unit(trace_of(run, whole.quantity, active.get(run.label, {})), whole)
     stages = _stages(study)
-    found = [against_cycles(run, whole, stages, sense, fitted, level, active.get(run.label, {})) for run in runs]
+    found = [against_cycles(run, whole, stages, sensor, fitted, level, active.get(run.label, {})) for run in runs]
     found.sort(key=lambda one: one.agreement.rms if one.agreement is not None else math.inf)
     weights, _ = ring_weights(whole.cam_angle)
     rows = tuple(
