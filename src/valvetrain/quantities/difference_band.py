@@ -46,7 +46,7 @@ class DifferenceBand:
 
     @property
     def outside(self) -> NDArray[np.bool_]:
-        """Angles at which no difference is left out of the band: there the model is surely off."""
+        """Angles at which the band leaves zero out: of a true model one turn in twenty has any."""
         found: NDArray[np.bool_] = np.abs(self.difference) > self.half_width
         return found
 

@@ -8,7 +8,7 @@ from scipy.special import stdtrit
 
 from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.report import theme
-from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, thin
+from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, Rule, thin
 from valvetrain.report.compare_test_words import (
     EVENT_HEADS,
     STAGE_HEADS,
@@ -32,8 +32,8 @@ from valvetrain.report.compare_test_words import (
 )
 from valvetrain.report.figures.common import ANGLE_LABEL, Look, looks
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
-from valvetrain.report.words import quantity_words
-from valvetrain.studies.against_test import RunAgainstTest
+from valvetrain.report.words import quantity_words, speed_words
+from valvetrain.studies.against_test import RunAgainstTest, ValueRow
 from valvetrain.studies.compare_test import ModelAgainstTest
 
 Array = NDArray[np.float64]
@@ -136,7 +136,7 @@ def overlay_chart(found: ModelAgainstTest, test: MeasuredCycles, unit: str, fact
 
 
 def difference_chart(found: ModelAgainstTest, runs: tuple[RunAgainstTest, ...], unit: str, factor: float, known: dict[str, Look]) -> Chart:
-    """Model less test with its band; red along zero where the band leaves zero out."""
+    """Model less test with its band; red where the band leaves zero out."""
     test = found.test
     assert isinstance(test, MeasuredCycles)
     degrees, mean = np.degrees(test.cam_angle), test.values.mean(axis=0)
@@ -156,11 +156,11 @@ def difference_chart(found: ModelAgainstTest, runs: tuple[RunAgainstTest, ...], 
         level = np.where(one.band.outside, 0.0, np.nan) if one.band is not None else np.full(len(off), np.nan)
         layers.append(Line(degrees, np.zeros(len(off)), "", theme.RULE, 1.0, in_legend=False))
         if np.isfinite(level).any():
-            layers.append(Line(degrees, level, "surely off", theme.ALERT, 3.5, "solid", not shown_off))
+            layers.append(Line(degrees, level, "zero left out", theme.ALERT, 3.5, "solid", not shown_off))
             shown_off = True
         panels.append(Panel(ANGLE_LABEL, f"model less test ({unit})" if unit else "model less test", tuple(layers), look.words,
                             _stretches(found), x_range=(0.0, 360.0), x_step=30))  # fmt: skip
-    caption = "Where the band leaves zero out, the model is surely off: one chance in twenty that any such place is a false alarm."
+    caption = "Where its band leaves zero out the model is off; of a true model one turn in twenty shows any such place."
     return Chart("difference", "Model less test", caption, tuple(panels), 1, 300 * len(panels) + 60)
 
 
@@ -187,20 +187,26 @@ def _of_values(found: ModelAgainstTest) -> list[Section]:
 def values_chart(found: ModelAgainstTest, known: dict[str, Look]) -> Chart:
     """Difference of every value in units of its scatter, one mark a run."""
     rows = found.runs[0].values
-    layers: list[Layer] = [
-        Line(np.array([2.0 * side, 2.0 * side]), np.array([-0.5, len(rows) - 0.5]), "two scatters", theme.MUTED, 1.0, "dash", side > 0)
-        for side in (-1, 1)
-    ]  # fmt: skip
+    several = len({row.engine_speed for row in rows}) > 1
+    names = [_short(row, several) for row in rows]
+    height = len(rows) - 1.0 - np.arange(len(rows))
+    layers: list[Layer] = []
     for one in found.runs:
         off = np.array([row.in_scatters for row in one.values])
-        there = np.isfinite(off)
-        look = known[one.label]
-        layers.append(Marks(off[there], (len(rows) - 1.0 - np.arange(len(rows)))[there], look.words, look.colour, filled=True))
-    names = tuple((len(rows) - 1.0 - place, _short(row.quantity, row.kind)) for place, row in enumerate(rows))
-    panel = Panel("model less test, in scatters", "", tuple(layers), y_range=(-0.5, len(rows) - 0.5), y_words=names)
-    caption = "Scatter is one standard deviation: the one stated, or of the mean of the repeats."
+        there, look = np.isfinite(off), known[one.label]
+        hints = tuple(f"{name}: {value:+.3g}" for name, value in zip(names, off, strict=True) if np.isfinite(value))
+        layers.append(Marks(off[there], height[there], look.words, look.colour, filled=True, hints=hints))
+    reach = 1.1 * max([4.0, *(abs(row.in_scatters) for one in found.runs for row in one.values if np.isfinite(row.in_scatters))])
+    panel = Panel(
+        "model less test (scatters)", "", tuple(layers), x_range=(-reach, reach), y_range=(-0.7, len(rows) + 0.5),
+        y_words=tuple(zip(height.tolist(), names, strict=True)), rules=(Rule("x", -2.0), Rule("x", 0.0, "test"), Rule("x", 2.0)),
+    )  # fmt: skip
+    caption = (
+        "From the top in the order of the table below; the name of each shows on it. Thin lines: the test and two scatters either way."
+    )
     return Chart("values", "Model less test", caption, (panel,), 1, max(300, 26 * len(rows) + 120))
 
 
-def _short(quantity: str, kind: str) -> str:
-    return quantity_words(quantity) + (", angle" if kind == "angle" else "")
+def _short(row: ValueRow, with_speed: bool) -> str:
+    words = quantity_words(row.quantity) + (", angle" if row.kind == "angle" else "")
+    return f"{words}, {speed_words(row.engine_speed)}" if with_speed else words

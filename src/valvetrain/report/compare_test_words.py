@@ -165,7 +165,7 @@ def _inside(one: EventRow) -> str:
     return "" if one.outside is None else "outside" if one.outside else "inside"
 
 
-STAGE_HEADS = ("stretch", "from (cam deg)", "to (cam deg)", "bias", "± (95 %)", "rms", "surely off")
+STAGE_HEADS = ("stretch", "from (cam deg)", "to (cam deg)", "bias", "± (95 %)", "rms", "zero left out")
 
 
 def stage_rows(run: RunAgainstTest, factor: float, student: float) -> list[Row]:
@@ -211,11 +211,12 @@ def outside_sentence(run: RunAgainstTest) -> str:
 
 
 def band_sentence(run: RunAgainstTest, cycles: MeasuredCycles) -> str:
-    """How much of the turn is surely off, and how wide the band is."""
+    """At how much of the turn the band leaves zero out, and how wide it is."""
     if run.band is None:
         return f"{len(cycles.values)} repeats give no band."
     share = float(run.band.outside.mean())
-    width = f"the band is {number(run.band.factor, 3)} standard errors wide on either side"
+    width = f"it is {number(run.band.factor, 3)} standard errors wide on either side"
     if share == 0:
-        return f"Nowhere on the turn is {run.label} surely off; {width}."
-    return f"{run.label[:1].upper()}{run.label[1:]} is surely off at {100 * share:.0f} % of the angles; {width}."
+        return f"The band of {run.label} holds zero all over the turn; {width}."
+    shown = f"{100 * share:.0f} %" if share >= 0.005 else "less than 1 %"
+    return f"The band of {run.label} leaves zero out at {shown} of the angles; {width}."
