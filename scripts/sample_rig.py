@@ -108,7 +108,7 @@ def write_mdf(path: Path, records: Records) -> None:
         if name == "Spring force":
             scale = 4.0 / 32767
             counts = np.round(values / scale).astype(np.int16)
-            signals.append(Signal(counts, records.times, unit, name, conversion={"a": scale, "b": 0.0}, raw=True))
+            signals.append(Signal(counts, records.times, unit, name, conversion={"a": scale, "b": 0.0}))
         else:
             signals.append(Signal(values, records.times, unit, name))
     with MDF(version="4.10") as file:

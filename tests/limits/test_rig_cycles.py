@@ -105,7 +105,10 @@ def test_the_grid_of_angles_moves_nothing_that_it_can_hold(short, angles):
     shared = np.gcd(1440, angles)
     for one, two in zip(usual.channels, other.channels, strict=True):
         np.testing.assert_allclose(
-            two.cycles.values[:, :: angles // shared], one.cycles.values[:, :: 1440 // shared], rtol=0, atol=1e-9 * np.ptp(one.cycles.values)
+            two.cycles.values[:, :: angles // shared],
+            one.cycles.values[:, :: 1440 // shared],
+            rtol=0,
+            atol=1e-9 * np.ptp(one.cycles.values),
         )
 
 
@@ -138,7 +141,13 @@ def test_the_low_pass_has_the_gain_that_it_states():
     step, times = 1e-5, np.arange(6000) * 1e-5
     by = LowPass(step, 8e3, 10e3)
     at = np.linspace(0.02, 0.04, 301)
-    for frequency, least, most in ((100.0, 0.9998, 1.0002), (7.9e3, 0.999, 1.001), (9e3, 0.45, 0.55), (10.1e3, 0.0, 2e-4), (40e3, 0.0, 2e-4)):
+    for frequency, least, most in (
+        (100.0, 0.9998, 1.0002),
+        (7.9e3, 0.999, 1.001),
+        (9e3, 0.45, 0.55),
+        (10.1e3, 0.0, 2e-4),
+        (40e3, 0.0, 2e-4),
+    ):
         gain = np.max(np.abs(by.at(np.exp(2j * np.pi * frequency * times).real, 0.0, at)))
         wave = by.at(np.sin(2 * np.pi * frequency * times), 0.0, at)
         assert least - 1e-3 <= max(gain, np.max(np.abs(wave))) <= most

@@ -50,8 +50,8 @@ class LiftAlignment:
 def align_lift(rig_angle: Array, measured: Array, lift: Callable[[Array], Array]) -> LiftAlignment:
     """Lay a mean measured lift (m) over ``rig_angle`` (rad of cam, even steps over one turn) over ``lift`` (m of rad, periodic).
 
-    Least squares in the offset of either flank, gain and base, begun at the best of all shifts by whole steps. Raises :class:`InputError` where either lift
-    does not rise.
+    Least squares in the offset of either flank, gain and base, begun at the best of all shifts by whole steps. Raises
+    :class:`InputError` where either lift does not rise.
     """
     known = np.isfinite(measured)
     if np.count_nonzero(known) < 16:

@@ -71,6 +71,12 @@ def numbered(times: Array, teeth: int, missing: int, name: str) -> Teeth:
     if missing:
         gaps = _of_the_wheel(numbers, gaps, teeth, missing, name)
     lost = np.flatnonzero((steps > 1) & ~np.isin(np.arange(1, len(times)), gaps))
+    if not missing and len(lost) > 2 and len(set(np.diff(numbers[lost + 1]).tolist())) == 1:
+        every = int(np.diff(numbers[lost + 1])[0])
+        raise InputError(
+            f"'{name[:80]}' lacks {int(steps[lost[0]]) - 1} of every {every} teeth; say teeth {every} and missing {int(steps[lost[0]]) - 1}",
+            "missing",
+        )
     if len(lost):
         notes.append(f"{len(lost)} pulses of '{name}' were lost, the first at {times[lost[0]]:.6g} s; the others tell the angle there")
     return Teeth(times, numbers, numbers[gaps], tuple(notes))

@@ -147,7 +147,7 @@ def _open_questions(
     if any(one.times is None and one.step <= 0 for one in measured.values()) and _rate(recording, answers) <= 0:
         found.append(("sampling_rate", QUESTIONS["sampling_rate"]))
     for quantity, channel in measured.items():
-        told, due = answers.units.get(quantity) or channel.unit, _due(quantity)
+        told, due = answers.units.get(quantity) or channel.unit, dimension_due(quantity)
         if quantity in answers.calibration or quantity in answers.shunt:
             continue
         if not told and due != "ratio":
@@ -157,7 +157,7 @@ def _open_questions(
     return found
 
 
-def _due(quantity: str) -> str:
+def dimension_due(quantity: str) -> str:
     """Dimension that a quantity has by its last word."""
     return BY_LAST_WORD.get(quantity.rsplit("_", 1)[-1], ("ratio", ""))[0]
 
@@ -179,7 +179,7 @@ def _known_unit(unit: str) -> tuple[float, str | None]:
 
 def _factor(quantity: str, channel: RigChannel, answers: RigAnswers) -> tuple[float, str]:
     """SI value of one of the channel's units, and the SI unit."""
-    due = _due(quantity)
+    due = dimension_due(quantity)
     unit = DIMENSIONS[due].si_unit or "1"
     if quantity in answers.calibration:
         return parse_quantity(answers.calibration[quantity], due, f"calibration of {quantity}"), unit

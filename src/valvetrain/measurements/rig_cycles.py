@@ -15,7 +15,7 @@ from valvetrain.measurements.lift_alignment import APART, LiftAlignment, align_l
 from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.measurements.recording import Recording
 from valvetrain.measurements.rig_answers import QUESTIONS, RigAnswers
-from valvetrain.measurements.rig_channels import RigQuantity, chosen_channels
+from valvetrain.measurements.rig_channels import RigQuantity, chosen_channels, dimension_due
 from valvetrain.measurements.rig_result import RigChannelCycles, RigResult, mean_spread
 from valvetrain.measurements.rig_shaft import shaft_of
 from valvetrain.measurements.shaft_angle import TURN, ShaftAngle
@@ -141,7 +141,7 @@ def _channels(
 def _zero(quantity: str, answers: RigAnswers) -> float | None:
     """What a quantity is in the dwell, None where nobody says."""
     if quantity in answers.zero:
-        return parse_quantity(answers.zero[quantity], None, f"zero of {quantity}")
+        return parse_quantity(answers.zero[quantity], dimension_due(quantity), f"zero of {quantity}")
     return 0.0 if quantity.endswith("lift") else None
 
 

@@ -63,7 +63,7 @@ def _by_pulse_a_turn(edges: Array, ratio: int, channel: RigChannel) -> ShaftAngl
     notes = ["one pulse a turn tells how the speed changes from turn to turn, by a spline; a change within a turn stays unseen"]
     if ratio == RATIO:
         notes.append(_HALF)
-    return shaft_through(edges, TURN / ratio * np.arange(len(edges)), tuple(notes), channel.name)
+    return shaft_through(edges, TURN / ratio * np.arange(len(edges), dtype=np.float64), tuple(notes), channel.name)
 
 
 def _by_teeth(teeth: Teeth, count: int, ratio: int, channel: RigChannel, index: RigChannel | None) -> ShaftAngle:

@@ -94,7 +94,9 @@ def _smooth(times: Array, angles: Array, smoothing: float) -> BSpline:
     trend = (angles[-1] - angles[0]) / (len(times) - 1)
     places = (times - times[0]) / step
     found = make_smoothing_spline(places, angles - angles[0] - trend * places, lam=smoothing)
-    coefficients = found.c + angles[0] + trend * np.convolve(found.t[1:-1], np.ones(3) / 3, "valid")  # a straight line, by its Greville points
+    coefficients = (
+        found.c + angles[0] + trend * np.convolve(found.t[1:-1], np.ones(3) / 3, "valid")
+    )  # a straight line, by its Greville points
     return BSpline(times[0] + step * found.t, coefficients, 3)
 
 

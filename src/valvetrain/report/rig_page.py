@@ -37,7 +37,7 @@ def rig_page(title: str, result: RigResult) -> Page:
         Section("spectra", "Spectrum before and after the low-pass", tuple(Figure(spectrum_chart(one, result)) for one in result.channels)),
         Section("notes", "How it was read", _sentences(result)),
     ]  # fmt: skip
-    lead = "Means over the kept cycles. Bands hold 95 %: of the mean (scatter of the cycles and of the angle), and of single cycles."
+    lead = "Means over the kept cycles. The dashed line below each figure holds 95 % of such means: scatter of cycles, and of the angle."
     if result.synthetic:
         lead = f"Synthetic recording: computed, not measured. {lead}"
     return Page(title, "Rig data", lead, facts_of(result), tuple(sections), "Angles are cam degrees.")

@@ -26,6 +26,8 @@ def read(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
     budget, channels, notes = Budget(name, wanted), [], []
     size = path.stat().st_size
     with path.open("rb") as stream, TdmsFile(stream, read_metadata_only=True, keep_open=True) as file:
+        if getattr(file.file_status, "incomplete_final_segment", False):
+            notes.append("the last segment is not whole: the recording was cut short, and what is there was read")
         words = [str(value) for value in file.properties.values()]
         for group in file.groups():
             words += [str(value) for value in group.properties.values()]

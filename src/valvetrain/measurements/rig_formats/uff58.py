@@ -32,6 +32,10 @@ def read(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
     channels: list[RigChannel] = []
     words: list[str] = []
     size = path.stat().st_size
+    with path.open("rb") as stream:
+        stream.seek(max(0, size - 200))
+        if stream.read().split()[-1:] != [b"-1"]:
+            raise InputError(f"'{name[:80]}' was cut short: its last data set has no end; export it again")
     with warnings.catch_warnings(action="ignore"):
         file = pyuff.UFF(str(path))
         for place, kind in enumerate(file.get_set_types()):
