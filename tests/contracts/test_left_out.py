@@ -22,12 +22,12 @@ derivative retainer_velocity damping damping_ratio mass_damping stiffness_dampin
 force mass active_mass inactive_mass residual_mass holding_torque stem_damping lash offset tilt radius tip_radius follower_radius
 valve_angle valve_inclination cam_angle cam_acceleration nose exchange dynamic_deflection ramp_length fullness smoothing noise band draw
 precompression compression engine_speed wall_time wall_time_per_cycle own_time friction_loss pressed_interval last_step overflow dissipated
-runs_count discard level threshold base y seed pairs time
+runs_count discard level threshold base y seed pairs time fitted channel cam_speed
 """.split()
 #: What is done only when asked for.
 OFF = """
 implausible without_preload tied closed ring kept found widened gap main signed filled y_log turn read_fields axis fields energy
-nodal_reactions record_springs record_contacts needs_rest searches processes open_low lowest_open
+synthetic nodal_reactions record_springs record_contacts needs_rest searches processes open_low lowest_open
 """.split()
 #: What is done unless it is refused, and factors that change nothing.
 ON = (

@@ -171,7 +171,7 @@ def adequacy_test(
     --------
     >>> import numpy as np
     >>> adequacy_test(np.array([[1.0, 2.0, 4.0], [3.0, 4.0, 4.0]]), np.array([2.0, 5.0, 4.0])).ratio
-    1.0
+    2.0
     """
     repeats, places = values.shape
     if repeats < 2:

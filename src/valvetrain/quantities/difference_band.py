@@ -36,7 +36,7 @@ class DifferenceBand:
     >>> repeats = np.outer([1.0, -1.0, 0.5, -0.5], np.ones(90)) + np.outer([0.3, 0.3, -0.3, -0.3], np.sin(angle))
     >>> band = difference_band(repeats, np.full(90, 5.0))
     >>> bool(band.outside.all())
-    False
+    True
     """
 
     difference: Array

@@ -122,7 +122,8 @@ def compare_with_test(
     >>> import valvetrain as vt
     >>> angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
     >>> forces = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"]).solutions[0]
-    >>> drawn = np.random.default_rng(1).normal(0.0, 5.0, (8, 1)) + np.interp(angle, forces.cam_angle, forces.channel("seat_force"))
+    >>> last = np.interp(angle + 2 * np.pi, forces.cam_angle, forces.channel("seat_force"))
+    >>> drawn = last + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
     >>> cycles = MeasuredCycles("spring_force", "N", angle, drawn, cam_speed=157.07963267948966, synthetic=True)
     >>> vt.compare_with_test("job-t", cycles, spring_models=["multi-mass"]).best.adequacy.adequate
     True
