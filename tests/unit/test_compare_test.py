@@ -25,6 +25,7 @@ from valvetrain.report.compare_test_page import compare_test_page
 from valvetrain.report.page import render
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Status
 
 SPEED = "3000 rpm"
 CHAIN = ("multi-mass",)
@@ -143,6 +144,40 @@ def test_one_cycle_two_cycles_and_alike_cycles_say_what_they_cannot():
     drifting = replace(own, values=own.values + 8 * np.linspace(-1, 1, 12)[:, None])
     assert any("successive cycles are alike" in note for note in compared(drifting).notes)
     assert not any("alike" in note for note in compared(own).notes)
+
+
+def test_angles_are_one_turn_of_the_cam():
+    """A last angle that is the first again is left out; two turns, as crank angles make, are refused; any zero of the angle will do."""
+    own = cycles()
+    closed = replace(own, cam_angle=np.append(own.cam_angle, 2 * np.pi), values=np.hstack([own.values, own.values[:, :1]]))
+    turned = replace(own, cam_angle=own.cam_angle - np.pi, values=np.roll(own.values, 180, axis=1))
+    found = [compared(test).best for test in (own, closed, turned)]
+    assert [one.adequacy.ratio for one in found] == pytest.approx([found[0].adequacy.ratio] * 3, rel=1e-9)
+    assert [one.agreement.shift for one in found] == pytest.approx([found[0].agreement.shift] * 3, abs=1e-9)
+    with pytest.raises(InputError, match="half of the crank's"):
+        compared(replace(own, cam_angle=2 * own.cam_angle))
+
+
+def test_numbers_nobody_measures_are_refused():
+    with pytest.raises(InputError, match="nobody measures"):
+        compared(replace(cycles(), values=1e200 * cycles().values))
+    few = replace(cycles(), values=np.broadcast_to(cycles(1).values, (2001, 360)))
+    with pytest.raises(InputError, match="at most 2000 cycles"):
+        compared(few)
+
+
+def test_runs_that_fail_are_told_and_no_run_is_no_verdict(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    whole = vt.simulate("job-t", SPEED, spring_models=CHAIN)
+    lost = replace(whole.solutions[0], status=Status("diverged", "the force grew without bound", remedy="take a smaller step"))
+    monkeypatch.setattr("valvetrain.studies.compare_test.simulate", lambda *_, **__: replace(whole, solutions=(lost,)))
+    found = compared(cycles())
+    assert not found.runs and "multi-mass at 3000 rpm of the crank: " in found.failures[0]
+    with pytest.raises(InputError, match="nothing to compare"):
+        _ = found.verdict
+    write_cycles("own.csv", [cycles()])
+    shown = invoke("compare-test", "job-t", "--test", "own.csv", "--spring", "multi-mass")
+    assert shown.exit_code == 1 and "grew without bound" in shown.output
 
 
 def test_missing_values_are_left_out_and_said():

@@ -12,8 +12,8 @@ from scipy.special import stdtrit
 Array = NDArray[np.float64]
 #: Largest shift that is looked for (rad of cam).
 MOST_SHIFT = math.pi / 4
-#: Points per step of the angle at which the correlation is first looked up.
-_FINER = 8
+#: Points per step of the angle at which the correlation is first looked up, fewer where these would be more than the other number.
+_FINER, _MOST_POINTS = 8, 1 << 17
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,8 +69,9 @@ def best_shift(model: Array, test: Array) -> float:
         cross[-1] = 0.0  # the harmonic of half the steps has no phase
     if not np.abs(cross).max(initial=0.0) > 1e-24 * (count * (np.ptp(model) + 1e-300)) * (count * (np.ptp(test) + 1e-300)):
         return math.nan
-    finer = np.fft.irfft(cross, _FINER * count)
-    shifts = np.fft.fftfreq(_FINER * count) * 2 * np.pi
+    points = count * max(2, min(_FINER, _MOST_POINTS // count))
+    finer = np.fft.irfft(cross, points)
+    shifts = np.fft.fftfreq(points) * 2 * np.pi
     near = np.abs(shifts) <= MOST_SHIFT
     place = float(shifts[near][np.argmax(finer[near])])
     harmonics = np.arange(len(cross))
@@ -79,7 +80,7 @@ def best_shift(model: Array, test: Array) -> float:
         slope, bend = -float(np.sum(harmonics * turned.imag)), -float(np.sum(harmonics**2 * turned.real))
         if not bend < 0:
             break
-        step = float(np.clip(-slope / bend, -np.pi / _FINER / count, np.pi / _FINER / count))
+        step = float(np.clip(-slope / bend, -2 * np.pi / points, 2 * np.pi / points))
         place += step
         if abs(step) < 1e-13:
             break

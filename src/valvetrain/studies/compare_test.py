@@ -138,8 +138,8 @@ def compare_with_test(
     if sensor is not None and isinstance(own, ValueTable):
         raise InputError("a table holds named quantities; give those of a bandwidth, such as below_10_khz_peak_spring_force", "sensor")
     study = simulate(
-        chosen, speeds, spring_models=spring_models, spring_sets=spring_sets, workers=workers, progress=progress, limit=limit,
-        implausible=implausible,
+        chosen, tuple(f"{speed!r} rad/s" for speed in speeds), spring_models=spring_models, spring_sets=spring_sets, workers=workers,
+        progress=progress, limit=limit, implausible=implausible,
     )  # fmt: skip
     active = active_wire(build(chosen, spring_models=spring_models, spring_sets=spring_sets))
     if isinstance(own, ValueTable):

@@ -13,7 +13,7 @@ from valvetrain.measurements.content import read_content, text_of
 from valvetrain.measurements.cycles_file import read_cycles
 from valvetrain.measurements.cycles_netcdf import HDF5_MARK
 from valvetrain.measurements.measured_cycles import MeasuredCycles
-from valvetrain.measurements.value_table import ValueTable, is_value_table, values_in
+from valvetrain.measurements.value_table import ValueTable, is_value_table, read_value_table
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.words import number
 from valvetrain.quantities.traces import Trace
@@ -29,8 +29,8 @@ SAME_SPEED = 1e-3
 MOST_CYCLES, MOST_VALUES = 2000, 20_000_000
 #: Repeats below which the count of independent angles leans on scatter being alike at all angles.
 FEW = 4
-#: Largest file of a test.
-_MOST_BYTES = 500_000_000
+#: Largest file of a test, the bytes of it that tell what it is, and the largest number that is a measured one.
+_MOST_BYTES, _BEGINNING, _MOST_SIZE = 500_000_000, 1 << 16, 1e30
 
 
 def read_test(test: AnyTest, quantity: str = "", channel: int = 0) -> MeasuredCycles | ValueTable:
@@ -43,11 +43,7 @@ def read_test(test: AnyTest, quantity: str = "", channel: int = 0) -> MeasuredCy
         found = (test,)
     else:
         path = Path(test)
-        content = read_content(path, _MOST_BYTES, "file of a test")
-        if not content.startswith(HDF5_MARK) and is_value_table(text := text_of(content, path.name)):
-            return values_in(text, path.name[:80])
-        del content
-        found = read_cycles(path)
+        found = (read_value_table(path),) if _holds_values(path) else read_cycles(path)
     cycles = [one for one in found if isinstance(one, MeasuredCycles)]
     if len(cycles) < len(found):
         return found[0]
@@ -58,6 +54,17 @@ def read_test(test: AnyTest, quantity: str = "", channel: int = 0) -> MeasuredCy
         names = ", ".join(f"{place} {one.quantity}" for place, one in enumerate(cycles[:20], start=1))
         raise InputError(f"the test holds {len(cycles)} channels ({names}); say which by its number", "channel")
     return replace(fits[0], quantity=quantity or fits[0].quantity)
+
+
+def _holds_values(path: Path) -> bool:
+    """Whether a file begins as a table of values does."""
+    content = read_content(path, _MOST_BYTES, "file of a test")
+    if content.startswith(HDF5_MARK):
+        return False
+    try:
+        return is_value_table(text_of(content[:_BEGINNING], path.name))
+    except InputError:
+        return False
 
 
 def at_speeds(
@@ -115,6 +122,9 @@ def whole_cycles(cycles: MeasuredCycles) -> MeasuredCycles:
             f"the test holds {len(cycles.values)} cycles of {len(cycles.cam_angle)} angles; give at most {MOST_CYCLES} cycles and "
             f"{MOST_VALUES // 1_000_000} million values, such as every tenth cycle"
         )
+    if np.nanmax(np.abs(cycles.values), initial=0.0) > _MOST_SIZE:
+        raise InputError(f"{cycles.source or cycles.quantity} holds numbers beyond {_MOST_SIZE:g}, which nobody measures; correct them")
+    cycles = _one_turn(cycles)
     known = np.isfinite(cycles.values)
     if known.all():
         return cycles
@@ -133,6 +143,20 @@ def whole_cycles(cycles: MeasuredCycles) -> MeasuredCycles:
         cycles, cam_angle=cycles.cam_angle[angles], values=np.ascontiguousarray(cycles.values[kept][:, angles]),
         notes=(*cycles.notes, *said),
     )  # fmt: skip
+
+
+def _one_turn(cycles: MeasuredCycles) -> MeasuredCycles:
+    """The same from the cam's zero on, without a last angle that is the first again. Raises :class:`InputError` for more than one turn."""
+    over = float(cycles.cam_angle[-1] - cycles.cam_angle[0]) - 2 * math.pi
+    if over > 1e-6:
+        raise InputError(
+            f"{cycles.source or cycles.quantity}: the angles go over {math.degrees(over) + 360:.6g} degrees, a turn of the cam has 360; "
+            "give cam angles, half of the crank's"
+        )
+    count = len(cycles.cam_angle) - (over > -1e-6)
+    angle = cycles.cam_angle[:count] % (2 * math.pi)
+    order = np.argsort(angle, kind="stable")
+    return replace(cycles, cam_angle=angle[order], values=cycles.values[:, :count][:, order])
 
 
 def few_notes(repeats: int) -> tuple[str, ...]:
