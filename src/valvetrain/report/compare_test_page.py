@@ -153,15 +153,24 @@ def difference_chart(found: ModelAgainstTest, runs: tuple[RunAgainstTest, ...], 
                 Line(*thin(degrees, off + half), "", theme.MUTED, 0.9, "solid", in_legend=False),
             ]
         layers.append(Line(*thin(degrees, off), f"{look.words} less test", look.colour, 1.5, look.dash))
-        level = np.where(one.band.outside, 0.0, np.nan) if one.band is not None else np.full(len(off), np.nan)
-        layers.append(Line(degrees, np.zeros(len(off)), "", theme.RULE, 1.0, in_legend=False))
-        if np.isfinite(level).any():
-            layers.append(Line(degrees, level, "zero left out", theme.ALERT, 3.5, "solid", not shown_off))
+        layers.append(Line(np.array([0.0, 360.0]), np.zeros(2), "", theme.RULE, 1.0, in_legend=False))
+        if one.band is not None and one.band.outside.any():
+            x, y = _stretches_of(degrees, one.band.outside)
+            layers.append(Line(x, y, "zero left out", theme.ALERT, 3.5, "solid", not shown_off))
             shown_off = True
         panels.append(Panel(ANGLE_LABEL, f"model less test ({unit})" if unit else "model less test", tuple(layers), look.words,
                             _stretches(found), x_range=(0.0, 360.0), x_step=30))  # fmt: skip
     caption = "Where its band leaves zero out the model is off; of a true model one turn in twenty shows any such place."
     return Chart("difference", "Model less test", caption, tuple(panels), 1, 300 * len(panels) + 60)
+
+
+def _stretches_of(degrees: Array, mask: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Level strokes at zero over the angles of ``mask``, half a step beyond either end."""
+    half = 0.5 * float(np.median(np.diff(degrees)))
+    edges = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
+    begins, ends = degrees[np.flatnonzero(edges == 1)] - half, degrees[np.flatnonzero(edges == -1) - 1] + half
+    gap = np.full(len(begins), np.nan)
+    return np.stack([begins, ends, gap], axis=1).ravel(), np.stack([0 * begins, 0 * ends, gap], axis=1).ravel()
 
 
 def _axis(found: ModelAgainstTest, unit: str) -> str:

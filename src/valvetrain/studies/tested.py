@@ -26,7 +26,7 @@ AnyTest = MeasuredCycles | ValueTable | str | Path
 #: Speeds that differ by less than this share are the same test.
 SAME_SPEED = 1e-3
 #: Most cycles, and most of their values in all.
-MOST_CYCLES, MOST_VALUES = 2000, 20_000_000
+MOST_CYCLES, MOST_VALUES = 2000, 10_000_000
 #: Repeats below which the count of independent angles leans on scatter being alike at all angles.
 FEW = 4
 #: Largest file of a test, the bytes of it that tell what it is, and the largest number that is a measured one.
