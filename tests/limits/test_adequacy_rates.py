@@ -13,6 +13,7 @@ from valvetrain.quantities.adequacy import adequacy_test, independent_places, ri
 from valvetrain.quantities.agreement import agreement, best_shift, shifted
 from valvetrain.quantities.difference_band import difference_band
 from valvetrain.quantities.trace_events import extreme_rows, scatter_of_mean
+from valvetrain.studies.shared_errors import SharedErrors
 
 ANGLES = 144
 TRIALS = 400
@@ -137,3 +138,25 @@ def test_events_of_a_true_model_lie_outside_one_time_in_twenty():
             judged += [row.outside for row in rows]
             naive.append(abs(rows[0].model - rows[0].test) > 2.36 * rows[0].error)
     assert np.mean(judged) < 0.12 and np.mean(naive[1::2]) > 0.3
+
+
+def test_errors_that_all_repeats_share_are_counted():
+    """An offset, a gain and an angle drawn once a test, standard deviations stated: a true model keeps its level and its band; without
+    them it is refuted nearly always."""
+    draw, angle = np.random.default_rng(10), np.arange(ANGLES) * 2 * np.pi / ANGLES
+    shared = SharedErrors(offset=3.0, gain=0.02, cam_angle=0.03)
+
+    def truth(at):
+        return 200 + 100 * np.exp(6 * np.cos(at - 3.0) - 6)
+
+    refuted, held, alone = [], [], []
+    weights = np.full(ANGLES, 1 / ANGLES)
+    for _ in range(TRIALS):
+        offset, gain, late = draw.standard_normal(3) * (shared.offset, shared.gain, shared.cam_angle)
+        values = (1 + gain) * truth(angle - late) + offset + repeats(draw, 8)
+        common = shared.shapes(angle, truth(angle))
+        test = adequacy_test(values, truth(angle), ring=True, shared=tuple(common**2 @ weights))
+        refuted.append(not test.adequate)
+        alone.append(not adequacy_test(values, truth(angle), ring=True).adequate)
+        held.append(not difference_band(values, truth(angle), shared=common).outside.any())
+    assert 0.01 <= np.mean(refuted) <= 0.09 and np.mean(alone) > 0.7 and np.mean(held) >= 0.93

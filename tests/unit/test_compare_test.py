@@ -146,6 +146,20 @@ def test_one_cycle_two_cycles_and_alike_cycles_say_what_they_cannot():
     assert not any("alike" in note for note in compared(own).notes)
 
 
+def test_errors_that_all_cycles_share_are_stated_apart():
+    """A bias within what is stated refutes nothing; the sums of variances and degrees of freedom are those of Satterthwaite."""
+    alone, shared = compared(cycles(bias=5.0)).best, compared(cycles(bias=5.0), shared="4 N, 0.1 deg")
+    test = shared.best.adequacy
+    assert not alone.adequacy.adequate and test.adequate and len(test.shared) == 2 and test.shared[0] == pytest.approx(16.0)
+    own, part, angle = test.reproducibility, 8 * 16.0, 8 * test.shared[1]
+    assert test.expected == pytest.approx(own + part + angle)
+    assert test.degrees[0] == pytest.approx(test.expected**2 / (own**2 / test.independent + part**2 + angle**2))
+    assert "offset 4 N, angle 0.1 cam deg" in " ".join(shared.notes)
+    assert shared.best.band.half_width.min() > alone.band.half_width.min() + 4
+    turned = [abs(row.in_errors) for row in shared.best.events if row.dimension == "value"]
+    assert all(new < old for new, old in zip(turned, [abs(row.in_errors) for row in alone.events if row.dimension == "value"], strict=True))
+
+
 def test_angles_are_one_turn_of_the_cam():
     """A last angle that is the first again is left out; two turns, as crank angles make, are refused; any zero of the angle will do."""
     own = cycles()
@@ -214,6 +228,9 @@ def test_the_speed_of_the_test_is_run_and_a_wrong_one_is_said():
         ({}, {"fitted": -1}, "no number of fitted parameters"),
         ({}, {"sensor": Sensor(bandwidth="9 kHz", sampling_rate="50 kHz")}, "compared at its own angles"),
         ({}, {"channel": 3}, "holds 1 channels"),
+        ({}, {"shared": "2 mm"}, "no error of a quantity in N"),
+        ({}, {"shared": "2 N, 3 N"}, "the second offset"),
+        ({}, {"shared": "-1 %"}, "above zero"),
     ],
 )
 def test_what_does_not_fit_is_refused_in_one_sentence(changes, more, words):

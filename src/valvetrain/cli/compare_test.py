@@ -52,6 +52,7 @@ def compare_test(
     spring: SpringOption = None, spring_set: SpringSetOption = None,
     bandwidth: Annotated[str | None, _text("--bandwidth", "FREQUENCY", "See the model through a gauge of '10 kHz'.")] = None,
     sensor: Annotated[str | None, _text("--sensor", "KEY=VALUE", "More of the gauge: 'natural_frequency=40 kHz, order=2'.")] = None,
+    shared: Annotated[str, _text("--shared", "AMOUNTS", "Errors that all cycles share: '2 N, 0.5 %, 0.1 deg'.")] = "",
     fitted: Annotated[int, typer.Option("--fitted", metavar="N", help="Parameters of the model that were found from this test.")] = 0,
     level: Annotated[float, typer.Option("--level", metavar="SHARE", help="Share of adequate models that the test may refute.")] = 0.05,
     settings: SetOption = None, elements_per_coil: ElementsOption = None, output: OutputOption = None, workers: WorkersOption = None,
@@ -72,7 +73,7 @@ def compare_test(
     with progress_bar(chosen.name) as report:
         found = compare_with_test(
             chosen, test, quantity=quantity, channel=channel, engine_speed=engine_speed, spring_models=read_models(spring),
-            spring_sets=read_words(spring_set), sensor=gauge, fitted=fitted, level=level, workers=read_workers(workers),
+            spring_sets=read_words(spring_set), sensor=gauge, fitted=fitted, shared=shared, level=level, workers=read_workers(workers),
             progress=report, limit=", ".join(limit or ()), implausible=implausible,
         )  # fmt: skip
     _answer(found, _Kept(chosen, folder_of(case), output, datetime.now(UTC).replace(microsecond=0)), str(test), open_page)

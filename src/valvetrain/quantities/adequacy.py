@@ -38,6 +38,7 @@ class AdequacyTest:
     independent : how many of them are independent
     fitted : parameters of the model that were found from these values
     level : share of adequate models that the test may refute
+    shared : mean square of each error that all repeats share, of calibration or angle, square of the unit
 
     Raises
     ------
@@ -59,6 +60,7 @@ class AdequacyTest:
     independent: float
     fitted: int = 0
     level: float = LEVEL
+    shared: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.reproducibility > 0:
@@ -75,14 +77,22 @@ class AdequacyTest:
 
     @property
     def ratio(self) -> float:
-        """Fisher's ratio, adequacy over reproducibility."""
-        return self.adequacy / self.reproducibility
+        """Fisher's ratio, adequacy over reproducibility, to which what all repeats share is added."""
+        return self.adequacy / self.expected
+
+    @property
+    def expected(self) -> float:
+        """Variance of adequacy that a true model has: that of reproducibility and, for each repeat, what all share."""
+        return self.reproducibility + max(self.repeats, 1) * sum(self.shared)
 
     @property
     def degrees(self) -> tuple[float, float]:
-        """Degrees of freedom of adequacy and of reproducibility, the latter infinite where scatters are stated."""
+        """Degrees of freedom of adequacy and of reproducibility, the latter infinite where scatters are stated; of sums by Satterthwaite,
+        what is shared having one each above and none to tell below."""
+        own, parts = self.reproducibility**2, [(max(self.repeats, 1) * one) ** 2 for one in self.shared]
+        first = self.expected**2 / (own / (self.independent - self.fitted) + sum(parts))
         second = self.independent * (self.repeats - 1) if self.repeats else math.inf
-        return self.independent - self.fitted, second
+        return first, second * self.expected**2 / own
 
     @property
     def critical(self) -> float:
@@ -111,7 +121,7 @@ class AdequacyTest:
     def refutable(self) -> float:
         """Root mean square difference from the mean of the repeats above which this test refutes; in the unit, or in scatters."""
         share = (self.independent - self.fitted) / self.independent
-        return math.sqrt(self.critical * self.reproducibility * share / max(self.repeats, 1))
+        return math.sqrt(self.critical * self.expected * share / max(self.repeats, 1))
 
     def sentence(self, label: str = "the model") -> str:
         """The verdict in one sentence, with its numbers."""
@@ -146,7 +156,8 @@ def chance(ratio: float, first: float, second: float) -> float:
 
 
 def adequacy_test(
-    values: Array, model: Array, weights: Array | None = None, *, ring: bool = False, fitted: int = 0, level: float = LEVEL
+    values: Array, model: Array, weights: Array | None = None, *, ring: bool = False, fitted: int = 0, level: float = LEVEL,
+    shared: tuple[float, ...] = (),
 ) -> AdequacyTest:  # fmt: skip
     """Fisher's test of a model against repeats of a curve or of a set of values.
 
@@ -158,6 +169,7 @@ def adequacy_test(
     ring : the places are even steps round one cam turn
     fitted : parameters of the model that were found from these values
     level : share of adequate models that the test may refute
+    shared : mean square of each error that all repeats share, square of the unit
 
     Returns
     -------
@@ -181,7 +193,7 @@ def adequacy_test(
     residuals = (values - mean) * np.sqrt(shares)
     independent = independent_places(residuals, ring)
     off = repeats * float(np.sum(shares * (mean - model) ** 2))
-    return AdequacyTest(off, float(np.sum(residuals**2)) / (repeats - 1), repeats, places, independent, fitted, level)
+    return AdequacyTest(off, float(np.sum(residuals**2)) / (repeats - 1), repeats, places, independent, fitted, level, shared)
 
 
 def independent_places(residuals: Array, ring: bool) -> float:

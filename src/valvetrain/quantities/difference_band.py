@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from scipy.special import stdtr, stdtrit
+from scipy.special import chdtri, stdtr, stdtrit
 
 from valvetrain.errors import InputError
 from valvetrain.quantities.adequacy import LEVEL
@@ -51,8 +51,9 @@ class DifferenceBand:
         return found
 
 
-def difference_band(values: Array, model: Array, level: float = LEVEL) -> DifferenceBand:
-    """The band for ``values`` (repeats, angles) round one cam turn and ``model`` (angles,).
+def difference_band(values: Array, model: Array, level: float = LEVEL, shared: Array | None = None) -> DifferenceBand:
+    """The band for ``values`` (repeats, angles) round one cam turn and ``model`` (angles,); ``shared`` (errors, angles): standard
+    deviations of errors that all repeats share, each in step along the turn, to which half of the level goes (Scheffe).
 
     Raises :class:`InputError` for fewer than :data:`FEWEST` repeats. Angles at which all repeats agree have no width.
     """
@@ -63,8 +64,12 @@ def difference_band(values: Array, model: Array, level: float = LEVEL) -> Differ
     residuals = values - mean
     size = np.sqrt(np.sum(residuals**2, axis=0))
     moving = size > 1e-12 * float(size.max(initial=0.0))
-    factor = band_factor(residuals[:, moving] / size[moving], level)
-    return DifferenceBand(model - mean, factor * size / math.sqrt((repeats - 1) * repeats), factor, level)
+    count = 0 if shared is None else len(shared)
+    factor = band_factor(residuals[:, moving] / size[moving], 0.5 * level if count else level)
+    half = factor * size / math.sqrt((repeats - 1) * repeats)
+    if shared is not None and count:
+        half = half + math.sqrt(float(chdtri(count, 0.5 * level))) * np.sqrt(np.sum(shared**2, axis=0))
+    return DifferenceBand(model - mean, half, factor, level)
 
 
 def band_factor(directions: Array, level: float) -> float:

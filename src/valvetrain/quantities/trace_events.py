@@ -37,7 +37,8 @@ class EventRow:
     """One event in model and test.
 
     ``name`` in words; ``dimension``: ``value`` of the curve or ``angle`` (rad). ``model`` is NaN where it shows none; ``seen``: what the
-    test would show of it on average, for its scatter moves extremes; ``error``: standard deviation of that (NaN for one repeat).
+    test would show of it on average, for its scatter moves extremes; ``error``: standard deviation of that (NaN for one repeat);
+    ``shared``: standard deviation of what all repeats share.
 
     >>> EventRow("largest", "value", model=820.0, test=800.0, seen=825.0, error=5.0, repeats=10).in_errors
     5.0
@@ -50,6 +51,7 @@ class EventRow:
     seen: float
     error: float
     repeats: int
+    shared: float = 0.0
 
     @property
     def difference(self) -> float:
@@ -64,8 +66,8 @@ class EventRow:
 
     @property
     def in_errors(self) -> float:
-        """Difference in standard errors; NaN where there are none."""
-        return self.difference / self.error if self.error > 0 else math.nan
+        """Difference in standard errors, what all repeats share included; NaN where there are none."""
+        return self.difference / math.hypot(self.error, self.shared) if self.error > 0 else math.nan
 
     @property
     def outside(self) -> bool | None:

@@ -71,7 +71,7 @@ def _test(test: AdequacyTest | None) -> dict[str, Any] | None:
         "adequacy_variance": test.adequacy, "reproducibility_variance": test.reproducibility, "ratio": test.ratio,
         "degrees_of_freedom": list(test.degrees), "critical": test.critical, "p_value": test.p_value, "adequate": test.adequate,
         "places": test.places, "independent_places": test.independent, "repeats": test.repeats, "fitted": test.fitted, "level": test.level,
-        "p_value_if_every_place_counted": test.counted_p_value, "refutable_rms": test.refutable,
+        "p_value_if_every_place_counted": test.counted_p_value, "refutable_rms": test.refutable, "shared_mean_squares": list(test.shared),
     }  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -25,8 +25,11 @@ from valvetrain.quantities.trace_events import EventRow, extreme_rows, interval_
 from valvetrain.quantities.traces import WHOLE, Active, trace_of
 from valvetrain.solution.definition import angle_name
 from valvetrain.solution.result import Solution
+from valvetrain.studies.shared_errors import SharedErrors
 
 Array = NDArray[np.float64]
+#: A test without stated errors of calibration.
+NONE_SHARED = SharedErrors()
 #: Begin and end (cam rad) of a stretch of the turn, and its name.
 Stage = tuple[str, float, float]
 _TURN = 2 * math.pi
@@ -123,7 +126,8 @@ class CloserRow:
 
 
 def against_cycles(
-    run: Solution, cycles: MeasuredCycles, stages: Sequence[Stage], sensor: Sensor | None, fitted: int, level: float, active: Active = WHOLE
+    run: Solution, cycles: MeasuredCycles, stages: Sequence[Stage], sensor: Sensor | None, fitted: int, level: float,
+    active: Active = WHOLE, shared: SharedErrors = NONE_SHARED,
 ) -> RunAgainstTest:  # fmt: skip
     """A run against whole ``cycles`` (no value missing). Raises :class:`InputError` for a curve that the run does not tell."""
     trace = trace_of(run, cycles.quantity, active)
@@ -131,10 +135,13 @@ def against_cycles(
         trace = trace.through(sensor)
     curve, values, angle = trace.at(cycles.cam_angle), cycles.values, cycles.cam_angle
     weights, even = ring_weights(angle)
-    band = difference_band(values, curve, level) if len(values) >= FEWEST else None
+    common = shared.shapes(angle, curve)
+    band = difference_band(values, curve, level, common) if len(values) >= FEWEST else None
     adequacy, without = None, ""
     try:
-        adequacy = adequacy_test(values, curve, weights, ring=even, fitted=fitted, level=level)
+        adequacy = adequacy_test(
+            values, curve, weights, ring=even, fitted=fitted, level=level, shared=tuple((common**2 @ weights).tolist())
+        )
     except InputError as error:
         without = error.reason
     events: list[EventRow] = []
@@ -153,8 +160,16 @@ def against_cycles(
     after = stages[-1][1:] if len(stages) > 1 else (0.0, _TURN)
     interval = interval_row(spikes, after[0], after[1])
     events += [] if interval is None else [interval]
+    events = [_with_shared(one, shared) for one in events]
     agreed = agreement(angle, values, curve, weights, even)
     return RunAgainstTest(run.label, run.model, adequacy, without, curve, agreed, band, tuple(events), tuple(rows))
+
+
+def _with_shared(one: EventRow, shared: SharedErrors) -> EventRow:
+    """An event with what all repeats share: of its angle, or of its value, where the slope is nought."""
+    if "interval" in one.name:
+        return one
+    return replace(one, shared=shared.cam_angle if one.dimension == "angle" else math.hypot(shared.offset, shared.gain * one.test))
 
 
 def _stage(

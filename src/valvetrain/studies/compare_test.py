@@ -24,6 +24,7 @@ from valvetrain.solution.study import Study
 from valvetrain.studies.against_test import CloserRow, RunAgainstTest, Stage, against_cycles, against_values, closer
 from valvetrain.studies.api import simulate
 from valvetrain.studies.engine import Progress
+from valvetrain.studies.shared_errors import SharedErrors, read_shared
 from valvetrain.studies.tested import AnyTest, at_speeds, check_unit, few_notes, likeness_notes, read_test, rpm_words, whole_cycles
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
@@ -91,6 +92,7 @@ class ModelAgainstTest:
 def compare_with_test(
     case: AnyCase, test: AnyTest, *, quantity: str = "", channel: int = 0, engine_speed: Given | None = None,
     spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (), sensor: Sensor | None = None, fitted: int = 0,
+    shared: str | Sequence[str] = (),
     level: float = LEVEL, workers: int | None = None, progress: Progress | None = None, limit: str = "", implausible: bool = False,
 ) -> ModelAgainstTest:  # fmt: skip
     """A case against measured cycles, or against a table of measured values: errors, events, bands and Fisher's test of adequacy.
@@ -106,6 +108,7 @@ def compare_with_test(
     spring_sets : names of spring sets of a train
     sensor : gauge of the test, through which the model is seen before it is compared
     fitted : parameters of the model that were found from this test
+    shared : standard deviations of errors that all cycles share, "2 N, 0.5 %, 0.1 deg": of the zero, the calibration, the angle
     level : share of adequate models that the test may refute
     workers, progress, limit, implausible : as for :func:`simulate`
 
@@ -135,6 +138,11 @@ def compare_with_test(
         raise InputError(f"'{fitted!s:.20}' is no number of fitted parameters; give 0, 1, 2 ...", "fitted")
     asked = None if engine_speed is None else si(engine_speed, "engine_speed", "engine_speed")
     own, speeds, notes = at_speeds(chosen, own, asked)
+    known = SharedErrors()
+    if shared and isinstance(own, ValueTable):
+        raise InputError("a table states the scatter of each value; put what they share into it, or leave it out", "shared")
+    if isinstance(own, MeasuredCycles):
+        known = read_shared(shared, own.unit)
     if sensor is not None and isinstance(own, ValueTable):
         raise InputError("a table holds named quantities; give those of a bandwidth, such as below_10_khz_peak_spring_force", "sensor")
     study = simulate(
@@ -144,7 +152,7 @@ def compare_with_test(
     active = active_wire(build(chosen, spring_models=spring_models, spring_sets=spring_sets))
     if isinstance(own, ValueTable):
         return _with_values(study, own, speeds, fitted, level, notes, active)
-    return _with_cycles(study, own, sensor, fitted, level, notes, active)
+    return _with_cycles(study, own, sensor, fitted, level, notes, active, known)
 
 
 def active_wire(problem: Problem) -> dict[str, Active]:
@@ -167,20 +175,22 @@ def _completed(study: Study) -> tuple[list[Solution], tuple[str, ...]]:
 
 def _with_cycles(
     study: Study, test: MeasuredCycles, sensor: Sensor | None, fitted: int, level: float, notes: tuple[str, ...],
-    active: Mapping[str, Active],
+    active: Mapping[str, Active], shared: SharedErrors,
 ) -> ModelAgainstTest:  # fmt: skip
     whole = whole_cycles(test)
     runs, failures = _completed(study)
     for run in runs[:1]:
         check_unit(trace_of(run, whole.quantity, active.get(run.label, {})), whole)
     stages = _stages(study)
-    found = [against_cycles(run, whole, stages, sensor, fitted, level, active.get(run.label, {})) for run in runs]
+    found = [against_cycles(run, whole, stages, sensor, fitted, level, active.get(run.label, {}), shared) for run in runs]
     found.sort(key=lambda one: one.agreement.rms if one.agreement is not None else math.inf)
     weights, _ = ring_weights(whole.cam_angle)
     rows = tuple(
         closer(found[0], other, whole.values, weights, (found[0].curve, other.curve))
         for other in found[1:] if found[0].curve is not None and other.curve is not None
     )  # fmt: skip
+    if shared:
+        notes = (*notes, f"all cycles are taken to share errors of {shared.words(whole.unit)} (standard deviations), beside their scatter")
     said = (*notes, *whole.notes, *few_notes(len(whole.values)), *likeness_notes(whole))
     return ModelAgainstTest(study, whole, tuple(found), rows, said, failures)
 
