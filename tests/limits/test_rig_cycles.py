@@ -12,9 +12,11 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.measurements.angle_grid import LowPass
 from valvetrain.measurements.lift_alignment import align_lift
+from valvetrain.measurements.pulses import numbered
 from valvetrain.measurements.recording import Recording, RigChannel
 from valvetrain.measurements.rig_answers import RigAnswers
 from valvetrain.measurements.rig_cycles import cycles_in
+from valvetrain.measurements.shaft_angle import told_by_counts
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 from sample_rig import Rig, columns, record
@@ -41,7 +43,7 @@ def recording(rig, step=None):
 
 
 WHEEL = RigAnswers(angle_of="crank", pulses="Crank wheel", index="Cam pulse", teeth=60, missing=1, zero={"spring_force": "250 N"})
-ENCODER = RigAnswers(angle_of="crank", angle="Crank angle", zero={"spring_force": "250 N"})
+ENCODER = RigAnswers(angle_of="crank", encoder="Crank angle", zero={"spring_force": "250 N"})
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +103,7 @@ def test_speed_follows_the_shaft(recorded):
 def test_the_grid_of_angles_moves_nothing_that_it_can_hold(short, angles):
     """Below the band the cycles are the same numbers on any grid: halved, doubled, as the band needs."""
     asked = replace(WHEEL, band="3 kHz", offset=0.0)
-    usual, other = (cycles_in(short, "grid", replace(asked, angles=points)) for points in (1440, angles))
+    usual, other = (cycles_in(short, "grid", replace(asked, angle_count=points)) for points in (1440, angles))
     shared = np.gcd(1440, angles)
     for one, two in zip(usual.channels, other.channels, strict=True):
         np.testing.assert_allclose(
@@ -119,7 +121,7 @@ def test_a_tone_above_the_grid_does_not_fold_back():
     times = np.arange(len(plain.channels[0].values)) / rig.sampling_rate
     tone = 0.1 * np.sin(TURN * 12e3 * times)
     with_tone = Recording("tone", (replace(plain.channels[0], values=plain.channels[0].values + tone), *plain.channels[1:]))
-    asked = replace(ENCODER, angles=360, offset=0.0, zero={})
+    asked = replace(ENCODER, angle_count=360, offset=0.0, zero={})
     one, two = (cycles_in(given, "tone", asked) for given in (plain, with_tone))
     folded = np.max(np.abs(two.channels[0].cycles.values - one.channels[0].cycles.values))
     assert folded < 1.5e-4 * 100.0
@@ -200,3 +202,78 @@ def test_drift_is_taken_off_in_the_dwell(recorded):
     true = rig.force_offset + rig.force_drift * middle / ((rig.cycles + 0.4) * TURN / rig.cam_speed)
     assert len(taken) >= len(true) - 3, "dwells of the slipped cycle tell no zero"
     assert np.all(np.diff(taken) > 1.0) and true[0] - 2 < taken[0] < taken[-1] < true[-1] + 2
+
+
+def wheel(teeth, missing, seed=1, speed=25.0, turns=30.3):
+    """Times of the edges of a crank wheel, the mark at zero."""
+    tooth = np.arange(int(turns * teeth))
+    there = tooth % teeth < teeth - missing
+    times = (tooth[there] + 0.3 * teeth) / teeth / (2 * speed)
+    return times + np.random.default_rng(seed).normal(0, 1e-6, len(times))
+
+
+@pytest.mark.parametrize(("teeth", "missing"), [(60, 2), (36, 1), (60, 0), (2, 0)])
+def test_wheels_are_counted(teeth, missing):
+    found = numbered(wheel(teeth, missing), teeth, missing, "wheel")
+    assert not found.notes
+    assert found.numbers[-1] == next(place for place in range(int(30.3 * teeth) - 1, 0, -1) if place % teeth < teeth - missing)
+    if missing:
+        assert set(np.diff(found.marks)) == {teeth} and found.marks[0] == teeth
+
+
+def test_lost_and_false_pulses_are_told():
+    times = wheel(60, 2)
+    lost = numbered(np.delete(times, [400, 777]), 60, 2, "wheel")
+    assert "2 pulses of 'wheel' were lost" in lost.notes[0] and lost.numbers[-1] == numbered(times, 60, 2, "wheel").numbers[-1]
+    false = numbered(np.sort(np.append(times, [times[500] + 5e-5, times[900] + 7e-5])), 60, 2, "wheel")
+    assert "2 pulses of 'wheel' follow too soon" in false.notes[0] and false.numbers[-1] == lost.numbers[-1]
+
+
+@pytest.mark.parametrize(
+    ("teeth", "missing", "words"),
+    [(58, 2, "does not come back after 58 teeth"), (60, 0, "say teeth 60 and missing 2"), (60, 5, "no gap of 5 missing teeth")],
+)
+def test_a_wheel_that_is_not_as_told_is_refused(teeth, missing, words):
+    with pytest.raises(InputError, match=words):
+        numbered(wheel(60, 2), teeth, missing, "wheel")
+
+
+def test_gaps_and_uneven_times_leave_out_what_was_not_measured(recorded):
+    rig = Rig()
+    times = np.arange(len(recorded.channels[0].values)) / rig.sampling_rate
+    keep = (times < 0.20) | (times > 0.21)
+    gapped = tuple(replace(one, values=one.values[keep], times=times[keep], step=0.0) for one in recorded.channels[:2])
+    found = cycles_in(Recording("gaps", (*gapped, *recorded.channels[2:])), "gaps", replace(ENCODER, offset=0.0), lift)
+    assert any("with 1 gaps that are left open" in note for note in found.notes)
+    named = {place: why for place, why in found.outliers}
+    hit = [place for place in range(found.grid.cycles) if found.grid.cut_times[place] < 0.21 and found.grid.cut_times[place + 1] > 0.20]
+    assert hit and all("was not measured as a whole" in named[place] for place in hit)
+    assert np.isfinite(found.channels[0].cycles.values).all()
+
+
+def test_a_falling_encoder_is_turned_round(recorded):
+    angle = recorded.channels[4]
+    falling = Recording("falling", (*recorded.channels[:4], replace(angle, values=720.0 - angle.values)))
+    found = cycles_in(falling, "falling", ENCODER, lift)
+    assert any("its sign is changed" in note for note in found.notes) and np.degrees(abs(found.offset)) < 0.03
+
+
+def test_a_run_up_is_told():
+    found = cycles_in(recording(Rig(drift_of_speed=0.3)), "run-up", replace(ENCODER, offset=0.0))
+    assert any("a mean over them is none of one speed" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(("per_sample", "step"), [(0.9, 0.0), (0.05, 1.0), (0.37, 0.1), (0.2, 0.5)])
+def test_counts_are_told_from_a_smooth_angle(per_sample, step):
+    """Even speed: a smooth angle (step 0) is left as it is; counts of 1, 0.1 and 0.5 degrees are put back to the angle they stand for."""
+    true = np.radians(per_sample) * np.arange(4000) + 0.001
+    shown = np.floor(true / np.radians(step) + 1e-9) * np.radians(step) if step else true
+    times, angles, found = told_by_counts(shown, np.arange(4000.0))
+    assert np.degrees(found) == pytest.approx(step, abs=1e-4)
+    away = np.degrees(angles - (np.radians(per_sample) * times + 0.001))
+    assert abs(np.mean(away)) < 0.03 * max(step, 1e-9) + 0.5 * per_sample * (step > per_sample) * 0.1 + 1e-9
+
+
+def test_rounding_makes_no_outliers():
+    clean = recording(Rig(force_noise=0.0, lift_noise=0.0, jitter=0.0, force_drift=0.0, turn_variation=0.0, drift_of_speed=0.0))
+    assert not cycles_in(clean, "clean", replace(WHEEL, offset=0.0)).outliers

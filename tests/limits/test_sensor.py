@@ -24,7 +24,7 @@ def test_the_step_of_a_mounted_gauge(damping):
 
 
 def test_stiffness_and_mass_are_the_natural_frequency():
-    gauge = Sensor(mounting_stiffness="40 N/um", moved_mass="10 g")
+    gauge = Sensor(mounting_stiffness="40 N/um", moved_mass="10 g", damping_ratio=0.02)
     assert gauge.resonance == pytest.approx(np.sqrt(40e6 / 0.01) / (2 * np.pi))
 
 
@@ -70,7 +70,7 @@ def test_forward_and_backward_has_no_delay_and_squares_the_gain():
 @pytest.mark.parametrize("points", [901, 1801, 9001])
 def test_the_recorded_peak_does_not_depend_on_the_samples_of_the_model(points):
     """The same spike told by 100, 200 and 1000 points: what is left is how straight lines between them miss it (their own peak)."""
-    gauge = Sensor(bandwidth="20 kHz", natural_frequency="60 kHz", sampling_rate="100 kHz")
+    gauge = Sensor(bandwidth="20 kHz", natural_frequency="60 kHz", damping_ratio=0.02, sampling_rate="100 kHz")
     time = np.linspace(-0.2e-3, 0.25e-3, points)
     found = gauge.seen(time, spike(time))
     fine = np.linspace(-0.2e-3, 0.25e-3, 45_001)
@@ -91,7 +91,7 @@ def test_the_scatter_of_the_sampling_phase_is_told():
 
 def test_a_periodic_trace_has_no_begin():
     """The last turn of many is what one turn in the periodic state is."""
-    gauge = Sensor(bandwidth="300 Hz", order=3, natural_frequency="900 Hz")
+    gauge = Sensor(bandwidth="300 Hz", order=3, natural_frequency="900 Hz", damping_ratio=0.05)
     turn = np.linspace(0.0, 0.01, 2001)
     one = np.sin(2 * np.pi * 100 * turn) + 0.3 * np.cos(2 * np.pi * 400 * turn)
     many_turns = np.linspace(0.0, 0.4, 80_001)
@@ -111,6 +111,7 @@ def test_resolution_rounds_and_an_ideal_gauge_changes_nothing():
     [
         ({"bandwidth": "0 Hz"}, "is none of a gauge"), ({"order": 9}, "order is a whole number from 1 to 8"), ({"order": True}, "order is"),
         ({"filter": "x"}, "butterworth or bessel"), ({"moved_mass": 1.0}, "belong together"), ({"damping_ratio": -1}, "damping_ratio is"),
+        ({"natural_frequency": 1e4}, "rings for ever"),
         ({"natural_frequency": 1e4, "mounting_stiffness": 1e6, "moved_mass": 0.1}, "not both"), ({"bandwidth": "2 N"}, "a frequency"),
     ],
 )  # fmt: skip

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.measurements import reader_process
-from valvetrain.measurements.reader_process import read_recording
+from valvetrain.measurements.reader_process import form_of, read_recording
 from valvetrain.measurements.recording import Recording
 from valvetrain.measurements.rig_answers import RigAnswers
 from valvetrain.measurements.rig_cycles import cycles_in
@@ -87,7 +87,7 @@ def read_any(folder, content):
     try:
         found = read_recording(path)
         cycles_in(
-            found, "any", RigAnswers(angle_of="cam", sampling_rate="1 kHz", channels={"strain": found.names[0]}, angle=found.names[-1])
+            found, "any", RigAnswers(angle_of="cam", sampling_rate="1 kHz", channels={"strain": found.names[0]}, encoder=found.names[-1])
         )
     except InputError as error:
         assert one_sentence(str(error))
@@ -210,7 +210,9 @@ def test_every_form_says_the_same(files):
     """One recording in nine clothes: the same channels, units and cycles."""
     true = small()
     for name in WRITERS:
-        found = read_recording(files / name)
+        path = files / name
+        reader: RigFormat = registry.find("rig_formats", form_of(path, name))
+        found = read_recording(path) if name == "rig.tdms" else reader.read(path, name, ())
         assert isinstance(found, Recording) and found.synthetic
         channels = {one.name.replace("_", " "): one for one in found.channels}
         assert set(channels) == {"Spring force", "Valve lift", "Crank wheel", "Cam pulse", "Crank angle"}

@@ -30,7 +30,7 @@ def folder(tmp_path_factory):
     return made
 
 
-ANSWERS = ("--angle-of", "crank", "--angle", "Crank angle", "--zero", "spring_force=215 N")
+ANSWERS = ("--angle-of", "crank", "--encoder", "Crank angle", "--zero", "spring_force=215 N")
 
 
 def test_the_command_tells_writes_and_keeps(folder, tmp_path):
@@ -41,7 +41,7 @@ def test_the_command_tells_writes_and_keeps(folder, tmp_path):
     assert names >= {"report.html", "cycles.nc", "spring_force.csv", "valve_lift.csv", "means.csv", "run.json"}
     assert data["synthetic"] and data["outliers"][0]["cycle"] == 4 and data["kept"] == [1, 2, 3, 5, 6]
     kept = {one.quantity: one for one in vt.read_cycles(tmp_path / "own.nc")}
-    direct = vt.rig_cycles(folder / "rig.csv", vt.RigAnswers(angle_of="crank", angle="Crank angle", zero={"spring_force": "215 N"}))
+    direct = vt.rig_cycles(folder / "rig.csv", vt.RigAnswers(angle_of="crank", encoder="Crank angle", zero={"spring_force": "215 N"}))
     for one in direct.cycles:
         np.testing.assert_array_equal(kept[one.quantity].values, one.values)
     peak = next(one for one in data["channels"] if one["quantity"] == "spring_force")["figures"][0]["mean"]
@@ -83,10 +83,11 @@ def test_all_open_questions_are_one_sentence(tmp_path):
         (("rig.csv", "--angle-of", "crank", "--pulses", "Crank wheel", "--teeth", "60", "--missing", "3"), "no gap of 3 missing teeth"),
         (("rig.csv", "--angle-of", "crank", "--pulses", "Valve lift", "--teeth", "60"), "pulses"),
         (("rig.csv", "--angle-of", "crank", "--band", "2 Hz"), "shorter than the filter"), (("rig.csv", "--set", "a=1"), "--case"),
-        (("rig.csv", "--angles", "4"), "angles is a whole number"), (("rig.csv", "--teeth", "0"), "teeth is a whole number"),
+        (("rig.csv", "--angle-count", "4"), "angle_count is a whole number"), (("rig.csv", "--teeth", "0"), "teeth is a whole number"),
         (("rig.csv", "--angle-of", "crank", "--zero", "spring_force=1 mm"), "zero of spring_force"),
         (("rig.csv", "--angle-of", "crank", "--shunt", "spring_force=x, 1 N"), "the shunt of spring_force"),
-        (("--case", "job-t", "--sensor", "colour=3"), "tells nothing of a gauge"), (("--case", "job-t", "--sensor", "order=x"), "order is a number"),
+        (("--case", "job-t", "--sensor", "colour=3"), "tells nothing of a gauge"),
+        (("--case", "job-t", "--sensor", "order=x"), "order is a number"),
         (("--case", "job-t", "--sensor", "bandwidth=1 kHz", "--bandwidth", "1 kHz"), "given twice"),
     ],
 )  # fmt: skip

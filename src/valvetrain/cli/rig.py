@@ -44,7 +44,7 @@ def _text(flag: str, metavar: str, words: str) -> Any:
 def rig(
     file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="Recording: text, MDF, TDMS, MAT, HDF5, NetCDF, UFF58.")] = None,
     channel: Annotated[list[str] | None, _text("--channel", "QUANTITY=NAME", "Channel of it: 'spring_force=Force 1'. Repeatable.")] = None,
-    angle: Annotated[str, _text("--angle", "NAME", "Channel of an encoder's angle.")] = "",
+    encoder: Annotated[str, _text("--encoder", "NAME", "Channel of an encoder's angle.")] = "",
     pulses: Annotated[str, _text("--pulses", "NAME", "Channel of a toothed wheel or encoder track; needs --teeth.")] = "",
     index: Annotated[str, _text("--index", "NAME", "Channel that marks a place of that wheel.")] = "",
     once: Annotated[str, _text("--once", "NAME", "Channel of one pulse a turn.")] = "",
@@ -57,7 +57,7 @@ def rig(
     zero: Annotated[list[str] | None, _text("--zero", "QUANTITY=VALUE", "What a quantity is in the dwell: 'spring_force=240 N'.")] = None,
     dwell: Annotated[str | None, _text("--dwell", "ANGLES", "First and last cam angle of the dwell: '-30, 30 deg'.")] = None,
     band: Annotated[str | None, _text("--band", "FREQUENCY", "Highest frequency that is kept: '20 kHz'.")] = None,
-    angles: Annotated[int | None, _text("--angles", "N", "Points of a cam turn (default: as the band needs).")] = None,
+    angle_count: Annotated[int | None, _text("--angle-count", "N", "Points of a cam turn (default: as the band needs).")] = None,
     sampling_rate: Annotated[str | None, _text("--sampling-rate", "FREQUENCY", "Where the file has no times: '100 kHz'.")] = None,
     keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Keep cycles that differ from all others.")] = False,
     case: Annotated[str | None, _text("--case", "CASE", "Case whose lift tells what cam angle the mark is.")] = None,
@@ -87,9 +87,10 @@ def rig(
     from valvetrain.measurements.rig_answers import RigAnswers
 
     answers = RigAnswers(
-        channels=read_pairs(channel, "--channel"), angle=angle, pulses=pulses, index=index, once=once, angle_of=angle_of, teeth=teeth,
+        channels=read_pairs(channel, "--channel"), encoder=encoder, pulses=pulses, index=index, once=once, angle_of=angle_of, teeth=teeth,
         missing=missing, units=read_pairs(unit, "--unit"), calibration=read_pairs(calibration, "--calibration"),
-        shunt=read_pairs(shunt, "--shunt"), zero=read_pairs(zero, "--zero"), dwell=_dwell(dwell), band=band, angles=angles, offset=offset,
+        shunt=read_pairs(shunt, "--shunt"), zero=read_pairs(zero, "--zero"), dwell=_dwell(dwell), band=band, angle_count=angle_count,
+        offset=offset,
         sampling_rate=sampling_rate, keep_outliers=keep_outliers,
     )  # fmt: skip
     return _answer(file, answers, case, settings, write, asked)
@@ -146,7 +147,7 @@ class _Asked:
     open_page: bool
     created_at: datetime
 
-    def deliver(self, name: str, text: str, page: Page, data: dict[str, Any], write: Any, show: Any) -> None:
+    def deliver(self, name: str, text: str, page: Page, data: dict[str, Any], write: Any, show: Any, home: Path = Path()) -> None:
         """Keep the folder (page, files, run.json) and tell."""
         from valvetrain.cli.outcome import Outcome, deliver
         from valvetrain.cli.study_command import keep_run
@@ -159,7 +160,7 @@ class _Asked:
             pages.append(write_text(folder / "report.html", render(page)))
             return [*write(folder), *pages]
 
-        folder, files = keep_run(_Kept(_Named(name), self.output, self.created_at), text, {"name": name}, data, fill)
+        folder, files = keep_run(_Kept(_Named(name), self.output, self.created_at, folder=home), text, {"name": name}, data, fill)
         if self.open_page:
             import webbrowser
 
@@ -175,6 +176,7 @@ class _Asked:
 
 
 def _answer(file: Path, answers: RigAnswers, case: str | None, settings: list[str] | None, write: Path | None, asked: _Asked) -> None:
+    from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.progress import busy
     from valvetrain.report.file_names import FreeNames
     from valvetrain.report.rig_files import write_rig
@@ -189,8 +191,6 @@ def _answer(file: Path, answers: RigAnswers, case: str | None, settings: list[st
         check_target(write, "--write")
     chosen: Case | None = None
     if case is not None:
-        from valvetrain.cli.case_choice import choose_case
-
         chosen = choose_case(case, settings)
     with busy("cutting the recording into cycles"):
         result = rig_cycles(file, answers, chosen)
@@ -206,7 +206,8 @@ def _answer(file: Path, answers: RigAnswers, case: str | None, settings: list[st
         return written
 
     text = chosen.text if chosen is not None else f'name = "{name}"\n'
-    asked.deliver(name, text, rig_page(file.name, result), data, files, lambda console: _show(console, result))
+    home = folder_of(case) if case is not None else Path()
+    asked.deliver(name, text, rig_page(file.name, result), data, files, lambda console: _show(console, result), home)
 
 
 def _show(console: Console, result: RigResult) -> None:

@@ -25,7 +25,7 @@ def seen(
     gauge: tuple[str | None, str | None, str | None], deliver: Callable[..., None],
 ) -> None:  # fmt: skip
     """Run the case and tell true and recorded peaks; ``gauge``: --bandwidth, --sensor, --sampling-rate."""
-    from valvetrain.cli.case_choice import choose_case
+    from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.progress import busy
     from valvetrain.report.seen_page import data_of, seen_page
     from valvetrain.report.seen_page import write_seen as write
@@ -51,7 +51,7 @@ def seen(
         for sentence in notes_of(found):
             console.print(f"{sentence}.", soft_wrap=True)
 
-    deliver(chosen.name, chosen.text, page, data, files, show)
+    deliver(chosen.name, chosen.text, page, data, files, show, folder_of(case))
 
 
 def read_sensor(bandwidth: str | None, words: str | None, sampling_rate: str | None) -> Sensor:

@@ -23,6 +23,8 @@ MOST_VALUES = 50_000_000
 #: A cycle is an outlier where its distance to the median cycle is this many times the usual spread of distances, and this many times
 #: the usual distance; with fewer cycles nobody can tell.
 FAR, TIMES, FEWEST = 6.0, 2.0, 5
+#: Share of the swing of a cycle below which no distance matters.
+LEAST = 2e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +42,7 @@ class CycleGrid:
         return len(self.cut_times) - 1
 
 
-def grid_of(shaft: ShaftAngle, angles: int, offset: float, reach: float, span: tuple[float, float]) -> CycleGrid:
+def grid_of(shaft: ShaftAngle, angle_count: int, offset: float, reach: float, span: tuple[float, float]) -> CycleGrid:
     """The whole cycles of a shaft within ``span`` (s), where filters that reach ``reach`` (s) to either side have what they need.
 
     ``offset``: cam angle of the case at the mark (rad). Raises :class:`InputError` where no cycle is whole.
@@ -53,16 +55,18 @@ def grid_of(shaft: ShaftAngle, angles: int, offset: float, reach: float, span: t
     if last - first < 1:
         turns = (high - low) / TURN
         raise InputError(f"the recording holds no whole cycle, only {max(turns, 0):.2f} cam turns; give a longer one")
-    if (last - first) * angles > MOST_VALUES:
-        raise InputError(f"{last - first} cycles of {angles} angles are more than {MOST_VALUES:.0e} values; take fewer angles", "angles")
-    grid = np.linspace(0.0, TURN, angles, endpoint=False)
+    if (last - first) * angle_count > MOST_VALUES:
+        raise InputError(
+            f"{last - first} cycles of {angle_count} angles are more than {MOST_VALUES:.0e} values; take fewer angles", "angle_count"
+        )
+    grid = np.linspace(0.0, TURN, angle_count, endpoint=False)
     starts = TURN * np.arange(first, last + 1)
     cuts = shaft.times_at(starts - offset)
-    times = shaft.times_at((starts[:-1, np.newaxis] + grid - offset).ravel()).reshape(last - first, angles)
+    times = shaft.times_at((starts[:-1, np.newaxis] + grid - offset).ravel()).reshape(last - first, angle_count)
     return CycleGrid(grid, cuts, times, TURN / np.diff(cuts))
 
 
-def band_of(one: RigQuantity, band: float | None, angles: int | None, slowest: float) -> tuple[LowPass, int, str]:
+def band_of(one: RigQuantity, band: float | None, angle_count: int | None, slowest: float) -> tuple[LowPass, int, str]:
     """The low-pass of a channel, the points of a cam turn that hold it, and a sentence where the band is less than was asked for.
 
     ``slowest``: lowest speed of the cam (rad/s), at which a given grid of angles holds the lowest frequency.
@@ -71,7 +75,7 @@ def band_of(one: RigQuantity, band: float | None, angles: int | None, slowest: f
     wanted = min(band or told, told)
     turns = slowest / TURN
     need = 2 * EDGE * wanted / turns
-    points = angles or next((count for count in GRIDS if count >= need), GRIDS[-1])
+    points = angle_count or next((count for count in GRIDS if count >= need), GRIDS[-1])
     stop = min(points * turns / 2, 0.5 / one.step)
     kept = min(wanted, stop / EDGE)
     note = ""
@@ -81,13 +85,13 @@ def band_of(one: RigQuantity, band: float | None, angles: int | None, slowest: f
     return LowPass(one.step, kept, kept * EDGE), points, note
 
 
-def dwell_of(lift: Array, cam_angle: Array) -> tuple[float, float] | None:
+def dwell_of(mean_lift: Array, cam_angle: Array) -> tuple[float, float] | None:
     """First and last angle (rad; the last may be beyond one turn) of the longest part in which a mean lift rests; None where none does."""
-    low, high = float(np.nanpercentile(lift, 2)), float(np.nanmax(lift))
-    resting = lift < low + 0.02 * (high - low)
+    low, high = float(np.nanpercentile(mean_lift, 2)), float(np.nanmax(mean_lift))
+    resting = mean_lift < low + 0.02 * (high - low)
     if resting.all() or not resting.any():
         return None
-    count = len(lift)
+    count = len(mean_lift)
     begins = np.flatnonzero(resting & ~np.roll(resting, 1))
     lengths = [int(np.argmin(np.append(np.roll(resting, -begin), False))) for begin in begins]
     longest = int(np.argmax(lengths))
@@ -122,7 +126,7 @@ def outliers_of(values: Array) -> list[tuple[int, str]]:
     away = np.sqrt(np.mean((values - middle) ** 2, axis=1))
     usual = float(np.median(away[whole]))
     spread = 1.4826 * float(np.median(np.abs(away[whole] - usual)))
-    far = np.flatnonzero(whole & (away > usual + FAR * spread) & (away > TIMES * usual))
+    far = np.flatnonzero(whole & (away > usual + FAR * spread) & (away > TIMES * usual) & (away > LEAST * np.ptp(middle)))
     return found + [
         (int(place), f"lies {away[place] / max(usual, 1e-300):.3g} times as far from the median cycle as usual") for place in far
     ]

@@ -47,8 +47,8 @@ class LiftAlignment:
         return found
 
 
-def align_lift(rig_angle: Array, measured: Array, lift: Callable[[Array], Array]) -> LiftAlignment:
-    """Lay a mean measured lift (m) over ``rig_angle`` (rad of cam, even steps over one turn) over ``lift`` (m of rad, periodic).
+def align_lift(rig_angle: Array, measured: Array, case_lift: Callable[[Array], Array]) -> LiftAlignment:
+    """Lay a mean measured lift (m) over ``rig_angle`` (rad of cam, even steps over one turn) over ``case_lift`` (m of rad, periodic).
 
     Least squares in the offset of either flank, gain and base, begun at the best of all shifts by whole steps. Raises
     :class:`InputError` where either lift does not rise.
@@ -58,11 +58,11 @@ def align_lift(rig_angle: Array, measured: Array, lift: Callable[[Array], Array]
         raise InputError("there is no measured lift to align by; give the offset", "offset")
     grid, count = np.asarray(rig_angle, dtype=np.float64), len(rig_angle)
     one = np.interp(grid, grid[known], measured[known], period=TURN)
-    two = np.asarray(lift(grid), dtype=np.float64)
+    two = np.asarray(case_lift(grid), dtype=np.float64)
     if np.ptp(one) <= 0 or np.ptp(two) <= 0:
         raise InputError("a lift that never rises aligns nothing; name the channel of the lift, or give the offset", "offset")
     likeness = np.fft.irfft(np.conj(np.fft.rfft(one - one.mean())) * np.fft.rfft(two - two.mean()), count)
-    flanks, gain, base, spreads = _fitted(grid, one, lift, float(grid[int(np.argmax(likeness))]))
+    flanks, gain, base, spreads = _fitted(grid, one, case_lift, float(grid[int(np.argmax(likeness))]))
     offset, half = sum(flanks) / 2, (flanks[0] - flanks[1]) / 2
     # flanks that lie further apart than noise moves them say that the lift is not that of the case
     uncertainty = float(np.hypot(spreads[0], np.sqrt(max(half**2 - spreads[1] ** 2, 0.0))))
@@ -70,7 +70,15 @@ def align_lift(rig_angle: Array, measured: Array, lift: Callable[[Array], Array]
     placed: Array = ((grid + offset) % TURN)[order]
     wrapped = float((offset + np.pi) % TURN - np.pi)
     return LiftAlignment(
-        wrapped, uncertainty, wrapped + half, wrapped - half, gain, base, placed, one[order], np.asarray(lift(placed), dtype=np.float64)
+        wrapped,
+        uncertainty,
+        wrapped + half,
+        wrapped - half,
+        gain,
+        base,
+        placed,
+        one[order],
+        np.asarray(case_lift(placed), dtype=np.float64),
     )
 
 

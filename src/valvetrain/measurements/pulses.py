@@ -72,9 +72,9 @@ def numbered(times: Array, teeth: int, missing: int, name: str) -> Teeth:
         gaps = _of_the_wheel(numbers, gaps, teeth, missing, name)
     lost = np.flatnonzero((steps > 1) & ~np.isin(np.arange(1, len(times)), gaps))
     if not missing and len(lost) > 2 and len(set(np.diff(numbers[lost + 1]).tolist())) == 1:
-        every = int(np.diff(numbers[lost + 1])[0])
+        every, gone = int(np.diff(numbers[lost + 1])[0]), int(steps[lost[0]]) - 1
         raise InputError(
-            f"'{name[:80]}' lacks {int(steps[lost[0]]) - 1} of every {every} teeth; say teeth {every} and missing {int(steps[lost[0]]) - 1}",
+            f"'{name[:80]}' lacks {gone} of every {every} teeth; say teeth {every} and missing {gone}",
             "missing",
         )
     if len(lost):

@@ -12,7 +12,7 @@ from valvetrain.units import Given, si
 #: Question -> how it reads in a refusal.
 QUESTIONS = {
     "channels": "which channels are measured quantities, such as spring_force=NAME",
-    "shaft": "which channel tells the angle (angle, pulses or once)",
+    "shaft": "which channel tells the angle (encoder, pulses or once)",
     "angle_of": "whether the shaft of the angle is the cam or the crank",
     "teeth": "how many teeth the pulses come from",
     "sampling_rate": "the sampling rate",
@@ -22,7 +22,7 @@ QUESTIONS = {
 }  # fmt: skip
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 #: Bounds of whole numbers.
-_BOUNDS = {"teeth": (1, 100_000), "missing": (0, 10), "angles": (8, 28_800)}
+_BOUNDS = {"teeth": (1, 100_000), "missing": (0, 10), "angle_count": (8, 28_800)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +32,7 @@ class RigAnswers:
     Parameters
     ----------
     channels : quantity -> name of its channel, such as ``{"spring_force": "Force 1"}``; by names that tell, where empty
-    angle : name of the channel of an encoder's angle
+    encoder : name of the channel of an encoder's angle
     pulses : name of the channel of a toothed wheel or encoder track
     index : name of the channel that marks a place of that wheel
     once : name of a channel of one pulse a turn
@@ -44,7 +44,7 @@ class RigAnswers:
     zero : quantity -> what it is in the dwell, such as ``{"spring_force": "240 N"}``; a lift is zero there unless told otherwise
     dwell : first and last cam angle of the dwell; found from the lift, where there is one
     band : Hz, or text; the highest frequency that is kept of every channel, such as the bandwidth of the gauge
-    angles : points of a cam turn; enough for the band, where None
+    angle_count : points of a cam turn; enough for the band, where None
     offset : cam angle of the case at the mark of the rig; found from the lift, where a case is given
     sampling_rate : 1/s, or text; where the file has no times
     keep_outliers : keep cycles that differ from all others
@@ -54,7 +54,7 @@ class RigAnswers:
     """
 
     channels: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
-    angle: str = ""
+    encoder: str = ""
     pulses: str = ""
     index: str = ""
     once: str = ""
@@ -67,7 +67,7 @@ class RigAnswers:
     zero: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
     dwell: tuple[Given, Given] | None = None
     band: Given | None = None
-    angles: int | None = None
+    angle_count: int | None = None
     offset: Given | None = None
     sampling_rate: Given | None = None
     keep_outliers: bool = False

@@ -24,7 +24,7 @@ _MEANINGS = (
 #: Words of a channel's name -> what it tells of the shaft.
 _SHAFT = (
     (r"once|trigger|cam.?pulse|tdc|\bot\b|index", "once"), (r"wheel|teeth|tooth|pulses|encoder.?track", "pulses"),
-    (r"angle|encoder|winkel|°", "angle"),
+    (r"angle|encoder|winkel|°", "encoder"),
 )  # fmt: skip
 #: Units as rigs write them -> SI value and dimension, beside those of the package.
 _UNITS = {
@@ -52,7 +52,7 @@ class RigQuantity:
 
 @dataclass(frozen=True, eq=False)
 class Chosen:
-    """Channels by their meaning: ``measured`` quantities, and what tells the shaft (``kind``: angle, pulses or once; SI for an angle)."""
+    """Channels by their meaning: ``measured`` quantities, and what tells the shaft (``kind``: encoder, pulses or once; SI for an angle)."""
 
     measured: tuple[RigQuantity, ...]
     kind: str
@@ -81,7 +81,7 @@ def chosen_channels(recording: Recording, answers: RigAnswers, name: str) -> Cho
         for quantity, one, at in ((quantity, one, even[id(one)]) for quantity, one in measured.items())
     )
     turned = even[id(shaft)]
-    if kind == "angle":
+    if kind == "encoder":
         turned = replace(turned, values=turned.values * _known_unit(answers.units.get(shaft.name) or shaft.unit or "deg")[0])
         if not (answers.units.get(shaft.name) or shaft.unit):
             notes.append(f"the angle of '{shaft.name}' is taken to be in degrees")
@@ -92,10 +92,10 @@ def _measured(recording: Recording, answers: RigAnswers, name: str) -> dict[str,
     if answers.channels:
         return {quantity: _named(recording, channel, "channels", name) for quantity, channel in answers.channels.items()}
     found: dict[str, RigChannel] = {}
-    shaft = {answers.angle, answers.pulses, answers.index, answers.once}
+    shaft = {answers.encoder, answers.pulses, answers.index, answers.once}
     for channel in recording.channels:
         word = _meaning(channel.name, _MEANINGS)
-        if word and channel.name not in shaft and not (_meaning(channel.name, _SHAFT) == "angle" and word == "valve_lift"):
+        if word and channel.name not in shaft and not (_meaning(channel.name, _SHAFT) == "encoder" and word == "valve_lift"):
             if word in found:
                 raise InputError(
                     f"{name[:80]} has two channels that may be {word}, '{found[word].name[:40]}' and '{channel.name[:40]}'; name one",
@@ -111,11 +111,11 @@ def _meaning(name: str, table: tuple[tuple[str, str], ...]) -> str:
 
 def _shaft(recording: Recording, answers: RigAnswers, name: str) -> tuple[str, RigChannel | None]:
     """What tells the angle: the channel that was named, else by names; teeth are asked for pulses, so a smooth angle goes first."""
-    for kind in ("pulses", "angle", "once"):
+    for kind in ("pulses", "encoder", "once"):
         if word := getattr(answers, kind):
             return kind, _named(recording, word, kind, name)
     known = {_meaning(channel.name, _SHAFT): channel for channel in reversed(recording.channels)}
-    order = ("pulses", "angle", "once") if answers.teeth else ("angle", "once", "pulses")
+    order = ("pulses", "encoder", "once") if answers.teeth else ("encoder", "once", "pulses")
     return next(((kind, known[kind]) for kind in order if kind in known), ("", None))
 
 
@@ -139,7 +139,7 @@ def _open_questions(
     if not measured:
         found.append(("channels", f"{QUESTIONS['channels']} (it has {listed})"))
     if shaft is None:
-        found.append(("angle", f"{QUESTIONS['shaft']}{'' if not measured else f' (it has {listed})'}"))
+        found.append(("encoder", f"{QUESTIONS['shaft']}{'' if not measured else f' (it has {listed})'}"))
     if not answers.angle_of:
         found.append(("angle_of", QUESTIONS["angle_of"]))
     if kind == "pulses" and answers.teeth is None:

@@ -24,6 +24,8 @@ from valvetrain.units import parse_quantity
 Array = NDArray[np.float64]
 #: Angles at which the dwell is looked for.
 DWELL_ANGLES = 720
+#: Share by which speeds of cycles may differ before it is told.
+STEADY = 0.05
 Lift = Callable[[Array], Array]
 
 
@@ -33,17 +35,17 @@ class _Filtered(NamedTuple):
     values: Array
 
 
-def cycles_in(recording: Recording, name: str, answers: RigAnswers, lift: Lift | None = None) -> RigResult:
+def cycles_in(recording: Recording, name: str, answers: RigAnswers, case_lift: Lift | None = None) -> RigResult:
     """The cycles in a recording.
 
-    Parameters: ``name`` of the file for messages; ``lift`` of the case (m of cam rad, periodic), by which the angle is aligned where no
+    Parameters: ``name`` of the file for messages; ``case_lift`` (m of cam rad, periodic), by which the angle is aligned where no
     offset is stated. Raises :class:`InputError` for open questions (all in one sentence) and recordings without a whole cycle.
     """
     chosen = chosen_channels(recording, answers, name)
     shaft, notes = shaft_of(chosen, answers), list(chosen.notes)
     notes += shaft.notes
-    slowest = float(np.min(np.diff(shaft.angles) / np.diff(shaft.times)))
-    bands = [band_of(one, answers.band, answers.angles, slowest) for one in chosen.measured]  # type: ignore[arg-type]
+    slowest = float(np.min(np.diff(shaft.cam_angles) / np.diff(shaft.times)))
+    bands = [band_of(one, answers.band, answers.angle_count, slowest) for one in chosen.measured]  # type: ignore[arg-type]
     notes += [note for _, _, note in bands if note]
     angles = max(points for _, points, _ in bands)
     filters = [filter_ for filter_, _, _ in bands]
@@ -56,7 +58,7 @@ def cycles_in(recording: Recording, name: str, answers: RigAnswers, lift: Lift |
             _Filtered(one, by, by.at(one.values, one.start, grid.times)) for one, by in zip(chosen.measured, filters, strict=True)
         ]
 
-    offset, alignment = _offset(answers, lift, chosen.measured, cut, notes)
+    offset, alignment = _offset(answers, case_lift, chosen.measured, cut, notes)
     grid, filtered = cut(offset)
     outliers = _outliers(filtered)
     kept = tuple(place for place in range(grid.cycles) if answers.keep_outliers or place not in outliers)
@@ -117,7 +119,13 @@ def _channels(
 ) -> tuple[RigChannelCycles, ...]:  # fmt: skip
     dwell = _dwell(filtered, shaft, grid, offset[0], answers, notes)
     edges = None if dwell is None else _dwell_times(dwell, shaft, grid, offset[0], left_out)
-    speed = float(np.mean(grid.cam_speeds[list(kept)]))
+    speeds = grid.cam_speeds[list(kept)]
+    speed = float(np.mean(speeds))
+    if np.ptp(speeds) > STEADY * speed:
+        notes.append(
+            f"the cam speed of the cycles differs by {100 * np.ptp(speeds) / speed:.2g} %: a mean over them is none of one speed; cut the "
+            "recording where one is wanted"
+        )
     found = []
     for raw, by, values in filtered:
         level = _zero(raw.quantity, answers)
@@ -132,7 +140,7 @@ def _channels(
         told = [f"low-passed without phase, flat to {by.pass_band:.5g} Hz and down by 80 dB from {by.stop_band:.5g} Hz on"]
         if len(taken_off):
             told.append(f"zero taken off in the dwell: {taken_off.min():.4g} to {taken_off.max():.4g} {raw.unit}")
-        spread = mean_spread(values, float(grid.cam_angle[1]), float(np.hypot(offset[1], shaft.scatter / np.sqrt(len(kept)))))
+        spread = mean_spread(values, float(grid.cam_angle[1]), float(np.hypot(offset[1], shaft.repeated)))
         cycles = MeasuredCycles(raw.quantity, raw.unit, grid.cam_angle, values, speed, name, synthetic, tuple(told))
         found.append(RigChannelCycles(cycles, raw, by.pass_band, spread, taken_off))
     return tuple(found)
@@ -170,7 +178,7 @@ def _dwell_times(dwell: tuple[float, float], shaft: ShaftAngle, grid: CycleGrid,
     """Times (s) at which each dwell within the recording begins and ends, shape (dwells, 2); none of a cycle that is an outlier."""
     turns = np.round((shaft.angle_at(grid.cut_times) + offset) / TURN)
     edges = TURN * np.arange(turns[0] - 1, turns[-1] + 1)[:, np.newaxis] + np.array(dwell) - offset
-    inside = (edges[:, 0] >= shaft.angles[0]) & (edges[:, 1] <= shaft.angles[-1])
+    inside = (edges[:, 0] >= shaft.cam_angles[0]) & (edges[:, 1] <= shaft.cam_angles[-1])
     times: Array = shaft.times_at(edges[inside])
     begins, ends = grid.cut_times[:-1], grid.cut_times[1:]
     good = [not any(first < ends[place] and last > begins[place] for place in left_out) for first, last in times]

@@ -20,7 +20,7 @@ def shaft_of(chosen: Chosen, answers: RigAnswers) -> ShaftAngle:
     """Cam angle over time. Raises :class:`InputError` for pulses that do not fit their wheel and shafts that do not turn."""
     ratio = 1 if answers.angle_of == "cam" else RATIO
     channel = chosen.shaft
-    if chosen.kind == "angle":
+    if chosen.kind == "encoder":
         return _by_angle(channel, ratio)
     edges = rising_edges(channel.values, channel.start, channel.step, channel.name)
     if chosen.kind == "once":
@@ -37,8 +37,9 @@ def _by_angle(channel: RigChannel, ratio: int) -> ShaftAngle:
     angles, period = unwrapped(channel.values, channel.name)
     times: Array = channel.start + channel.step * np.arange(len(angles), dtype=np.float64)
     notes = []
-    if channel.values[-1] < channel.values[0] and not np.isfinite(period):
-        notes.append(f"angle '{channel.name}' falls, so it is turned round")
+    if angles[-1] < angles[0]:
+        angles = -angles
+        notes.append(f"angle '{channel.name}' falls, so its sign is changed: the cam turns with rising angle")
     # how often the file's angle passes zero: a crank's that runs over two turns tells which turn of the cycle it is
     if ratio == RATIO and period == TURN:
         notes.append(_HALF)

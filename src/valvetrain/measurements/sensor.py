@@ -55,7 +55,7 @@ class Sensor:
     zero_phase : the rig filters forward and backward, as in ``filtfilt``: no delay, -6 dB at the bandwidth
     natural_frequency : of the gauge on its mounting (Hz, or text); or
     mounting_stiffness, moved_mass : N/m and kg, from which it follows: sqrt(k / m) / (2 pi)
-    damping_ratio : of that resonance, 0 to 2
+    damping_ratio : of that resonance, above 0 to 2; needed with it, such as 0.02 for a bare quartz
     sampling_rate : 1/s, or text
     resolution : step of the recorded values, in the unit of the trace; 0 for none
 
@@ -72,7 +72,7 @@ class Sensor:
     natural_frequency: Given | None = None
     mounting_stiffness: Given | None = None
     moved_mass: Given | None = None
-    damping_ratio: float = 0.02
+    damping_ratio: float = 0.0
     sampling_rate: Given | None = None
     resolution: float = 0.0
 
@@ -95,6 +95,8 @@ class Sensor:
             raise InputError("mounting_stiffness and moved_mass belong together; give both, or the natural frequency", "moved_mass")
         if self.natural_frequency is not None and self.mounting_stiffness is not None:
             raise InputError("give the natural frequency, or stiffness and mass of the mounting, not both", "natural_frequency")
+        if self.resonance is not None and not self.damping_ratio > 0:
+            raise InputError("a resonance without damping rings for ever; give its damping_ratio, such as 0.02", "damping_ratio")
 
     @property
     def resonance(self) -> float | None:
@@ -108,9 +110,9 @@ class Sensor:
         """Highest frequency (Hz) that matters to the gauge; 0 for an ideal one."""
         return max((float(one) for one in (self.bandwidth, self.resonance) if one is not None), default=0.0)
 
-    def gain(self, frequencies: Array) -> Array:
-        """Amplitude seen over true one at ``frequencies`` (Hz), by the transfer function."""
-        points, out = 2j * np.pi * np.asarray(frequencies, dtype=float), np.ones(len(frequencies))
+    def gain(self, signal_frequencies: Array) -> Array:
+        """Amplitude seen over true one at ``signal_frequencies`` (Hz), by the transfer function."""
+        points, out = 2j * np.pi * np.asarray(signal_frequencies, dtype=float), np.ones(len(signal_frequencies))
         for poles, twice in self._stages():
             one = np.abs(np.prod([-pole / (points - pole) for pole in poles], axis=0))
             out = out * (one**2 if twice else one)

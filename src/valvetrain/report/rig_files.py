@@ -10,11 +10,14 @@ from valvetrain.measurements.cycles_file import write_cycles
 from valvetrain.measurements.rig_result import RigResult
 from valvetrain.solution.atomic import write_text
 
+#: Values of a channel beyond which its cycles are not written as text besides.
+MOST_IN_TEXT = 2_000_000
+
 
 def write_rig(result: RigResult, folder: Path) -> list[Path]:
     """``cycles.nc`` with every channel, ``<quantity>.csv`` with the cycles of each, ``means.csv`` with means, scatter and bands."""
     files = [write_cycles(folder / "cycles.nc", result.cycles)]
-    files += [write_cycles(folder / f"{one.quantity}.csv", [one]) for one in result.cycles]
+    files += [write_cycles(folder / f"{one.quantity}.csv", [one]) for one in result.cycles if one.values.size <= MOST_IN_TEXT]
     heads, columns = ["cam angle [deg]"], [np.degrees(result.grid.cam_angle)]
     for channel in result.channels:
         one = channel.cycles

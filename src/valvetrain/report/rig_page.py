@@ -155,7 +155,7 @@ def spectrum_chart(one: RigChannelCycles, result: RigResult) -> Chart:
         (Line(1e-3 * before[0], np.maximum(before[1], 1e-7 * top), "as recorded", theme.MUTED, 1.0),
          Line(1e-3 * after[0], np.maximum(after[1], 1e-7 * top), "over the cam angle", theme.SERIES[0], 1.1)),
         bands=(Band(0.0, 1e-3 * one.band, "kept"),), x_range=(0.0, 0.5e-3 / one.raw.step), y_log=True,
-        y_range=(1e-6 * top, 2 * top),
+        y_range=(1e-5 * top, 2 * top),
     )  # fmt: skip
     caption = (
         "Hann window, largest of neighbouring lines. What lies beyond the band is cut before the grid of angles, so it cannot fold back."

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from valvetrain.measurements.rig_result import RigChannelCycles, RigResult, student
-from valvetrain.report.words import number
+from valvetrain.report.words import number, unit_words
 from valvetrain.solution.definition import BY_LAST_WORD
 from valvetrain.units import unit_factor
 
@@ -15,6 +15,8 @@ from valvetrain.units import unit_factor
 HEAD = ("channel", "", "mean", "95 %", "scatter", "unit", "at cam deg", "scatter")
 #: Columns of numbers among them.
 NUMBERS = (2, 3, 4, 6, 7)
+#: Scatter (cam deg) of the angle of an extreme from which on it has no place.
+FLAT = 15.0
 RPM = 30 / np.pi
 
 
@@ -23,7 +25,7 @@ def shown_unit(quantity: str, unit: str) -> tuple[str, float]:
     if quantity == "strain":
         return "µm/m", 1e6
     usual = BY_LAST_WORD.get(quantity.rsplit("_", 1)[-1])
-    return (usual[1], 1 / unit_factor(usual[1])) if usual and usual[1] else ("" if unit == "1" else unit, 1.0)
+    return (unit_words(usual[1]), 1 / unit_factor(usual[1])) if usual and usual[1] else ("" if unit == "1" else unit_words(unit), 1.0)
 
 
 def figures_of(channel: RigChannelCycles) -> list[dict[str, Any]]:
@@ -57,13 +59,11 @@ def channel_rows(result: RigResult) -> list[tuple[str, ...]]:
         rows.append((words, "largest of the mean", number(mean[place] * factor, 5), within, "", unit, angle, ""))
         for one in figures_of(channel):
             interval = f"±{number(one['interval'] * factor, 2)}" if one["interval"] else ""
-            rows.append(
-                (
-                    channel.cycles.quantity.replace("_", " "), f"{one['figure']} of a cycle", number(one["mean"] * factor, 5), interval,
-                    number(one["scatter"] * factor, 2), unit, f"{np.degrees(one['cam_angle']):.1f}",
-                    f"{np.degrees(one['scatter_of_angle']):.2g}",
-                )
-            )  # fmt: skip
+            found = f"{one['figure']} of a cycle", number(one["mean"] * factor, 5), interval, number(one["scatter"] * factor, 2), unit
+            away = float(np.degrees(one["scatter_of_angle"]))
+            # an extreme of the dwell lies anywhere in it
+            at = (f"{np.degrees(one['cam_angle']):.1f}", f"{away:.2g}") if away < FLAT else ("", "")
+            rows.append((words, *found, *at))
     return rows
 
 

@@ -101,7 +101,7 @@ def seen_chart(one: SeenChannel, place: int) -> Chart:
         layers = (*layers, Marks(at, values, "samples", theme.SERIES[1], size=3.5, filled=True))
     label = f"{one.channel.replace('_', ' ')} ({unit})"
     panel = Panel("time (ms)", label, layers, x_range=(1e3 * reach[0], 1e3 * reach[1]))
-    caption = f"{_run_of(one)}. Peak {number(one.true_peak * factor, 5)} {unit}, recorded {number(one.seen.peak * factor, 5)} {unit}."
+    caption = f"True peak {number(one.true_peak * factor, 5)} {unit}; {number(one.seen.peak * factor, 5)} {unit} as the samples fall here."
     return Chart(f"seen-{place + 1}", f"{one.channel.replace('_', ' ').capitalize()}, {_run_of(one)}", caption, (panel,), 1, 340)
 
 
