@@ -12,7 +12,7 @@ from valvetrain.errors import InputError
 from valvetrain.quantities.adequacy import adequacy_test, independent_places, ring_weights
 from valvetrain.quantities.agreement import agreement, best_shift, shifted
 from valvetrain.quantities.difference_band import difference_band
-from valvetrain.quantities.trace_events import extreme_rows, scatter_of_mean
+from valvetrain.quantities.trace_events import extreme_rows, interval_row, scatter_of_mean, spike_rows
 from valvetrain.studies.shared_errors import SharedErrors
 
 ANGLES = 144
@@ -160,3 +160,25 @@ def test_errors_that_all_repeats_share_are_counted():
         alone.append(not adequacy_test(values, truth(angle), ring=True).adequate)
         held.append(not difference_band(values, truth(angle), shared=common).outside.any())
     assert 0.01 <= np.mean(refuted) <= 0.09 and np.mean(alone) > 0.7 and np.mean(held) >= 0.93
+
+
+def test_spikes_and_their_distance_are_those_that_were_drawn():
+    """Spikes of known places and heights: three at 27 degrees in the test, the model's 26.5 apart and 30 N lower, one more."""
+    angle = np.arange(1440) * 2 * np.pi / 1440
+
+    def curve(places, height):
+        base = 300 + 500 * np.exp(-(((angle - np.pi) / 0.5) ** 2))
+        return base + sum(height * np.exp(-(((np.degrees(angle) - place) / 1.5) ** 2)) for place in places)
+
+    values = curve([250.0, 277.0, 304.0, 40.0], 200.0) + 0.5 * repeats(np.random.default_rng(11), 8, 1440)
+    model = curve([251.0, 277.5, 304.0], 170.0)
+    rows = spike_rows(angle, values, model, scatter_of_mean(values)[:50])
+    told = {(row.name, row.dimension): row for row in rows}
+    assert [round(np.degrees(row.test)) for row in rows if row.dimension == "angle"] == [40, 180, 250, 277, 304]
+    assert np.isnan(told["spike 1", "value"].model) and told["spike 1", "value"].outside is None
+    for place, due in ((3, 251.0), (4, 277.5), (5, 304.0)):
+        assert np.degrees(told[f"spike {place}", "angle"].model) == pytest.approx(due, abs=0.02)
+        assert told[f"spike {place}", "value"].difference == pytest.approx(-30.0, abs=3.0) and told[f"spike {place}", "value"].outside
+    interval = interval_row(rows, np.radians(233.0), 2 * np.pi)
+    assert np.degrees([interval.model, interval.test]) == pytest.approx([26.5, 27.0], abs=0.05)
+    assert interval.name == "interval of 3 spikes" and interval_row(rows[:2], 0.0, 7.0) is None

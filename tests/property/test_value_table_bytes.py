@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from valvetrain.errors import InputError
 from valvetrain.measurements.content import text_of
 from valvetrain.measurements.value_table import is_value_table, values_in
+from valvetrain.studies.tested import read_test
 
 CELLS = st.one_of(
     st.floats(width=32).map(repr), st.sampled_from(["N", "mm", "1 %", "-5 %", "", "nan", "1e999", "deg", "peak_lift", '"', "9 rpm"]),
@@ -50,3 +51,19 @@ def test_a_value_comes_back_as_it_was_written(value, scatter, unit):
     one = values_in(text, "own").values[0]
     factor = {"N": 1.0, "mm": 1e-3, "m/s": 1.0, "deg": np.pi / 180}[unit]
     assert np.allclose((one.value, one.scatter), (value * factor, scatter * factor), rtol=1e-12, atol=0.0)
+
+
+@settings(max_examples=80, deadline=None)
+@given(
+    st.one_of(st.binary(max_size=200), ROWS.map(str.encode)),
+    st.sampled_from([b"", b"\x89HDF\r\n\x1a\n", b"# quantity: valve_lift\n# unit: mm\n"]),
+)
+def test_a_file_is_cycles_or_values_or_refused(tmp_path_factory, content, begin):
+    file = tmp_path_factory.getbasetemp() / "any-test"
+    file.write_bytes(begin + content)
+    try:
+        found = read_test(file)
+    except InputError as error:
+        assert "\n" not in str(error) and len(str(error)) < 400
+        return
+    assert found.values is not None

@@ -25,7 +25,8 @@ def compare_test_json(found: ModelAgainstTest) -> dict[str, Any]:
     return {
         "case": found.study.record.name, "quantity": found.quantity, "synthetic": test.synthetic, "source": test.source,
         "repeats": len(test.values) if isinstance(test, MeasuredCycles) else test.repeats,
-        "verdict": verdict_sentences(found) if found.runs else [], "notes": list(found.notes), "runs": [_run(one) for one in found.runs],
+        "verdict": verdict_sentences(found) if found.runs else [], "notes": list(found.notes),
+        "runs": [_run(one, found.study.engine_speeds[0] / 2) for one in found.runs],
         "closer": [
             {"first": one.first, "second": one.second, "first_mean_square": one.first_square, "second_mean_square": one.second_square,
              "student": one.student, "p_value": one.p_value, "sentence": one.sentence}
@@ -34,13 +35,13 @@ def compare_test_json(found: ModelAgainstTest) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _run(one: RunAgainstTest) -> dict[str, Any]:
+def _run(one: RunAgainstTest, cam_speed: float) -> dict[str, Any]:
     near = one.agreement
     data: dict[str, Any] = {"label": one.label, "model": one.model, "sentence": one.sentence, "f_test": _test(one.adequacy)}
     if near is not None:
         data["agreement"] = {
             name: getattr(near, name) for name in ("bias", "rms", "correlation", "shift", "shift_reach", "rest", "scatter")
-        }  # fmt: skip
+        } | {"shift_time": near.shift / cam_speed}  # fmt: skip
     if one.band is not None:
         data["band"] = {"factor": one.band.factor, "level": one.band.level, "share_outside": float(one.band.outside.mean())}
     if one.events:
