@@ -339,6 +339,19 @@ def test_a_model_is_seen_through_the_gauge_of_the_test():
     assert late.shift > 3 * late.shift_reach
 
 
+def test_a_model_without_the_curve_is_left_out_and_said():
+    """A massless spring has no coils."""
+    run = vt.simulate("job-t", SPEED, spring_models=CHAIN).solutions[0]
+    angle = np.arange(180) * 2 * np.pi / 180
+    moved = trace_of(run, "coil_3_displacement").at(angle)
+    test = MeasuredCycles("coil_3_displacement", "m", angle, moved + 1e-5 * np.outer([1.0, -1.0, 0.5, -0.5], np.cos(angle)), 50 * np.pi)
+    found = compared(test, spring_models=("massless", "multi-mass"))
+    assert [one.label for one in found.runs] == ["multi-mass"] and "of which massless tells nothing" in " ".join(found.notes)
+    assert found.best.adequacy.adequate and "mm²" in render(compare_test_page(found))
+    with pytest.raises(InputError, match="the massless run tells no curve"):
+        compared(test, spring_models=("massless",))
+
+
 def test_a_table_has_no_gauge():
     with pytest.raises(InputError, match="those of a bandwidth"):
         compared(ValueTable((MeasuredValue("peak_spring_force", "N", np.array([1.0]), 1.0),)), sensor=Sensor(bandwidth="1 kHz"))

@@ -68,9 +68,10 @@ def agreement_rows(found: ModelAgainstTest) -> list[Row]:
         if one.agreement is None:
             continue
         near = one.agreement
+        bias = near.bias if abs(near.bias) > 1e-9 * near.rms else 0.0
         reach = f"±{number(math.degrees(near.shift_reach), 2)}" if math.isfinite(near.shift_reach) else ""
         rows.append(
-            (one.label, number(near.bias * factor, 3), number(near.rms * factor, 3), number(near.rest * factor, 3),
+            (one.label, number(bias * factor, 3), number(near.rms * factor, 3), number(near.rest * factor, 3),
              f"{near.correlation:.5f}", number(math.degrees(near.shift), 3), reach)
         )  # fmt: skip
     return rows
@@ -108,7 +109,8 @@ def adequacy_rows(found: ModelAgainstTest) -> list[Row]:
 def adequacy_heads(found: ModelAgainstTest) -> Row:
     """Headings of :func:`adequacy_rows`; variances carry the square of the unit."""
     unit, _ = unit_of_test(found)
-    square = f" ({unit}²)" if unit else ""
+    squared = f"({unit})²" if "/" in unit else f"{unit}²"
+    square = f" ({squared})" if unit else ""
     return ("model", f"adequacy{square}", f"reproducibility{square}", "F", "degrees of freedom", "critical F", "p", "verdict")
 
 

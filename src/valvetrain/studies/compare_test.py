@@ -179,10 +179,11 @@ def _with_cycles(
 ) -> ModelAgainstTest:  # fmt: skip
     whole = whole_cycles(test)
     runs, failures = _completed(study)
-    for run in runs[:1]:
-        check_unit(trace_of(run, whole.quantity, active.get(run.label, {})), whole)
+    told, silent = _that_tell(runs, whole, active)
+    if silent:
+        notes = (*notes, f"the test gives {whole.quantity}, of which {', '.join(silent)} tells nothing; it is left out")
     stages = _stages(study)
-    found = [against_cycles(run, whole, stages, sensor, fitted, level, active.get(run.label, {}), shared) for run in runs]
+    found = [against_cycles(run, whole, stages, sensor, fitted, level, active.get(run.label, {}), shared) for run in told]
     found.sort(key=lambda one: one.agreement.rms if one.agreement is not None else math.inf)
     weights, _ = ring_weights(whole.cam_angle)
     rows = tuple(
@@ -193,6 +194,22 @@ def _with_cycles(
         notes = (*notes, f"all cycles are taken to share errors of {shared.words(whole.unit)} (standard deviations), beside their scatter")
     said = (*notes, *whole.notes, *few_notes(len(whole.values)), *likeness_notes(whole))
     return ModelAgainstTest(study, whole, tuple(found), rows, said, failures)
+
+
+def _that_tell(runs: Sequence[Solution], test: MeasuredCycles, active: Mapping[str, Active]) -> tuple[list[Solution], list[str]]:
+    """Runs that tell the curve of the test, and labels of the others. Raises :class:`InputError` where none does, or the unit differs."""
+    told, refused = [], []
+    for run in runs:
+        try:
+            trace = trace_of(run, test.quantity, active.get(run.label, {}))
+        except InputError as error:
+            refused.append((run.label, error))
+            continue
+        check_unit(trace, test)
+        told.append(run)
+    if refused and not told:
+        raise refused[-1][1]
+    return told, [label for label, _ in refused]
 
 
 def _stages(study: Study) -> tuple[Stage, ...]:
