@@ -26,9 +26,24 @@ from valvetrain.report.page import render
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
+from valvetrain.studies import compare_test
 
 SPEED = "3000 rpm"
 CHAIN = ("multi-mass",)
+RUNS: dict[object, vt.Study] = {}
+
+
+@pytest.fixture(autouse=True)
+def one_run_of_each(monkeypatch):
+    """The computation itself is tested elsewhere: each run that is asked for is computed once."""
+    monkeypatch.setattr(compare_test, "simulate", remembered)
+
+
+def remembered(case, speeds, **more):
+    key = case.name, case.text, speeds, tuple(more["spring_models"]), more["workers"]
+    if key not in RUNS:
+        RUNS[key] = vt.simulate(case, speeds, **more)
+    return RUNS[key]
 
 
 @cache
@@ -184,7 +199,7 @@ def test_runs_that_fail_are_told_and_no_run_is_no_verdict(tmp_path, monkeypatch)
     monkeypatch.chdir(tmp_path)
     whole = vt.simulate("job-t", SPEED, spring_models=CHAIN)
     lost = replace(whole.solutions[0], status=Status("diverged", "the force grew without bound", remedy="take a smaller step"))
-    monkeypatch.setattr("valvetrain.studies.compare_test.simulate", lambda *_, **__: replace(whole, solutions=(lost,)))
+    monkeypatch.setattr(compare_test, "simulate", lambda *_, **__: replace(whole, solutions=(lost,)))
     found = compared(cycles())
     assert not found.runs and "multi-mass at 3000 rpm of the crank: " in found.failures[0]
     with pytest.raises(InputError, match="nothing to compare"):
