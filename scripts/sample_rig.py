@@ -36,7 +36,7 @@ class Rig:
     lift_noise: float = 4e-6
     force_drift: float = 30.0
     force_offset: float = 55.0
-    slipped: int = -1
+    slipped: int = -9
     begin: float = 1.0
     seed: int = 5
 

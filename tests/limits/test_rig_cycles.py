@@ -277,3 +277,10 @@ def test_counts_are_told_from_a_smooth_angle(per_sample, step):
 def test_rounding_makes_no_outliers():
     clean = recording(Rig(force_noise=0.0, lift_noise=0.0, jitter=0.0, force_drift=0.0, turn_variation=0.0, drift_of_speed=0.0))
     assert not cycles_in(clean, "clean", replace(WHEEL, offset=0.0)).outliers
+
+
+def test_a_span_of_the_recording_is_that_part(recorded):
+    whole, part = (cycles_in(recorded, "span", replace(ENCODER, offset=0.0, span=span)) for span in (None, ("0.1 s", "0.3 s")))
+    first = int(np.argmin(np.abs(whole.grid.cut_times - part.grid.cut_times[0])))
+    assert 0.1 < part.grid.cut_times[0] and part.grid.cut_times[-1] < 0.3 and part.grid.cycles == 4
+    np.testing.assert_allclose(part.grid.cut_times, whole.grid.cut_times[first : first + 5], atol=2e-6)

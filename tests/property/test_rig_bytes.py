@@ -106,7 +106,9 @@ def test_a_reader_that_dies_is_a_sentence(tmp_path, monkeypatch, files):
     changed = "from valvetrain import registry; registry.BUILT_IN['rig_formats']['mdf'] = 'fatal:SPEC'"
     apart = f"{changed}; from {reader_process.__name__} import serve; serve()"
     real = subprocess.run
-    monkeypatch.setattr(reader_process.subprocess, "run", lambda command, **more: real([command[0], "-c", apart, command[-1]], **more))
+    monkeypatch.setattr(
+        reader_process.subprocess, "run", lambda command, **more: real([command[0], "-P", "-c", apart, command[-1]], **more)
+    )
     (tmp_path / "it").write_bytes(b"fatal")
     try:
         with pytest.raises(InputError, match="cannot be read as fatal: it is damaged, was cut short, or is too large"):
@@ -115,6 +117,16 @@ def test_a_reader_that_dies_is_a_sentence(tmp_path, monkeypatch, files):
         monkeypatch.undo()
         registry.places.cache_clear()
         registry._load.cache_clear()
+
+
+def test_a_module_beside_the_recording_is_not_run(tmp_path, monkeypatch, files):
+    """Whoever reads a recording in a stranger's folder runs nothing that lies there."""
+    for name in ("h5py", "json", "nptdms", "numpy"):
+        (tmp_path / f"{name}.py").write_text(f"open(r'{tmp_path / 'ran'}', 'w').close()\nraise SystemExit('ran')\n")
+    (tmp_path / "rig.tdms").write_bytes((files / "rig.tdms").read_bytes())
+    monkeypatch.chdir(tmp_path)
+    assert len(read_recording(Path("rig.tdms")).channels) == 5
+    assert not (tmp_path / "ran").exists()
 
 
 def test_other_kinds_of_files_are_refused(tmp_path):
@@ -173,7 +185,8 @@ def test_mat_objects_and_structures_are_left_alone(tmp_path):
     assert len(found.notes) == 2 and all("no array of numbers" in note for note in found.notes)
 
 
-def test_a_formula_of_mdf_is_not_evaluated(tmp_path):
+@pytest.mark.parametrize("version", ["3.30", "4.10"])
+def test_a_formula_of_mdf_is_not_evaluated(tmp_path, version):
     from asammdf import MDF, Signal
 
     times = np.arange(100) * 1e-3
@@ -185,12 +198,16 @@ def test_a_formula_of_mdf_is_not_evaluated(tmp_path):
         Signal(np.arange(100, dtype=np.int16), times, "N", "table",
                conversion={"raw_0": 0.0, "phys_0": 0.0, "raw_1": 99.0, "phys_1": 198.0, "interpolation": 1}),
     ]  # fmt: skip
-    with MDF(version="4.10") as file:
+    with MDF(version=version) as file:
         file.append(signals)
-        file.attach(b"import os", file_name="run.py", embedded=True)
-        file.save(tmp_path / "it.mf4")
-    found = read_recording(tmp_path / "it.mf4")
+        if version > "4":
+            file.attach(b"import os", file_name="run.py", embedded=True)
+        path = file.save(tmp_path / "it.mf4")
+    found = read_recording(Path(path))
     assert sum("is left out: its conversion is" in note for note in found.notes) == 2
+    with MDF(path) as file:
+        for channel in found.channels:  # the library's own conversion is the oracle
+            np.testing.assert_allclose(channel.values, file.get(channel.name).samples)
     values = {channel.name: channel.values for channel in found.channels}
     np.testing.assert_array_equal(values["linear"], 0.5 * np.arange(100) + 3)
     np.testing.assert_allclose(values["table"], 2.0 * np.arange(100))
@@ -204,6 +221,25 @@ def test_a_library_that_is_not_installed_is_named(form, library, monkeypatch, fi
     reader: RigFormat = registry.find("rig_formats", form)
     with pytest.raises(InputError, match=r"install the extra 'measure' \(pip install 'valvetrain\[measure\]'\)"):
         reader.read(files / name, name, ())
+
+
+def test_pieces_of_a_file_and_of_the_work_move_no_bit(tmp_path, monkeypatch):
+    """Segments of TDMS, and how many angles are filtered at once."""
+    from sample_rig import write_tdms
+
+    from valvetrain.measurements import angle_grid
+
+    records = small()
+    reader: RigFormat = registry.find("rig_formats", "tdms")
+    answers = RigAnswers(angle_of="crank", encoder="Crank angle")
+    found = []
+    for segments, at_once in ((1, 2_000_000), (7, 2_000_000), (1, 5_000)):
+        monkeypatch.setattr(angle_grid, "_AT_ONCE", at_once)
+        write_tdms(tmp_path / "rig.tdms", records, segments)
+        found.append(cycles_in(reader.read(tmp_path / "rig.tdms", "rig", ()), "rig", answers))
+    for other in found[1:]:
+        for one, two in zip(found[0].cycles, other.cycles, strict=True):
+            np.testing.assert_array_equal(one.values, two.values)
 
 
 def test_every_form_says_the_same(files):
@@ -222,3 +258,35 @@ def test_every_form_says_the_same(files):
         one = channels["Valve lift"]
         times = one.times if one.times is not None else one.start + one.step * np.arange(len(one.values))
         np.testing.assert_allclose(times, true.times, atol=1e-7)
+
+
+@pytest.mark.parametrize("version", ["3.30", "4.10"])
+def test_times_of_mdf_by_formula_are_not_evaluated(tmp_path, monkeypatch, version):
+    """asammdf converts the times of a group whenever they are asked for, by numexpr where the file holds a formula."""
+    from asammdf import MDF, Signal
+    from asammdf.blocks import v2_v3_blocks, v4_blocks
+
+    with MDF(version=version) as file:
+        file.append([Signal(np.arange(100.0), np.arange(100) * 1e-3, "N", "force")])
+        source = Signal(np.arange(3.0), np.arange(3.0), "N", "other", conversion={"formula": "X + 1"})
+        file.append([source])
+        file.groups[0].channels[0].conversion = file.groups[1].channels[1].conversion
+        path = file.save(tmp_path / "it.mf4")
+
+    def evaluate(*given, **more):
+        raise AssertionError("a formula was evaluated")
+
+    for module in (v2_v3_blocks, v4_blocks):
+        monkeypatch.setattr(module, "evaluate", evaluate)
+    reader: RigFormat = registry.find("rig_formats", "mdf")
+    found = reader.read(Path(path), "it", ())
+    assert not found.channels and sum("formula" in note for note in found.notes) == 2
+
+
+def test_a_file_beyond_all_bounds_is_not_opened(tmp_path):
+    for name, head in (("it.tdms", b"TDSm"), ("it.h5", b"\x89HDF\r\n\x1a\n"), ("it.txt", b"1 2\n")):
+        with (tmp_path / name).open("wb") as stream:
+            stream.write(head)
+            stream.truncate(5_000_000_000)  # a hole, no bytes
+        with pytest.raises(InputError, match="is larger than 4 GB; cut the recording"):
+            read_recording(tmp_path / name)

@@ -77,7 +77,10 @@ def test_all_open_questions_are_one_sentence(tmp_path):
     [
         ((), "give the recording as a file"), (("none.csv",), "cannot be read"), (("rig.csv", "--bandwidth", "2 kHz"), "without a file"),
         (("rig.csv", "--unit", "spring_force"), "is no pair"), (("rig.csv", "--unit", "a=N", "--unit", "a=N"), "is given twice"),
-        (("rig.csv", "--angle-of", "x"), "angle_of is cam or crank"), (("rig.csv", "--dwell", "1 deg"), "two angles"),
+        (("rig.csv", "--angle-of", "x"), "angle_of is cam or crank"), (("rig.csv", "--dwell", "1 deg"), "two ends"),
+        (("rig.csv", "--span", "3, 2 s"), "ends before it begins"),
+        (("rig.csv", "--span", "0.1, 0.101 s", "--angle-of", "cam"), "in the span"),
+        (("rig.csv", "--angle-of", "crank", "--unit", "encoder=mm"), "is no angle"),
         (("rig.csv", "--angle-of", "crank", "--channel", "spring_force=Force 9"), "has no channel 'Force 9'"),
         (("rig.csv", "--angle-of", "crank", "--pulses", "Crank wheel", "--teeth", "58"), "teeth"),
         (("rig.csv", "--angle-of", "crank", "--pulses", "Crank wheel", "--teeth", "60", "--missing", "3"), "no gap of 3 missing teeth"),

@@ -59,6 +59,7 @@ def rig(
     band: Annotated[str | None, _text("--band", "FREQUENCY", "Highest frequency that is kept: '20 kHz'.")] = None,
     angle_count: Annotated[int | None, _text("--angle-count", "N", "Points of a cam turn (default: as the band needs).")] = None,
     sampling_rate: Annotated[str | None, _text("--sampling-rate", "FREQUENCY", "Where the file has no times: '100 kHz'.")] = None,
+    span: Annotated[str | None, _text("--span", "TIMES", "First and last time that are used: '2, 5 s'.")] = None,
     keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Keep cycles that differ from all others.")] = False,
     case: Annotated[str | None, _text("--case", "CASE", "Case whose lift tells what cam angle the mark is.")] = None,
     settings: SetOption = None,
@@ -89,9 +90,8 @@ def rig(
     answers = RigAnswers(
         channels=read_pairs(channel, "--channel"), encoder=encoder, pulses=pulses, index=index, once=once, angle_of=angle_of, teeth=teeth,
         missing=missing, units=read_pairs(unit, "--unit"), calibration=read_pairs(calibration, "--calibration"),
-        shunt=read_pairs(shunt, "--shunt"), zero=read_pairs(zero, "--zero"), dwell=_dwell(dwell), band=band, angle_count=angle_count,
-        offset=offset,
-        sampling_rate=sampling_rate, keep_outliers=keep_outliers,
+        shunt=read_pairs(shunt, "--shunt"), zero=read_pairs(zero, "--zero"), dwell=_two(dwell, "angle", "--dwell"), band=band,
+        angle_count=angle_count, offset=offset, sampling_rate=sampling_rate, span=_two(span, "time", "--span"), keep_outliers=keep_outliers,
     )  # fmt: skip
     return _answer(file, answers, case, settings, write, asked)
 
@@ -110,14 +110,16 @@ def read_pairs(texts: Sequence[str] | None, where: str) -> dict[str, str]:
     return found
 
 
-def _dwell(text: str | None) -> tuple[float, float] | None:
+def _two(text: str | None, dimension: str, where: str) -> tuple[float, float] | None:
+    """First and last of a stretch."""
     if text is None:
         return None
     from valvetrain.units import parse_quantities
 
-    found = parse_quantities(text, "angle", "--dwell")
+    found = parse_quantities(text, dimension, where)
     if len(found) != 2:
-        raise InputError("the dwell has two angles, first and last: '-30, 30 deg'", "--dwell")
+        example = "-30, 30 deg" if dimension == "angle" else "2, 5 s"
+        raise InputError(f"a stretch has two ends, first and last: '{example}'", where)
     return found[0], found[1]
 
 

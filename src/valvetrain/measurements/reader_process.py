@@ -67,9 +67,12 @@ def form_of(path: Path, name: str) -> str:
 def _apart(path: Path, name: str, form: str, wanted: tuple[str, ...]) -> Recording:
     asked = json.dumps({"path": str(path.absolute()), "name": name, "form": form, "wanted": wanted})
     # paths of the caller are handed on, so that a format of another package is found there too
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(part for part in sys.path if part), "HDF5_PLUGIN_PRELOAD": "::"}
+    paths = os.pathsep.join(part for part in sys.path if part)
+    # no plugins of HDF5, and no threads whose stacks would count as memory of the file
+    environment = os.environ | {"PYTHONPATH": paths, "HDF5_PLUGIN_PRELOAD": "::", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     with tempfile.TemporaryDirectory(prefix="valvetrain.") as folder:
-        command = [sys.executable, "-c", f"from {__name__} import serve; serve()", folder]
+        # -P: a module that lies beside the recording is none of ours
+        command = [sys.executable, "-P", "-c", f"from {__name__} import serve; serve()", folder]
         try:
             done = subprocess.run(command, input=asked, text=True, capture_output=True, timeout=LONGEST_WAIT, env=environment, check=False)
         except subprocess.TimeoutExpired as error:

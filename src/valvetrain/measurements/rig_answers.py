@@ -38,7 +38,7 @@ class RigAnswers:
     once : name of a channel of one pulse a turn
     angle_of : ``cam`` or ``crank``: the shaft on which encoder, wheel or pulse sit
     teeth, missing : places on the wheel in one turn, and how many of them side by side are cut away
-    units : quantity, or channel of the angle, -> unit, where the file does not say it or says it wrongly
+    units : quantity, or ``encoder``, -> unit, where the file does not say it or says it wrongly
     calibration : quantity -> what one unit of its channel stands for, such as ``{"spring_force": "2.5 N"}`` for a bridge in um/m
     shunt : quantity -> step of the channel with the shunt and the load it stands for, such as ``{"spring_force": "412, 1000 N"}``
     zero : quantity -> what it is in the dwell, such as ``{"spring_force": "240 N"}``; a lift is zero there unless told otherwise
@@ -47,6 +47,7 @@ class RigAnswers:
     angle_count : points of a cam turn; enough for the band, where None
     offset : cam angle of the case at the mark of the rig; found from the lift, where a case is given
     sampling_rate : 1/s, or text; where the file has no times
+    span : first and last time that are used, s or text
     keep_outliers : keep cycles that differ from all others
 
     >>> RigAnswers(angle_of="crank", teeth=60, missing=2, band="20 kHz").band
@@ -70,6 +71,7 @@ class RigAnswers:
     angle_count: int | None = None
     offset: Given | None = None
     sampling_rate: Given | None = None
+    span: tuple[Given, Given] | None = None
     keep_outliers: bool = False
 
     def __post_init__(self) -> None:
@@ -91,5 +93,12 @@ class RigAnswers:
             if len(self.dwell) != 2:
                 raise InputError("the dwell has two angles, first and last, such as '-30 deg' and '30 deg'; give both", "dwell")
             object.__setattr__(self, "dwell", tuple(si(angle, "angle", "dwell") for angle in self.dwell))
+        if self.span is not None:
+            if len(self.span) != 2:
+                raise InputError("the span has two times, first and last, such as '2 s' and '5 s'; give both", "span")
+            first, last = (si(time, "time", "span") for time in self.span)
+            if not first < last:
+                raise InputError("the span ends before it begins; give first and last time", "span")
+            object.__setattr__(self, "span", (first, last))
         if self.teeth is not None and self.missing >= self.teeth:
             raise InputError(f"{self.missing} missing teeth of {self.teeth} leave none; teeth counts those that are missing too", "missing")

@@ -36,6 +36,8 @@ _UNITS = {
 #: Times that leave even ones by less than this (steps) are even ones, rounded; a gap is longer than this (steps).
 ROUNDED, GAP = 0.75, 1.9
 _STANDARD_GRAVITY = 9.80665
+#: Samples of a channel of which cycles can be made.
+FEWEST = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,17 +77,38 @@ def chosen_channels(recording: Recording, answers: RigAnswers, name: str) -> Cho
         raise InputError(f"{name[:80]} does not say {'; '.join(words for _, words in missing)}; answer it", missing[0][0])
     assert shaft is not None
     factors = {quantity: _factor(quantity, channel, answers) for quantity, channel in measured.items()}
-    even = {id(one): _even(one, recording, answers, notes) for one in (*measured.values(), shaft, *([index] if index else []))}
+    even = {
+        id(one): _cut(_even(one, recording, answers, notes), answers.span)  # type: ignore[arg-type]
+        for one in (*measured.values(), shaft, *([index] if index else []))
+    }
     found = tuple(
         RigQuantity(quantity, factors[quantity][1], at.values * factors[quantity][0], at.start, at.step, one.name)
         for quantity, one, at in ((quantity, one, even[id(one)]) for quantity, one in measured.items())
     )
     turned = even[id(shaft)]
     if kind == "encoder":
-        turned = replace(turned, values=turned.values * _known_unit(answers.units.get(shaft.name) or shaft.unit or "deg")[0])
-        if not (answers.units.get(shaft.name) or shaft.unit):
+        told = answers.units.get("encoder") or shaft.unit
+        factor, dimension = _known_unit(told or "deg")
+        if dimension != "angle":
+            raise InputError(
+                f"the encoder '{shaft.name[:40]}' is in {told[:20]}, which is no angle; give its unit, or another channel", "unit"
+            )
+        turned = replace(turned, values=turned.values * factor)
+        if not told:
             notes.append(f"the angle of '{shaft.name}' is taken to be in degrees")
     return Chosen(found, kind, turned, even[id(index)] if index else None, tuple(notes))
+
+
+def _cut(channel: RigChannel, span: tuple[float, float] | None) -> RigChannel:
+    """The samples within the span (s)."""
+    if span is None:
+        return channel
+    first, last = (int(np.clip(np.ceil((time - channel.start) / channel.step), 0, len(channel.values))) for time in span)
+    if last - first < FEWEST:
+        raise InputError(
+            f"channel '{channel.name[:40]}' holds {last - first} samples in the span, too few for cycles; give another", "span"
+        )
+    return replace(channel, values=channel.values[first:last], start=channel.start + first * channel.step)
 
 
 def _measured(recording: Recording, answers: RigAnswers, name: str) -> dict[str, RigChannel]:
@@ -211,7 +234,7 @@ def _rate(recording: Recording, answers: RigAnswers) -> float:
 
 def _even(channel: RigChannel, recording: Recording, answers: RigAnswers, notes: list[str]) -> RigChannel:
     """The channel on even times; uneven ones are interpolated, gaps are left open."""
-    if len(channel.values) < 64:
+    if len(channel.values) < FEWEST:
         raise InputError(f"channel '{channel.name[:40]}' holds {len(channel.values)} samples, too few for cycles; give a longer recording")
     if channel.times is None:
         step = channel.step if channel.step > 0 and not answers.sampling_rate else 1 / max(_rate(recording, answers), 1e-9)

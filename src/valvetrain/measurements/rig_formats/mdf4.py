@@ -47,6 +47,8 @@ def _group(file: Any, group: int, budget: Budget) -> tuple[list[RigChannel], lis
     chosen = [(place, word) for place, word in names if budget.wants(word)]
     if not chosen or not cycles:
         return [], []
+    if master is not None and _kind(held.channels[master].conversion) == FORMULA:
+        return [], [f"{len(chosen)} channels beside '{chosen[0][1]}' are left out: the conversion of their times is {FORMULA}"]
     budget.take(cycles)
     times = _numbers(file.get_master(group)) if master is not None else None
     channels = []
@@ -68,30 +70,41 @@ def _numbers(samples: Any) -> np.ndarray[Any, Any] | None:
 
 
 def _converted(values: Any, conversion: Any, name: str) -> tuple[Any, str]:
-    """Raw values in physical units by linear, rational and tabular conversions; a sentence where they are left out.
-
-    Types as in ASAM MDF 4.1, CCBLOCK: 0 none, 1 linear, 2 rational, 3 formula, 4 and 5 tables of values.
-    """
+    """Raw values in physical units by linear, rational and tabular conversions; a sentence where they are left out."""
     if values is None:
         return None, ""
-    kind = 0 if conversion is None else int(conversion.conversion_type)
-    if kind == 0:
+    kind = _kind(conversion)
+    if kind == "none":
         return values, ""
-    if kind == 1:
+    if kind == "linear":
         return values * float(conversion.a) + float(conversion.b), ""
-    if kind == 2:
+    if kind == "rational":
         one, two, three, four, five, six = (float(getattr(conversion, f"P{place}")) for place in range(1, 7))
         with np.errstate(all="ignore"):
             return (one * values**2 + two * values + three) / (four * values**2 + five * values + six), ""
-    if kind in (4, 5):
-        count = conversion.val_param_nr // 2
+    if kind in ("line", "table"):
+        count = conversion.ref_param_nr if _older(conversion) else conversion.val_param_nr // 2
         raw = np.array([float(getattr(conversion, f"raw_{place}")) for place in range(count)])
         physical = np.array([float(getattr(conversion, f"phys_{place}")) for place in range(count)])
-        if kind == 4:
+        if kind == "line":
             return np.interp(values, raw, physical), ""
         return physical[np.clip(np.searchsorted((raw[1:] + raw[:-1]) / 2, values), 0, count - 1)], ""
-    what = "a formula" if kind == 3 else "words"
-    return None, f"channel '{name}' is left out: its conversion is {what}, and nothing in a file is evaluated; store converted values"
+    return None, f"channel '{name}' is left out: its conversion is {kind}, and nothing in a file is evaluated; store converted values"
 
 
+def _older(conversion: Any) -> bool:
+    return type(conversion).__module__.endswith("v2_v3_blocks")
+
+
+def _kind(conversion: Any) -> str:
+    """What a conversion does. Numbers of the kinds: ASAM MDF 4.1, CCBLOCK, and MDF 3.3, CCBLOCK, whose rational one runs backward."""
+    if conversion is None:
+        return "none"
+    known = {65535: "none", 0: "linear", 1: "line", 2: "table"} if _older(conversion) else _KINDS
+    return known.get(int(conversion.conversion_type), FORMULA)
+
+
+#: Kinds that are not applied.
+FORMULA = "a formula or words"
+_KINDS = {0: "none", 1: "linear", 2: "rational", 4: "line", 5: "table"}
 SPEC = RigFormat("MDF", recognise, read)
