@@ -165,8 +165,8 @@ def _told(cam_angle: Array, near: NDArray[np.int64], place: int) -> Told:
 
 def _around(cam_angle: Array, angle: float, others: list[float]) -> NDArray[np.int64]:
     """Places about a spike in which it is looked for, well short of its neighbours."""
-    rooms = [abs(_short(other - angle)) for other in others if other != angle]
-    found: NDArray[np.int64] = np.flatnonzero(np.abs((cam_angle - angle + math.pi) % _TURN - math.pi) <= 0.5 * min([MEETING, *rooms]))
+    distances = [abs(_short(other - angle)) for other in others if other != angle]
+    found: NDArray[np.int64] = np.flatnonzero(np.abs((cam_angle - angle + math.pi) % _TURN - math.pi) <= 0.5 * min([MEETING, *distances]))
     return found
 
 
