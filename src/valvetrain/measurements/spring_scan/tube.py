@@ -149,12 +149,13 @@ def _foot(tube: Tube, points: Array, turn: Array, reach: tuple[float, float], ta
     normal = away / distance[:, None]
     first = outward - np.sum(outward * tangent, axis=1, keepdims=True) * tangent
     first /= np.linalg.norm(first, axis=1, keepdims=True)
-    upward = np.cross(first, tangent) * -tube.hand
+    upward = np.cross(first, tangent) * tube.hand
     around = np.arctan2(np.sum(away * upward, axis=1), np.sum(away * first, axis=1))
     edge = section_radius(tube.section, around)
     foot = centre + normal * edge[:, None]
+    # noise across the normal adds its square over twice the radius to the mean distance
     return OnWire(
-        turn, distance, around, distance - edge, _next_coil(tube, foot, turn, reach, table),
+        turn, distance, around, distance - edge - tube.noise**2 / (2 * edge), _next_coil(tube, foot, turn, reach, table),
         np.sum(normal * outward, axis=1), normal[:, 2],
     )  # fmt: skip
 
