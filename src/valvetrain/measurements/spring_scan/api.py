@@ -97,8 +97,8 @@ def spring_from_scan(
     own = (fitted.frame.outside(fitted.points) - frame.origin) @ frame.base.T
     step = max(1, len(own) // SHOWN)
     return ScannedSpring(
-        cloud.name, cloud.form, told, definition, _curves(fitted, wire, definition), _section(fitted, turns), ends[0], ends[1],
-        (definition.total_coils, across_tips), _free_length(fitted, wire), 1e-3 * frame.origin, frame.base[2], 1e-3 * fitted.tube.noise,
+        cloud.name, cloud.form, told, definition, _curves(fitted, wire, definition), _section(fitted, turns, wire.turned_over), ends[0], ends[1],
+        (float(definition.total_coils), across_tips), _free_length(fitted, wire), 1e-3 * frame.origin, frame.base[2], 1e-3 * fitted.tube.noise,
         left, drawn.read, len(drawn.points), int(np.count_nonzero(on_wire)), 1e-3 * own[::step], tuple(notes),
     )  # fmt: skip
 
@@ -130,16 +130,17 @@ def _turn_diameters(fitted: FittedSpring, wire: Wire) -> Array:
     return np.array(rows).reshape(-1, 4)
 
 
-def _section(fitted: FittedSpring, turns: Array) -> WireSection:
+def _section(fitted: FittedSpring, turns: Array, over: bool) -> WireSection:
     mean, along, across = fitted.tube.section
     size, spread = float(np.hypot(along, across)) if fitted.ovate else 0.0, np.sqrt(np.diag(fitted.tube.cov)[-3:])
     sd = float(np.hypot(spread[0], mean * np.hypot(spread[1], spread[2]) if fitted.ovate else 0.0))
     chosen = np.flatnonzero(np.abs(fitted.on.left) < 0.3 * mean)
     chosen = chosen[:: max(1, len(chosen) // SHOWN)]
-    distance, around = fitted.on.distance[chosen], fitted.on.around[chosen]
+    distance, around = fitted.on.distance[chosen], fitted.on.around[chosen] * (-1 if over else 1)
+    inclination = (-0.5 if over else 0.5) * float(np.arctan2(across, along)) if fitted.ovate else 0.0
     return WireSection(
-        (1e-3 * round_wire(float(mean), size), 2e-3 * float(spread[0])), (2e-3 * mean * (1 + size), 2e-3 * sd),
-        (2e-3 * mean * (1 - size), 2e-3 * sd), 0.5 * float(np.arctan2(across, along)) if fitted.ovate else 0.0,
+        (1e-3 * round_wire(float(mean), size), 2e-3 * float(spread[0])), (2e-3 * float(mean) * (1 + size), 2e-3 * sd),
+        (2e-3 * float(mean) * (1 - size), 2e-3 * sd), inclination,
         turns * np.array([1.0, 1e-3, 1e-3, 1.0]), 1e-3 * np.column_stack([distance * np.cos(around), distance * np.sin(around)]),
     )  # fmt: skip
 
@@ -180,7 +181,10 @@ def _assumed(material: Material | None, definition: SpringDefinition, fitted: Fi
         notes.append(f"no scan tells the material: moduli and density are those of {definition.material.name}")
     for word, end in (("lower", definition.lower_end), ("upper", definition.upper_end)):
         if "ground" in end.kind:
-            notes.append(f"the {end.inactive_coils:.3f} ground turns of the {word} end are taken as inactive; a scan does not tell where the wire begins to move")
+            notes.append(
+                f"the {end.inactive_coils:.3f} ground turns of the {word} end are taken as inactive; a scan does not tell where the wire "
+                "begins to move"
+            )
         else:
             notes.append(f"no ground face is seen at the {word} end, so it is taken as {end.kind}, with {end.inactive_coils:g} inactive turns")
     leans = [float(np.hypot(*face.lean)) for face in fitted.faces if face is not None]

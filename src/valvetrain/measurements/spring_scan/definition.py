@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.measurements.spring_scan.fit import FittedSpring
+from valvetrain.measurements.spring_scan.result import ScannedSpring
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
@@ -136,3 +137,25 @@ def _ground_turns(coil: Array, above: Array) -> float:
         return float(coil[last])
     share = above[last] / (above[last] - above[last + 1])
     return float(coil[last] + share * (coil[last + 1] - coil[last]))
+
+
+def turned_over(scan: ScannedSpring) -> ScannedSpring:
+    """The same spring, standing on its other end."""
+    wire, curves, section = scan.definition, scan.curves, scan.section
+    turns, shown = section.turns[::-1].copy(), section.shown * np.array([1.0, -1.0])
+    turns[:, 0] = wire.total_coils - turns[:, 0]
+    laws = {name: _reversed(getattr(wire, name), wire.total_coils) for name in ("wire_diameter", "mean_diameter", "pitch")}
+    other = wire.replace(**laws, lower_end=wire.upper_end, upper_end=wire.lower_end)
+    names = ("mean_diameter", "mean_diameter_spread", "height_spread", "pitch", "pitch_spread", "centre_line")
+    flipped = {name: getattr(curves, name)[::-1] for name in names}
+    return replace(
+        scan, definition=other, curves=replace(curves, **flipped, height=scan.free_length[0] - curves.height[::-1]),
+        section=replace(section, turns=turns, shown=shown, inclination=-section.inclination), lower_end=scan.upper_end,
+        upper_end=scan.lower_end, axis_direction=-scan.axis_direction, shown=scan.shown * np.array([1.0, -1.0, -1.0]),
+    )  # fmt: skip
+
+
+def _reversed(law: Curve, total: float) -> Curve:
+    if not isinstance(law, PiecewiseLinear):
+        return law
+    return PiecewiseLinear(tuple(total - coil for coil in law.coils[::-1]), law.values[::-1])
