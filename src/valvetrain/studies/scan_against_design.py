@@ -15,6 +15,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
@@ -25,6 +26,10 @@ from valvetrain.studies.rest_study import rest_study
 Array = NDArray[np.float64]
 #: Natural frequencies that are sought, and axial ones that are compared.
 MODES, AXIAL = 24, 3
+#: Share by which the frequency of a mode may differ from the design's.
+ALIKE = 0.15
+#: How notes begin on what a scan alone assumes and a design tells.
+ASSUMED = ("no scan tells the material", "the ground turns of the")
 #: Quantities of springs at rest that are compared, in this order.
 AT_REST = (
     "preload", "installed_rate", "free_length", "installed_height", "coil_bind_lift", "solid_height", "active_coil_count",
@@ -145,6 +150,8 @@ def compare_scan(
             for place, one in enumerate(cases)
         )  # fmt: skip
     numbers = (*_at_rest(cases, rest[0], rest[1]), *(() if runs is None else _in_motion(runs[0], runs[1])))
+    notes = tuple(one for one in upright.notes if not one.startswith(ASSUMED))
+    upright = replace(upright, notes=(*notes, f"material, damping, contacts and inactive turns are those of the design '{case.name}'"))
     return ScanComparison(upright, cases, (rest[0], rest[1]), None if runs is None else (runs[0], runs[1]), numbers)
 
 
@@ -195,11 +202,18 @@ def _at_rest(cases: tuple[Case, Case], design: Study, scanned: Study) -> list[Co
         if all(name in one for one in values):
             found.append(ComparedNumber(name, "", None, values[0][name], values[1][name]))
     modes = [study.rest[0].modes for study in (design, scanned)]
-    for place in range(AXIAL):
-        if all(one is not None and len(one.axial_modes) > place for one in modes):
-            both = [float(one.axial_frequencies[place]) for one in modes if one is not None]
-            found.append(ComparedNumber(f"mode_{place + 1}_frequency", "", None, both[0], both[1]))
+    if modes[0] is not None and modes[1] is not None:
+        for place, frequency in enumerate(modes[0].axial_frequencies[:AXIAL].tolist()):
+            other = _same_mode(frequency, modes[1])
+            if other is not None:
+                found.append(ComparedNumber(f"mode_{place + 1}_frequency", "", None, frequency, other))
     return found
+
+
+def _same_mode(frequency: float, modes: ModalResult) -> float | None:
+    """Of the modes near a frequency (Hz) the one that carries most of a push from end to end; which is called axial is a threshold."""
+    near = np.flatnonzero(np.abs(modes.natural_frequency / frequency - 1) < ALIKE)
+    return float(modes.natural_frequency[near[np.argmax(np.abs(modes.axial_transmission[near]))]]) if len(near) else None
 
 
 def _of_curve(rest: SpringAtRest, spring: InstalledSpring) -> dict[str, float]:

@@ -94,12 +94,11 @@ def spring_from_scan(
     ends = [_end(fitted, definition, place, wire.turned_over) for place in (0, 1)]
     across_tips = float(np.hypot(*fitted.tip_spread))
     frame = fitted.frame.turned_over() if wire.turned_over else fitted.frame
-    own = (fitted.frame.outside(fitted.points) - frame.origin) @ frame.base.T
-    step = max(1, len(own) // SHOWN)
+    step = max(1, len(fitted.points) // SHOWN)
     return ScannedSpring(
         cloud.name, cloud.form, told, definition, _curves(fitted, wire, definition), _section(fitted, turns, wire.turned_over), ends[0], ends[1],
         (float(definition.total_coils), across_tips), _free_length(fitted, wire), 1e-3 * frame.origin, frame.base[2], 1e-3 * fitted.tube.noise,
-        left, drawn.read, len(drawn.points), int(np.count_nonzero(on_wire)), 1e-3 * own[::step], tuple(notes),
+        left, drawn.read, len(drawn.points), int(np.count_nonzero(on_wire)), 1e-3 * fitted.frame.outside(fitted.points[::step]), tuple(notes),
     )  # fmt: skip
 
 
@@ -182,7 +181,7 @@ def _assumed(material: Material | None, definition: SpringDefinition, fitted: Fi
     for word, end in (("lower", definition.lower_end), ("upper", definition.upper_end)):
         if "ground" in end.kind:
             notes.append(
-                f"the {end.inactive_coils:.3f} ground turns of the {word} end are taken as inactive; a scan does not tell where the wire "
+                f"the ground turns of the {word} end ({end.inactive_coils:.3f}) are taken as inactive; a scan does not tell where the wire "
                 "begins to move"
             )
         else:

@@ -151,7 +151,7 @@ def turned_over(scan: ScannedSpring) -> ScannedSpring:
     return replace(
         scan, definition=other, curves=replace(curves, **flipped, height=scan.free_length[0] - curves.height[::-1]),
         section=replace(section, turns=turns, shown=shown, inclination=-section.inclination), lower_end=scan.upper_end,
-        upper_end=scan.lower_end, axis_direction=-scan.axis_direction, shown=scan.shown * np.array([1.0, -1.0, -1.0]),
+        upper_end=scan.lower_end, axis_direction=-scan.axis_direction,
     )  # fmt: skip
 
 

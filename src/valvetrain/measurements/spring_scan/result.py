@@ -69,7 +69,7 @@ class ScannedSpring:
     ``definition``: the spring for a case; ``curves``, ``section``, ``lower_end`` and ``upper_end``: what was measured; ``total_coils`` and
     ``free_length`` with standard deviations; ``axis_point`` and ``axis_direction``: in the file's frame, towards the upper end; ``noise``:
     standard deviation of a point from the surface; ``residuals``: distances of the points from it (n,); ``points_read``,
-    ``points_fitted``, ``points_on_wire``; ``shown``: points in the frame of the axis (n, 3); ``notes``: what was found or assumed.
+    ``points_fitted``, ``points_on_wire``; ``shown``: some points in the file's frame (n, 3); ``notes``: what was found or assumed.
 
     >>> ScannedEnd("closed-ground", 900, 0.01, 0.002).kind
     'closed-ground'
