@@ -72,6 +72,11 @@ _HOMES = {
     "card_of_table": "studies.spring_tester",
     "spring_from_tester": "studies.spring_tester",
     "TesterFit": "studies.spring_tester",
+    # springs from scans
+    "spring_from_scan": "measurements.spring_scan.api",
+    "ScannedSpring": "measurements.spring_scan.result",
+    "compare_scan": "studies.scan_against_design",
+    "ScanComparison": "studies.scan_against_design",
     # studies
     "build": "system.build",
     "Problem": "system.problem",
@@ -142,6 +147,8 @@ if TYPE_CHECKING:
     from valvetrain.measurements.lift_smoothing import SmoothedLift as SmoothedLift
     from valvetrain.measurements.lift_smoothing import smooth_lift as smooth_lift
     from valvetrain.measurements.measured_lift import MeasuredLift as MeasuredLift
+    from valvetrain.measurements.spring_scan.api import spring_from_scan as spring_from_scan
+    from valvetrain.measurements.spring_scan.result import ScannedSpring as ScannedSpring
     from valvetrain.parameters.case import Case as Case
     from valvetrain.parameters.constructors import barrel as barrel
     from valvetrain.parameters.constructors import beehive as beehive

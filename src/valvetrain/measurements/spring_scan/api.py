@@ -11,7 +11,7 @@ from valvetrain.errors import InputError
 from valvetrain.measurements.spring_scan.clouds import open_cloud
 from valvetrain.measurements.spring_scan.definition import Wire, define, round_wire, wire_of
 from valvetrain.measurements.spring_scan.draw import DRAWN, FEWEST, draw_points
-from valvetrain.measurements.spring_scan.fit import PER_TURN, FittedSpring, fit_spring
+from valvetrain.measurements.spring_scan.fit import ALL_AROUND, PER_TURN, FittedSpring, fit_spring, seen_around
 from valvetrain.measurements.spring_scan.result import ScanCurves, ScannedEnd, ScannedSpring, WireSection
 from valvetrain.measurements.spring_scan.sections import WEDGES
 from valvetrain.parameters.material import Material
@@ -88,6 +88,9 @@ def spring_from_scan(
         notes.insert(0, f"{drawn.read} points are in the file, an even draw of {len(drawn.points)} is fitted")
     if drawn.broken:
         notes.append(f"{drawn.broken} points of the file are no numbers and were left out")
+    around = seen_around(fitted.on, fitted.weight)
+    if around < ALL_AROUND:
+        notes.append(f"{100 * around:.0f} % of the way around the wire is seen, so its section is taken as round")
     notes += _assumed(material, definition, fitted)
     on_wire = fitted.weight > 0
     left = 1e-3 * fitted.on.left[np.abs(fitted.on.left) < 8 * fitted.tube.noise]

@@ -13,16 +13,17 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 #: Turns beyond the sections in which a tip is looked for, and turns of a bin there.
 BEYOND, BIN = 0.5, 0.01
-#: How much denser than the surface of the wire beside it a level must be to be a ground face.
-DENSER = 3.0
+#: Points inside the wire are this many standard deviations and at least this share of its radius below the surface; fewest on a face,
+#: and share of those inside the wire that lie on it.
+DEEP, SHALLOW, FEWEST, MOSTLY = 4.0, 0.9, 25, 0.5
 #: Standard deviations within which a point belongs to a plane or to the wire.
 WITHIN = 3.5
 #: A tip is where fewer points a bin are left than this share of those before it.
 LEFT_OVER = 0.15
 #: Turns without points that a hole may take.
 GAP = 0.3
-#: Largest lean of a ground face against the axis (rad) and turns over which faces are looked for.
-STEEPEST, FACED = 0.06, 1.3
+#: Largest lean of a ground face against the axis (rad), the usual one, and turns over which faces are looked for.
+STEEPEST, USUAL_LEAN, FACED = 0.06, 0.005, 1.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,60 +41,55 @@ class Face:
         return found
 
 
-def find_face(tube: Tube, points: Array, tip: float, side: int) -> Face | None:
-    """The ground face of the end whose tip is about at turn ``tip``; None where there is none."""
-    inward = tip - side * np.linspace(0.0, FACED, 60)
-    radius, height = tube.line(inward)
-    wire = float(tube.section[0])
-    across = np.hypot(points[:, 0], points[:, 1])
-    near = (across > radius.min() - wire) & (across < radius.max() + wire)
-    outer = -side * height[0] - 1.2 * wire
-    depth = -side * points[:, 2]
-    near &= (depth > outer - 2 * wire) & (depth < -side * height[len(height) // 2] + wire)
-    if np.count_nonzero(near) < 60:
+def find_face(tube: Tube, points: Array, tip: float, side: int, reach: tuple[float, float]) -> Face | None:
+    """The ground face of the end whose tip is about at turn ``tip``; None where there is none.
+
+    Nothing but a ground face has points inside the wire, so those alone tell of it.
+    """
+    on = place(tube, points, (max(tip - FACED, reach[0]), min(tip + FACED, reach[1])))
+    wire, noise = float(tube.section[0]), tube.noise
+    within = on.distance < min(wire - DEEP * noise, SHALLOW * wire)
+    chosen = points[within]
+    if len(chosen) < FEWEST:
         return None
-    band = max(2 * tube.noise, 0.05 * wire)
-    levels = np.sort(depth[near])
+    band = max(2 * noise, 0.05 * wire)
+    levels = np.sort(chosen[:, 2])
     counts = np.searchsorted(levels, levels + 2 * band) - np.arange(len(levels))
-    usual = len(levels) * 2 * band / float(np.quantile(levels, 0.99) - np.quantile(levels, 0.01))
-    first = int(np.argmax(counts))
-    if counts[first] < DENSER * usual:
+    first = Face(float(levels[int(np.argmax(counts))]) + band, np.zeros(2), 0, 0.0)
+    face = _plane(chosen, first, 2 * band, noise)
+    if face is None or face.points < MOSTLY * len(chosen):
         return None
-    chosen = points[near]
-    model = np.column_stack([np.ones(len(chosen)), chosen[:, :2]])
-    values = np.array([-side * (levels[first] + band), 0.0, 0.0])
-    scale = band
-    for turn in range(12):
-        if turn == 4:  # flanks of the wire that end at the face would draw it inward
-            chosen = chosen[_amid(tube, Face(float(values[0]), values[1:], 0, 0.0), chosen, tip, side)]
-            model = np.column_stack([np.ones(len(chosen)), chosen[:, :2]])
-        left = chosen[:, 2] - model @ values
+    # points inside the wire are chosen by their own noise too; those amid the ground section are not
+    amid = points[(np.abs(face.above(points, side)) < 6 * noise) & _amid(tube, face, points, tip, side)]
+    return (_plane(amid, face, 2 * noise, noise) if len(amid) >= FEWEST else None) or face
+
+
+def _plane(points: Array, face: Face, scale: float, noise: float) -> Face | None:
+    """The plane through most of the points (n, 3), robustly and square to the axis as far as they allow; None for too few or a steep one."""
+    model = np.column_stack([np.ones(len(points)), points[:, :2]])
+    values = np.array([face.height, *face.lean])
+    for _ in range(15):
+        left = points[:, 2] - model @ values
         weight = np.clip(1 - (left / (4.685 * scale)) ** 2, 0.0, None) ** 2
-        if np.count_nonzero(weight) < 20:
+        if np.count_nonzero(weight) < FEWEST:
             return None
-        matrix = (model * weight[:, None]).T @ model
-        values = np.linalg.solve(matrix + 1e-9 * np.eye(3) * np.trace(matrix), (model * weight[:, None]).T @ chosen[:, 2])
-        scale = max(0.7 * scale, tube.noise)
+        matrix = (model * weight[:, None]).T @ model + np.diag([0.0, (scale / USUAL_LEAN) ** 2, (scale / USUAL_LEAN) ** 2])
+        values = np.linalg.solve(matrix, (model * weight[:, None]).T @ points[:, 2])
+        scale = max(0.7 * scale, noise)
     if float(np.hypot(*values[1:])) > STEEPEST:
         return None
-    spread = tube.noise * float(np.sqrt(np.linalg.inv(matrix)[0, 0]))
-    return Face(float(values[0]), values[1:], int(np.count_nonzero(np.abs(left) < WITHIN * scale)), spread)
+    held = int(np.count_nonzero(np.abs(left) < WITHIN * scale))
+    return Face(float(values[0]), values[1:], held, noise * float(np.sqrt(np.linalg.inv(matrix)[0, 0])))
 
 
 def _amid(tube: Tube, face: Face, points: Array, tip: float, side: int) -> Mask:
     """Which points stand above or below the middle of a ground section, away from its edges."""
-    turn = _inward(tube, points, tip, side)
+    own = np.mod(tube.hand * np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi), 1.0)
+    turn = tip - side * np.mod(-side * (own - tip), 1.0)  # within one turn from the tip inward
     radius, height = tube.line(turn)
     level = face.height + points[:, :2] @ face.lean
     half = np.sqrt(np.maximum(tube.section[0] ** 2 - (level - height) ** 2, 0.0))
     found: Mask = np.abs(np.hypot(points[:, 0], points[:, 1]) - radius) < 0.75 * half
-    return found
-
-
-def _inward(tube: Tube, points: Array, tip: float, side: int) -> Array:
-    """Turns (n,) of points within one turn from the tip inward."""
-    own = np.mod(tube.hand * np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi), 1.0)
-    found: Array = tip - side * np.mod(-side * (own - tip), 1.0)
     return found
 
 
@@ -134,7 +130,7 @@ def find_tip(tube: Tube, points: Array, start: float, reach: tuple[float, float]
     along = side * (on.turn[surface] - start)  # positive beyond the last section
     flat = np.zeros(0)
     if face is not None:
-        lies = np.abs(face.above(points, side)) < WITHIN * noise
+        lies = np.abs(face.above(points, side)) < min(WITHIN * noise, 0.1 * wire)
         own = np.mod(tube.hand * np.arctan2(points[lies, 1], points[lies, 0]) / (2 * np.pi), 1.0)
         turn = start + np.mod(own - start + 0.5, 1.0) - 0.5
         radius, height = tube.line(np.clip(turn, *reach))

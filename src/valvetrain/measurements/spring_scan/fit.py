@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 PER_TURN = 12
 #: Ellipticity, in standard deviations and as a share, from which a section is no longer taken as round.
 OVATE, LEAST_OVATE = 5.0, 2.5e-3
+#: Share of the directions about the wire axis that must be seen before a section is taken for anything but round.
+ALL_AROUND = 0.75
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +58,7 @@ def fit_spring(points: Array, wedges: int = WEDGES, per_turn: int = PER_TURN) ->
     faces: dict[int, Face | None] = {}
     tips, spreads = ends, (0.0, 0.0)
     for _ in range(2):
-        faces = {side: find_face(tube, inside, tips[(side + 1) // 2], side) for side in (-1, 1)}
+        faces = {side: find_face(tube, inside, tips[(side + 1) // 2], side, reach) for side in (-1, 1)}
         flats = partial(flats_of, faces, tube.noise)
         tube, _, _ = fit_tube(tube, inside, (max(tips[0] - 0.1, reach[0]), min(tips[1] + 0.1, reach[1])), False, flats, rounds=8)
         found = [find_tip(tube, inside, ends[(side + 1) // 2], reach, faces[side], side) for side in (-1, 1)]
@@ -65,23 +67,31 @@ def fit_spring(points: Array, wedges: int = WEDGES, per_turn: int = PER_TURN) ->
     for _ in range(2):
         frame, tube = _on_better_axis(frame, tube, tips)
         inside = frame.inside(points)
-        faces = {side: find_face(tube, inside, tips[(side + 1) // 2], side) for side in (-1, 1)}
+        faces = {side: find_face(tube, inside, tips[(side + 1) // 2], side, reach) for side in (-1, 1)}
         tube, on, weight = fit_tube(tube, inside, tips, False, partial(flats_of, faces, tube.noise), rounds=12)
-    ovate, other = _section(tube, inside, tips, faces)
+    ovate, other = _section(tube, on, weight, inside, tips, faces)
     if ovate:
         tube, on, weight = other
     return FittedSpring(frame, tube, tips, spreads, (faces[-1], faces[1]), ovate, on, weight, inside)
 
 
 def _section(
-    tube: Tube, points: Array, tips: tuple[float, float], faces: dict[int, Face | None]
+    tube: Tube, on: OnWire, weight: Array, points: Array, tips: tuple[float, float], faces: dict[int, Face | None]
 ) -> tuple[bool, tuple[Tube, OnWire, Array]]:
     """Whether an ellipse fits better than a circle by more than chance, and the tube with it."""
+    if seen_around(on, weight) < ALL_AROUND:
+        return False, (tube, on, weight)
     found = fit_tube(tube, points, tips, True, partial(flats_of, faces, tube.noise), rounds=12)
     along, across = found[0].section[1:]
     spread = np.sqrt(np.diag(found[0].cov)[-2:])
     size = float(np.hypot(along, across))
     return bool(size > OVATE * float(np.hypot(*spread)) and size > LEAST_OVATE), found
+
+
+def seen_around(on: OnWire, weight: Array) -> float:
+    """Share of the directions about the wire axis in which there are points of the surface."""
+    counts = np.histogram(on.around[weight > 0], np.linspace(-np.pi, np.pi, 25))[0]
+    return float(np.mean(counts > 0.1 * np.max(counts)))
 
 
 def _on_better_axis(frame: Frame, tube: Tube, ends: tuple[float, float]) -> tuple[Frame, Tube]:
