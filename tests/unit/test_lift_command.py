@@ -142,6 +142,13 @@ def test_the_spread_does_not_depend_on_workers(table, tmp_path):
     assert list(map(repr, found[0])) == list(map(repr, found[1]))
 
 
+def test_a_request_of_many_laws_is_refused_with_its_numbers(table, tmp_path):
+    asked = ("--case", "job-t", "--engine-speed", "100:9000:10 rpm", "--draws", "64", "--output", str(tmp_path / "out"))
+    said = invoke("lift", str(table), *asked).stderr
+    assert "beyond the bound of" in said and "fewer laws, speeds or unknowns" in said and "--limit '" in said
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_lift_that_was_not_measured_has_no_band():
     with pytest.raises(InputError, match="is not measured"):
         lift_band_study("job-t", "2000 rpm")
