@@ -208,6 +208,8 @@ if TYPE_CHECKING:
     from valvetrain.studies.points.table import StudyTable as StudyTable
     from valvetrain.studies.refined import refine as refine
     from valvetrain.studies.run_up import run_up as run_up
+    from valvetrain.studies.scan_against_design import ScanComparison as ScanComparison
+    from valvetrain.studies.scan_against_design import compare_scan as compare_scan
     from valvetrain.studies.spring_card import SpringFit as SpringFit
     from valvetrain.studies.spring_card import spring_from_card as spring_from_card
     from valvetrain.studies.spring_tester import TesterFit as TesterFit

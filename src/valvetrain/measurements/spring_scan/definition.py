@@ -93,7 +93,9 @@ def define(fitted: FittedSpring, wire: Wire, turns: Array, material: Material, n
     along = float(fitted.tube.section[1]) if fitted.ovate else 0.0
     wider = diameter - 2 * mean * (1 - along)  # beyond the height of the section; the gaps between coils are kept
     law, varied = wire_curve(fitted, turns, diameter)
-    pitch = PiecewiseLinear(tuple(wire.coil.tolist()), tuple((1e-3 * (wire.pitch + max(wider, 0.0))).tolist()))
+    bend = np.diff(wire.pitch, 2)
+    rise = wire.pitch - np.concatenate([[0.0], bend, [0.0]]) / 12  # straight lines between them then rise as the smooth curve does
+    pitch = PiecewiseLinear(tuple(wire.coil.tolist()), tuple((1e-3 * np.maximum(rise + max(wider, 0.0), 0.0)).tolist()))
     width = PiecewiseLinear(tuple(wire.coil.tolist()), tuple((2e-3 * wire.radius).tolist()))
     notes = []
     ends = [_end(wire, mean * (1 - along), upper) for upper in (False, True)]

@@ -17,6 +17,8 @@ from valvetrain.measurements.spring_scan.tube import OnWire, Tube, fit_tube, sta
 Array = NDArray[np.float64]
 #: Spline pieces a turn.
 PER_TURN = 12
+#: Points that the wire is looked for in; all are fitted in the end.
+EARLY = 20_000
 #: Ellipticity, in standard deviations and as a share, from which a section is no longer taken as round.
 OVATE, LEAST_OVATE = 5.0, 2.5e-3
 #: Share of the directions about the wire axis that must be seen before a section is taken for anything but round.
@@ -44,7 +46,7 @@ def fit_spring(points: Array, wedges: int = WEDGES, per_turn: int = PER_TURN) ->
     Raises :class:`InputError` where the points show no spring.
     """
     frame = find_axis(points)
-    inside = frame.inside(points)
+    inside = frame.inside(points[:EARLY])
     trace = follow(find_sections(inside, wedges), wedges)
     ends = float(trace.turn[0]), float(trace.turn[-1])
     reach = ends[0] - BEYOND, ends[1] + BEYOND
@@ -53,8 +55,9 @@ def fit_spring(points: Array, wedges: int = WEDGES, per_turn: int = PER_TURN) ->
     ends = supported(tube, inside, ends)
     for _ in range(3):
         frame, tube = _on_better_axis(frame, tube, ends)
-        inside = frame.inside(points)
+        inside = frame.inside(points[:EARLY])
         tube, _, _ = fit_tube(tube, inside, ends, False, rounds=5)
+    inside = frame.inside(points)
     faces: dict[int, Face | None] = {}
     tips, spreads = ends, (0.0, 0.0)
     for _ in range(2):

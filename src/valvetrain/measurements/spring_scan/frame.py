@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 #: Points that look for the axis, directions that are tried, and those that are followed up.
-LOOKED_AT, DIRECTIONS, FOLLOWED = 4000, 160, 8
+LOOKED_AT, DIRECTIONS, FOLLOWED = 3000, 120, 5
 #: Highest power of the height by which the mean radius may change along the axis.
 POWER = 4
 
@@ -84,6 +84,13 @@ def _settled(points: Array, frame: Frame, size: float) -> tuple[float, Frame]:
     return best
 
 
+def _least_squares(basis: Array, values: Array, weight: Array) -> Array:
+    heavy = basis * weight[:, None]
+    matrix = heavy.T @ basis
+    found: Array = np.linalg.solve(matrix + 1e-10 * np.diag(np.diag(matrix)) + 1e-30 * np.eye(len(matrix)), heavy.T @ values)
+    return found
+
+
 def _step(points: Array, frame: Frame, size: float) -> tuple[float, Frame]:
     """Scatter of the radii about a smooth function of the height, and the frame that lowers it: one robust Gauss-Newton step."""
     x, y, z = frame.inside(points).T
@@ -94,12 +101,11 @@ def _step(points: Array, frame: Frame, size: float) -> tuple[float, Frame]:
     basis = np.column_stack([smooth, cosine, sine, z * cosine, z * sine])
     weight = np.ones(len(radius))
     for _ in range(3):
-        root = np.sqrt(weight)[:, None]
-        found = np.linalg.lstsq(basis * root, radius * root[:, 0], rcond=None)[0]
+        found = _least_squares(basis, radius, weight)
         left = radius - basis @ found
         scale = 1.4826 * float(np.median(np.abs(left))) + 1e-9 * size
         weight = np.clip(1 - (left / (4.685 * scale)) ** 2, 0.0, None) ** 2 + 1e-6
-    now = radius - smooth @ np.linalg.lstsq(smooth * root, radius * root[:, 0], rcond=None)[0]
+    now = radius - smooth @ _least_squares(smooth, radius, weight)
     scatter = float(np.mean(np.minimum(np.abs(now), 0.5 * size))) / size
     across, tilt = found[POWER + 1 : POWER + 3], found[POWER + 3 :]
     limit = 0.5 * size

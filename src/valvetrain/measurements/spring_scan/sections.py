@@ -11,7 +11,7 @@ from valvetrain.errors import InputError
 
 Array = NDArray[np.float64]
 #: Half planes per turn; those that choose the radius of the wire, and the radii they try as shares of the coil radius.
-WEDGES, CHOOSING, RADII = 64, 8, np.geomspace(0.035, 0.36, 44)
+WEDGES, CHOOSING, RADII = 64, 8, np.geomspace(0.035, 0.36, 32)
 #: Size of a cell of votes as a share of the coil radius; least distance between two sections, in radii of the wire.
 CELL, APART = 0.012, 1.4
 #: Share of the usual number of votes from which a section counts.
