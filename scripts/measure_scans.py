@@ -1,4 +1,4 @@
-"""Measures how well springs are found in scans of known springs, and what a cloud of ten million points takes; prints the tables of the docs.
+"""Measures how well springs are found in scans of known springs, and what a large cloud takes; prints the tables of the docs.
 
 Use: python scripts/measure_scans.py [accuracy | FOLDER POINTS]
 """

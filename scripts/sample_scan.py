@@ -29,7 +29,7 @@ FINE = 4096
 
 @dataclass(frozen=True)
 class Scanner:
-    """How a spring is seen: ``noise`` (m) per coordinate, share of ``outliers``, ``holes`` of ``hole_radius`` (m), ``outside`` of the wire only.
+    """How a spring is seen: ``noise`` (m) per coordinate, share of ``outliers``, ``holes`` of ``hole_radius`` (m), the ``outside`` only.
 
     ``facing``: least cosine between the normal of the surface and the outward radius that such a scanner sees.
     """
@@ -45,7 +45,7 @@ class Scanner:
 
 @dataclass(frozen=True)
 class Truth:
-    """What is known of a cloud: the ``wire_axis`` (n, 3), as far as it was not ground away, and the spring axis as they lie in the cloud (m), and the spring."""
+    """What is known of a cloud: the spring, its ``wire_axis`` (n, 3) as far as it still stands, and its axis, as they lie there (m)."""
 
     spring: SpringDefinition
     wire_axis: Array

@@ -46,8 +46,8 @@ def scan(
     material: Annotated[str, _text("--material", "NAME", "Wire by name (default: the design's, else EN 10270-2 VDSiCr).")] = "",
     name: Annotated[str, typer.Option("--name", metavar="NAME", help="Word for the spring.")] = "spring",
     turn_over: Annotated[bool, typer.Option("--turn-over", help="Take the other end for the lower one.")] = False,
-    points: Annotated[int, typer.Option("--points", metavar="N", help="Most points that are fitted, an even draw from the file.")] = 100_000,
-    design: Annotated[str | None, _text("--design", "CASE", "Case of the design: its curves, statics, modes and runs beside the scan's.")] = None,
+    points: Annotated[int, typer.Option("--points", metavar="N", help="Most points that are fitted: an even draw.")] = 100_000,
+    design: Annotated[str | None, _text("--design", "CASE", "Case of the design: curves, statics, modes, runs beside it.")] = None,
     engine_speed: SpeedOption = None, spring: SpringOption = None,
     output: OutputOption = None, workers: WorkersOption = None, open_page: OpenOption = False, as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -67,14 +67,16 @@ def scan(
     if design is not None and material:
         raise InputError("with a design the wire is of its material; leave --material out", "--material")
     speeds, models, case = read_engine_speeds(engine_speed), read_models(spring), None if design is None else load_case(design)
+    if case is not None:
+        from valvetrain.studies.scan_against_design import compare_scan, design_spring
+
+        design_spring(case)
     steel = material_by_name(material) if material else None
     created_at, count = datetime.now(UTC).replace(microsecond=0), read_workers(workers)
     with busy("fitting the wire to the points"):
         found = spring_from_scan(file, unit=unit, material=steel, name=name, turn_over=turn_over, points=points)
     compared = None
     if case is not None:
-        from valvetrain.studies.scan_against_design import compare_scan
-
         announce_compilation("statics")
         with progress_bar("design and scan") as report:
             compared = compare_scan(found, case, speeds, spring_models=models or ("finite-element",), workers=count, progress=report)
@@ -138,7 +140,7 @@ def _data(found: ScannedSpring, compared: ScanComparison | None) -> dict[str, An
     def spread(pair: tuple[float, float]) -> dict[str, float]:
         return {"value": pair[0], "standard_deviation": pair[1]}
 
-    curves, section = found.curves, found.section
+    curves, section, wire = found.curves, found.section, found.definition
     data: dict[str, Any] = {
         "command": "scan", "case": "", "completed": compared is None or not compared.failures, "form": found.form, "unit": found.unit,
         "points_read": found.points_read, "points_fitted": found.points_fitted, "points_on_wire": found.points_on_wire,
@@ -148,7 +150,7 @@ def _data(found: ScannedSpring, compared: ScanComparison | None) -> dict[str, An
         "axis": {"point": found.axis_point.tolist(), "direction": found.axis_direction.tolist()},
         "ends": {
             word: {"kind": end.kind, "ground_coils": coil.ground_coils, "face_points": end.face_points, "face_lean": end.face_lean}
-            for word, end, coil in (("lower", found.lower_end, found.definition.lower_end), ("upper", found.upper_end, found.definition.upper_end))
+            for word, end, coil in (("lower", found.lower_end, wire.lower_end), ("upper", found.upper_end, wire.upper_end))
         },
         "curves": {
             key: getattr(curves, key).tolist()

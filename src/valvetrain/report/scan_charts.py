@@ -43,7 +43,9 @@ def cloud_chart(scan: ScannedSpring) -> Chart:
     low = float(np.min(line[:, 2])) - 1e3 * float(scan.curves.height[0])
     half = 1.08 * float(np.max(np.abs(line[:, :2]))) + 2e3 * scan.section.diameter[0]
     tall = 2e3 * scan.section.diameter[0]
-    near = np.all(np.abs(points[:, :2]) < half, axis=1) & (points[:, 2] > line[:, 2].min() - tall) & (points[:, 2] < line[:, 2].max() + tall)
+    near = (
+        np.all(np.abs(points[:, :2]) < half, axis=1) & (points[:, 2] > line[:, 2].min() - tall) & (points[:, 2] < line[:, 2].max() + tall)
+    )
     panels = []
     for axis, words in ((0, "front: across (mm)"), (1, "side: across (mm)")):
         layers: tuple[Layer, ...] = (
@@ -103,7 +105,7 @@ def difference_chart(scan: ScannedSpring, design: SpringDefinition) -> Chart:
     coil = curves.coil[keep]
     outer = curves.mean_diameter[keep] + scan.section.diameter[0] - design.outer_diameter(coil)
     height = curves.height[keep] - (design.axial_position(coil) - design.lower_seat_height)
-    panels = []
+    panels: list[Panel] = []
     for label, away, spread in (
         ("outer diameter, scan − design (mm)", outer, curves.mean_diameter_spread[keep]),
         ("height, scan − design (mm)", height, curves.height_spread[keep]),
@@ -124,7 +126,9 @@ def section_chart(scan: ScannedSpring) -> Chart:
     points = 1e3 * section.shown[:: max(1, len(section.shown) // SECTION)]
     around = np.linspace(0, 2 * np.pi, 241)
     a, b, lean = 5e2 * section.long_axis[0], 5e2 * section.short_axis[0], section.inclination
-    ring = np.column_stack([a * np.cos(around), b * np.sin(around)]) @ np.array([[np.cos(lean), np.sin(lean)], [-np.sin(lean), np.cos(lean)]])
+    ring = np.column_stack([a * np.cos(around), b * np.sin(around)]) @ np.array(
+        [[np.cos(lean), np.sin(lean)], [-np.sin(lean), np.cos(lean)]]
+    )
     half = 1.25 * a
     word = "ellipse" if section.ovate else "circle"
     fitted: tuple[Layer, ...] = (
@@ -132,21 +136,23 @@ def section_chart(scan: ScannedSpring) -> Chart:
         Line(ring[:, 0], ring[:, 1], f"fitted {word}", SCAN, 2.0),
     )
     turns = section.turns
-    bars = 2e3 * turns[:, 2]
+    mean, bars = 1e3 * turns[:, 1], 2e3 * turns[:, 2]
+    strokes = np.column_stack([mean - bars, mean + bars, np.full(len(turns), np.nan)]).ravel()
     each: list[Layer] = [
-        Line(np.repeat(turns[:, 0], 3), np.column_stack([1e3 * turns[:, 1] - bars, 1e3 * turns[:, 1] + bars, np.full(len(turns), np.nan)]).ravel(),
-             "95 % of a turn", theme.MUTED, 1.6),
-        Marks(turns[:, 0], 1e3 * turns[:, 1], "mean of a turn", SCAN, size=6.0, filled=True),
-    ]  # fmt: skip
-    mean = 5e2 * (section.long_axis[0] + section.short_axis[0])
+        Line(np.repeat(turns[:, 0], 3), strokes, "95 % of a turn", theme.MUTED, 1.6),
+        Marks(turns[:, 0], mean, "mean of a turn", SCAN, size=6.0, filled=True),
+    ]
+    whole = 5e2 * (section.long_axis[0] + section.short_axis[0])
     reach = (0.0, float(scan.curves.coil[-1]))
-    each.append(Line(np.array(reach), np.array([mean, mean]), "whole wire", theme.INK, 1.0, "dash"))
+    each.append(Line(np.array(reach), np.array([whole, whole]), "whole wire", theme.INK, 1.0, "dash"))
     panels = (
         Panel("from the wire axis outward (mm)", "along the spring (mm)", fitted, "all turns laid upon each other", x_range=(-half, half),
               y_range=(-half, half)),
         Panel(COIL, "mean wire diameter (mm)", tuple(each), "turn by turn", x_range=reach),
     )  # fmt: skip
-    caption = "The section is taken in the plane normal to the wire. Points nearer to the next coil than five standard deviations are left out."
+    caption = (
+        "The section is taken in the plane normal to the wire. Points nearer to the next coil than five standard deviations are left out."
+    )
     return Chart("scan-section", "Section of the wire", caption, panels, 2, 460)
 
 
@@ -161,8 +167,9 @@ def residual_chart(scan: ScannedSpring) -> Chart:
     central = int(np.count_nonzero(np.abs(left) < 2 * noise)) / 0.9545
     bell = central * (edges[1] - edges[0]) / (noise * np.sqrt(2 * np.pi)) * np.exp(-0.5 * (fine / noise) ** 2)
     bars: tuple[Layer, ...] = (
-        Line(*stems(middle, counts.astype(float)), "points", SCAN, 5.0), Line(fine, bell, f"bell of {noise:.0f} µm", theme.INK, 1.2, "dash"),
-    )  # fmt: skip
+        Line(*stems(middle, counts.astype(float)), "points", SCAN, 5.0),
+        Line(fine, bell, f"bell of {noise:.0f} µm", theme.INK, 1.2, "dash"),
+    )
     panel = Panel("point outside (+) or inside (−) the surface (µm)", "points", bars, x_range=(float(edges[0]), float(edges[-1])))
     caption = "Points beyond the bell are strays, or surface that is none of the wire; they do not count in the fit."
     return Chart("scan-residuals", "What the points leave", caption, (panel,), 1, 320)

@@ -94,8 +94,8 @@ def scan_page(scan: ScannedSpring, found: ScanComparison | None = None) -> Page:
         ("turns", f"{scan.total_coils[0]:.2f}, {scan.hand} hand"), ("noise of a point", f"{1e6 * scan.noise:.0f} µm"),
     )  # fmt: skip
     lead = (
-        "The surface of a tube whose axis is a smooth curve is fitted to the points. Intervals hold for points whose errors do not depend on "
-        "each other; a scanner that is out by a share of the length puts all sizes out by that share."
+        "The surface of a tube whose axis is a smooth curve is fitted to the points. Intervals hold for points whose errors do not depend "
+        "on each other; a scanner that is out by a share of the length puts all sizes out by that share."
     )
     return Page(scan.source, "Spring from a scan", lead, facts, tuple(sections), "Coils are counted from the lower tip.")
 

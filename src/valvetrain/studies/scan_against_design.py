@@ -90,7 +90,7 @@ def compare_scan(
     """The analyses of a design with its own spring and with the scanned one: static curve, natural frequencies, runs at engine speeds.
 
     The scanned spring takes material, damping, contacts, seats and options of the design's, and stands at the same height between the
-    seats; its inactive turns reach as far beyond the ground ones as the design's do. It is turned over where the design's curves ask for it.
+    seats; its inactive turns reach as far beyond the ground ones as the design's do. It is turned over where the design asks for it.
 
     Parameters
     ----------
@@ -126,10 +126,7 @@ def compare_scan(
     True
     """
     case = replace(case_of(design), published=())
-    case.require_spring()
-    if len(case.springs) != 1:
-        raise InputError(f"design '{case.name}' has {len(case.springs)} springs; give a case with the one that was scanned", "--design")
-    installed = case.springs[0]
+    installed = design_spring(case)
     assert installed.wire is not None
     upright = stands_as(scan, installed.wire)
     scanned = replace(case, springs=(as_installed(upright, installed),), title=f"{case.title or case.name}, as scanned")
@@ -155,6 +152,14 @@ def compare_scan(
     return ScanComparison(upright, cases, (rest[0], rest[1]), None if runs is None else (runs[0], runs[1]), numbers)
 
 
+def design_spring(case: Case) -> InstalledSpring:
+    """The one spring of a design, known by its wire; raises :class:`InputError` for any other case."""
+    case.require_spring()
+    if len(case.springs) != 1:
+        raise InputError(f"design '{case.name}' has {len(case.springs)} springs; give a case with the one that was scanned", "--design")
+    return case.springs[0]
+
+
 def stands_as(scan: ScannedSpring, design: SpringDefinition) -> ScannedSpring:
     """The scan on the end that makes its curves those of the design as nearly as may be."""
     other = turned_over(scan)
@@ -175,13 +180,10 @@ def as_installed(scan: ScannedSpring, design: InstalledSpring) -> InstalledSprin
     compression = scan.free_length[0] - height
     if compression < -1e-6:
         raise InputError(
-            f"the scanned spring is {1e3 * scan.free_length[0]:.2f} mm long, shorter than the {1e3 * height:.2f} mm between the seats of the "
-            "design; check the unit of the scan or give another design", "--design",
+            f"the scanned spring is {1e3 * scan.free_length[0]:.2f} mm long, shorter than the {1e3 * height:.2f} mm between the seats of "
+            "the design; check the unit of the scan or give another design", "--design",
         )  # fmt: skip
-    ends = [
-        _end(own, other)
-        for own, other in ((scan.definition.lower_end, wire.lower_end), (scan.definition.upper_end, wire.upper_end))
-    ]
+    ends = [_end(own, other) for own, other in ((scan.definition.lower_end, wire.lower_end), (scan.definition.upper_end, wire.upper_end))]
     own = scan.definition.replace(material=wire.material, name=wire.name, lower_end=ends[0], upper_end=ends[1])
     return replace(design, wire=own, precompression=max(compression, 0.0))
 

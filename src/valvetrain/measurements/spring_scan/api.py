@@ -99,9 +99,10 @@ def spring_from_scan(
     frame = fitted.frame.turned_over() if wire.turned_over else fitted.frame
     step = max(1, len(fitted.points) // SHOWN)
     return ScannedSpring(
-        cloud.name, cloud.form, told, definition, _curves(fitted, wire, definition), _section(fitted, turns, wire.turned_over), ends[0], ends[1],
-        (float(definition.total_coils), across_tips), _free_length(fitted, wire), 1e-3 * frame.origin, frame.base[2], 1e-3 * fitted.tube.noise,
-        left, drawn.read, len(drawn.points), int(np.count_nonzero(on_wire)), 1e-3 * fitted.frame.outside(fitted.points[::step]), tuple(notes),
+        cloud.name, cloud.form, told, definition, _curves(fitted, wire), _section(fitted, turns, wire.turned_over), ends[0], ends[1],
+        (float(definition.total_coils), across_tips), _free_length(fitted, wire), 1e-3 * frame.origin, frame.base[2],
+        1e-3 * fitted.tube.noise, left, drawn.read, len(drawn.points), int(np.count_nonzero(on_wire)),
+        1e-3 * fitted.frame.outside(fitted.points[::step]), tuple(notes),
     )  # fmt: skip
 
 
@@ -147,7 +148,7 @@ def _section(fitted: FittedSpring, turns: Array, over: bool) -> WireSection:
     )  # fmt: skip
 
 
-def _curves(fitted: FittedSpring, wire: Wire, definition: SpringDefinition) -> ScanCurves:
+def _curves(fitted: FittedSpring, wire: Wire) -> ScanCurves:
     """Curves in m; heights above the lower seat plane."""
     below = wire.faces[0] if wire.faces[0] is not None else float(np.min(wire.height)) - float(fitted.tube.section[0])
     turn = fitted.tips[0] + (wire.coil[::-1][0] - wire.coil if wire.turned_over else wire.coil)
@@ -165,9 +166,9 @@ def _free_length(fitted: FittedSpring, wire: Wire) -> tuple[float, float]:
     half = float(fitted.tube.section[0])
     low = wire.faces[0] if wire.faces[0] is not None else float(np.min(wire.height)) - half
     high = wire.faces[1] if wire.faces[1] is not None else float(np.max(wire.height)) + half
-    spreads = [wire.height_spread[place] if face is None else fitted_face.spread if fitted_face else 0.0
-               for place, face, fitted_face in ((0, wire.faces[0], fitted.faces[0]), (-1, wire.faces[1], fitted.faces[1]))]  # fmt: skip
-    return 1e-3 * (high - low), 1e-3 * float(np.hypot(*spreads))
+    faces = fitted.faces[::-1] if wire.turned_over else fitted.faces
+    spreads = [float(wire.height_spread[-place]) if face is None else face.spread for place, face in enumerate(faces)]
+    return 1e-3 * (high - low), 1e-3 * float(np.hypot(spreads[0], spreads[1]))
 
 
 def _end(fitted: FittedSpring, definition: SpringDefinition, place: int, over: bool) -> ScannedEnd:
@@ -188,10 +189,12 @@ def _assumed(material: Material | None, definition: SpringDefinition, fitted: Fi
                 "begins to move"
             )
         else:
-            notes.append(f"no ground face is seen at the {word} end, so it is taken as {end.kind}, with {end.inactive_coils:g} inactive turns")
+            notes.append(
+                f"no ground face is seen at the {word} end, so it is taken as {end.kind}, with {end.inactive_coils:g} inactive turns"
+            )
     leans = [float(np.hypot(*face.lean)) for face in fitted.faces if face is not None]
     if leans and max(leans) > 0.004:
         notes.append(
-            f"ground faces lean by up to {np.degrees(max(leans)):.2f} degrees against the axis; a case has them square to it, so this is lost"
+            f"ground faces lean by up to {np.degrees(max(leans)):.2f} degrees; a case has them square to the axis, so this is lost"
         )
     return notes

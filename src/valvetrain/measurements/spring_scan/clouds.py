@@ -90,7 +90,9 @@ def _marked(path: Path, name: str, mark: bytes) -> Iterator[Array]:
     found = 0
     with path.open("rb") as stream:
         for lines in line_blocks(stream, name):
-            kept = [one[len(mark) :] for line in lines if (one := line.strip()).startswith(mark) and one[len(mark) : len(mark) + 1].isspace()]
+            kept = [
+                one[len(mark) :] for line in lines if (one := line.strip()).startswith(mark) and one[len(mark) : len(mark) + 1].isspace()
+            ]
             if kept:
                 found += len(kept)
                 yield numbers_in(kept, name)[:, :3]

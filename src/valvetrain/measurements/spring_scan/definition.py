@@ -70,7 +70,7 @@ def _upside_down(coil: Array, radius: Array, pitch: Array) -> bool:
 def round_wire(mean: float, ellipticity: float) -> float:
     """Diameter of the round wire that twists as an ellipse of half axes mean (1 +- ellipticity) does.
 
-    Its torsion constant pi a^3 b^3 / (a^2 + b^2) (Timoshenko and Goodier, Theory of elasticity, section 92) is that of a circle, pi d^4 / 32.
+    Its torsion constant pi a^3 b^3 / (a^2 + b^2) (Timoshenko and Goodier, Theory of elasticity) is that of a circle, pi d^4 / 32.
     """
     a, b = mean * (1 + ellipticity), mean * (1 - ellipticity)
     return float((32 * (a * b) ** 3 / (a**2 + b**2)) ** 0.25)

@@ -65,7 +65,7 @@ def find_face(tube: Tube, points: Array, tip: float, side: int, reach: tuple[flo
 
 
 def _plane(points: Array, face: Face, scale: float, noise: float) -> Face | None:
-    """The plane through most of the points (n, 3), robustly and square to the axis as far as they allow; None for too few or a steep one."""
+    """The plane through most of the points (n, 3), robustly, as square to the axis as they allow; None for too few or a steep one."""
     model = np.column_stack([np.ones(len(points)), points[:, :2]])
     values = np.array([face.height, *face.lean])
     for _ in range(15):

@@ -115,14 +115,12 @@ def _on_better_axis(frame: Frame, tube: Tube, ends: tuple[float, float]) -> tupl
     own = tube.hand * np.arctan2(line[:, 1], line[:, 0]) / (2 * np.pi)
     unwound = wide + np.mod(own - wide + 0.5, 1.0) - 0.5
     per_turn = round(1 / (tube.knots[4] - tube.knots[3]))
-    again = start_tube(
-        unwound, np.hypot(line[:, 0], line[:, 1]), line[:, 2], tube.hand, 1.0, (tube.knots[3], tube.knots[-4]), per_turn
-    )
+    again = start_tube(unwound, np.hypot(line[:, 0], line[:, 1]), line[:, 2], tube.hand, 1.0, (tube.knots[3], tube.knots[-4]), per_turn)
     return moved, replace(tube, radius=again.radius, height=again.height)
 
 
 def _swing(waves: Array, bends: Array) -> Array:
-    """Coefficients (2,) of ``waves`` in the second derivatives ``bends``: ramps of pitch and kinks of the diameter are seldom and left out."""
+    """Coefficients (2,) of ``waves`` in the second derivatives ``bends``; ramps of pitch and kinks of the diameter are left out."""
     basis = np.column_stack([np.ones(len(bends)), waves])
     weight = np.ones(len(bends))
     for _ in range(20):

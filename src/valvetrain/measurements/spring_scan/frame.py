@@ -16,7 +16,7 @@ POWER = 4
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Axis through ``origin`` (3,) with the rows of ``base`` (3, 3): two directions across, then the axis; same length unit as the points."""
+    """Axis through ``origin`` (3,) with the rows of ``base`` (3, 3): two directions across, then the axis."""
 
     origin: Array
     base: Array
@@ -87,7 +87,7 @@ def _settled(points: Array, frame: Frame, size: float) -> tuple[float, Frame]:
 def _least_squares(basis: Array, values: Array, weight: Array) -> Array:
     heavy = basis * weight[:, None]
     matrix = heavy.T @ basis
-    found: Array = np.linalg.solve(matrix + 1e-10 * np.diag(np.diag(matrix)) + 1e-30 * np.eye(len(matrix)), heavy.T @ values)
+    found: Array = np.asarray(np.linalg.solve(matrix + 1e-10 * np.diag(np.diag(matrix)) + 1e-30 * np.eye(len(matrix)), heavy.T @ values))
     return found
 
 

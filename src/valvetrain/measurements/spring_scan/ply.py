@@ -107,7 +107,9 @@ def _text(path: Path, name: str, head: _Head, places: list[int]) -> Iterator[Arr
             if kept:
                 rows = numbers_in(kept, name)
                 if rows.shape[1] != len(head.properties):
-                    raise InputError(f"a row of '{name}' has {rows.shape[1]} numbers, its head tells {len(head.properties)}; export it again")
+                    raise InputError(
+                        f"a row of '{name}' has {rows.shape[1]} numbers, its head tells {len(head.properties)}; export it again"
+                    )
                 yield rows[:, places]
             if not left:
                 return

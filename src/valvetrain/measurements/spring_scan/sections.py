@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +23,7 @@ MOST_VOTING = 600
 
 @dataclass(frozen=True, eq=False)
 class Sections:
-    """Centres of wire sections: ``turn`` of the half plane (0 to 1), ``radius`` and ``height`` (k,), ``votes`` in shares of the usual number."""
+    """Centres of wire sections: ``turn`` of the half plane (0 to 1), ``radius`` and ``height`` (k,), ``votes`` as shares."""
 
     turn: Array
     radius: Array
@@ -45,7 +46,7 @@ def find_sections(points: Array, wedges: int = WEDGES) -> Sections:
     order = np.argsort(turn, kind="stable")
     turn, plane = turn[order], plane[order]
     edges = np.searchsorted(turn, np.linspace(0.0, 1.0, wedges + 1))
-    parts = [plane[first:last][:: max(1, (last - first) // MOST_VOTING)] for first, last in zip(edges[:-1], edges[1:], strict=True)]
+    parts = [plane[first:last][:: max(1, (last - first) // MOST_VOTING)] for first, last in itertools.pairwise(edges)]
     coil = float(high[0])
     chosen = parts[:: max(1, wedges // CHOOSING)]
     scores = [float(np.mean([_votes(part, share * coil, CELL * coil)[0].max(initial=0.0) for part in chosen])) for share in RADII]

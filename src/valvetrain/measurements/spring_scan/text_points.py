@@ -47,8 +47,8 @@ def numbers_in(lines: Sequence[bytes], name: str) -> Array:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            values: Array = np.fromstring(b" ".join(lines), dtype=float, sep=" ")  # type: ignore[call-overload]
-        fits = values.size == width * len(lines)
+            values: Array = np.fromstring(b" ".join(lines), dtype=float, sep=" ")
+        fits = values.size == width * len(lines) and all(len(line.split()) == width for line in lines)
     except (ValueError, DeprecationWarning):
         fits = False
     if not fits:

@@ -1,7 +1,7 @@
 """Centre line and section of the wire, fitted to the points as the surface of a tube: robust Gauss-Newton on penalised splines.
 
 Radius and height of the wire axis over the unwound angle are cubic splines whose second derivatives are drawn from a random walk; the
-data choose how rough each may be (marginal likelihood, the update of Fellner and Schall, Wood and Fasiolo 2017). The posterior gives the scatter.
+data choose how rough each may be (marginal likelihood by the update of Fellner and Schall). The posterior gives the scatter.
 """
 
 from __future__ import annotations
@@ -84,10 +84,17 @@ def start_tube(turn: Array, radius: Array, height: Array, hand: int, wire: float
     step = inner[1] - inner[0]
     knots = np.concatenate([inner[0] - step * np.arange(DEGREE, 0, -1), inner, inner[-1] + step * np.arange(1, DEGREE + 1)])
     basis, penalty = _design(knots, turn), roughness(knots)
-    inverse = np.linalg.inv(basis.T @ basis + 1e-3 * per_turn ** -3 * penalty + 1e-10 * np.eye(len(penalty)))
-    coefficients = [inverse @ (basis.T @ values) for values in (radius, height)]
+    inverse = np.linalg.inv(basis.T @ basis + 1e-3 * per_turn**-3 * penalty + 1e-10 * np.eye(len(penalty)))
     size = 2 * len(penalty) + 3
-    return Tube(knots, *coefficients, np.array([wire, 0.0, 0.0]), np.zeros((size, size)), 0.1 * wire, hand)
+    return Tube(
+        knots,
+        inverse @ (basis.T @ radius),
+        inverse @ (basis.T @ height),
+        np.array([wire, 0.0, 0.0]),
+        np.zeros((size, size)),
+        0.1 * wire,
+        hand,
+    )
 
 
 def roughness(knots: Array) -> Array:
@@ -219,7 +226,7 @@ def fit_tube(
             inner[2 * size + 1 :, :] = 0.0
             inner[:, 2 * size + 1 :] = 0.0
             inner[range(2 * size + 1, 2 * size + 3), range(2 * size + 1, 2 * size + 3)] = 1.0
-        cov = np.linalg.inv(inner)
+        cov: Array = np.asarray(np.linalg.inv(inner))
         values = np.concatenate([tube.radius, tube.height, tube.section])
         step = cov @ (side - prior @ values)
         values = values + step
@@ -254,9 +261,7 @@ def _normal_equations(tube: Tube, on: OnWire, weight: Array, ovate: bool) -> tup
     if not ovate:
         across[:, 1:] = 0.0
     # distance less section: falls as the axis comes nearer along the normal
-    model = hstack(
-        [basis.multiply(on.outward[keep][:, None]), basis.multiply(on.upward[keep][:, None]), csr_array(across)], format="csr"
-    )
+    model = hstack([basis.multiply(on.outward[keep][:, None]), basis.multiply(on.upward[keep][:, None]), csr_array(across)], format="csr")
     heavy = model.multiply(weight[keep][:, None]).tocsr()
     return (heavy.T @ model).toarray(), np.asarray(heavy.T @ on.left[keep]).ravel()
 
