@@ -1,6 +1,6 @@
 """Measures how well springs are found in scans of known springs, and what a large cloud takes; prints the tables of the docs.
 
-Use: python scripts/measure_scans.py [accuracy | FOLDER POINTS]
+Use: python scripts/measure_scans.py [picture FILE | FOLDER POINTS]
 """
 
 from __future__ import annotations
@@ -96,9 +96,25 @@ def large(folder: Path, count: int) -> None:
     file.unlink()
 
 
+def picture(folder: Path, file: Path) -> None:
+    """The curves of the beehive as made beside those of its design."""
+    from valvetrain.report.scan_charts import curves_chart
+    from valvetrain.report.svg_chart import svg
+    from valvetrain.solution.atomic import write_text
+    from valvetrain.studies.scan_against_design import stands_as
+
+    known = springs()
+    point, _ = cloud(known["beehive-as-made"], 30_000, Scanner(outside=True, seed=3))
+    (folder / "cloud.ply").write_bytes(ply(point))
+    scan = stands_as(spring_from_scan(folder / "cloud.ply"), known["beehive"])
+    write_text(file, svg(curves_chart(scan, known["beehive"])))
+
+
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as there:
-        if len(sys.argv) > 2:
+        if sys.argv[1:2] == ["picture"]:
+            picture(Path(there), Path(sys.argv[2]))
+        elif len(sys.argv) > 2:
             large(Path(sys.argv[1]), int(sys.argv[2]))
         else:
             accuracy(Path(there))

@@ -1,4 +1,5 @@
-"""Writes point clouds as a scanner makes them, from known springs: ``beehive.ply``, ``progressive.xyz`` and what is true of them.
+"""Writes point clouds as a scanner makes them, from known springs: ``beehive.ply``, the same as made, ``progressive.xyz``;
+and what is true of them.
 
 Use: python scripts/sample_scan.py FOLDER [POINTS]
 
@@ -164,10 +165,21 @@ def springs() -> dict[str, SpringDefinition]:
     tapered = law("0 0.8 1.3 4.7 5.2 6", "3 3 6.5 6.5 3.05 3.05")
     return {
         "beehive": beehive,
+        "beehive-as-made": as_made(beehive),
         "cylindrical": SpringDefinition(3.6e-3, 24e-3, even, 7.0, steel, ends, ends, "left", "cylindrical"),  # type: ignore[arg-type]
         "progressive": SpringDefinition(4e-3, 24e-3, rising, 8.0, steel, ends, ends, "right", "progressive"),  # type: ignore[arg-type]
         "conical": SpringDefinition(3e-3, law("0 6", "26 18"), tapered, 6.0, steel, ends, ends, "left", "conical"),  # type: ignore[arg-type]
     }
+
+
+def as_made(design: SpringDefinition) -> SpringDefinition:
+    """A beehive as springs are made: above coil 4 its diameter falls in steps, and its pitch comes and goes by a quarter of a millimetre."""
+    coil = np.linspace(0.0, design.total_coils, 32 * int(design.total_coils) + 1)
+    away = np.where((coil > 4.0) & (coil < 6.9), 0.25e-3 * np.sin(4 * np.pi * coil), 0.0)
+    pitch = np.where((coil > 2.0) & (coil < 6.25), 0.25e-3 * np.sin(2.6 * np.pi * (coil - 2.0)), 0.0)
+    laws = [PiecewiseLinear(tuple(coil.tolist()), tuple((law.value(coil) + more).tolist()))
+            for law, more in ((design.mean_diameter, away), (design.pitch, pitch))]  # fmt: skip
+    return design.replace(mean_diameter=laws[0], pitch=laws[1])
 
 
 def ply(point: Array) -> bytes:
@@ -178,12 +190,15 @@ def ply(point: Array) -> bytes:
 
 
 def main(folder: Path, count: int) -> None:
-    """Write both clouds and their truth."""
+    """Write the clouds and their truth."""
     folder.mkdir(parents=True, exist_ok=True)
     known = springs()
     point, truth = cloud(known["beehive"], count, Scanner(holes=6))
     write_bytes(folder / "beehive.ply", ply(point))
     _write_truth(folder / "beehive-truth.csv", truth)
+    point, truth = cloud(known["beehive-as-made"], count, Scanner(outside=True, seed=3))
+    write_bytes(folder / "beehive-as-made.ply", ply(point))
+    _write_truth(folder / "beehive-as-made-truth.csv", truth)
     point, truth = cloud(known["progressive"], count, Scanner(outside=True, seed=2))
     rows = "\n".join(" ".join(f"{1e3 * value:.4f}" for value in row) for row in point)
     write_text(folder / "progressive.xyz", f"# x [mm] y [mm] z [mm]\n{rows}\n")

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
+import numpy as np
+
 from valvetrain.measurements.spring_scan.result import ScannedSpring
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, figure_or_gap, text
 from valvetrain.report.scan_charts import (
@@ -37,7 +39,8 @@ def scan_rows(scan: ScannedSpring) -> list[tuple[str, str, str, str]]:
                  _row("round wire that stands for it", section.diameter, 1e3, "mm")]  # fmt: skip
     else:
         rows.append(_row("wire diameter", section.diameter, 1e3, "mm"))
-    for words, place in (("largest", int(curves.mean_diameter.argmax())), ("smallest", int(curves.mean_diameter.argmin()))):
+    known = np.where(curves.mean_diameter_spread < 3 * np.median(curves.mean_diameter_spread), curves.mean_diameter, np.nan)
+    for words, place in (("largest", int(np.nanargmax(known))), ("smallest", int(np.nanargmin(known)))):
         pair = float(curves.mean_diameter[place]) + section.diameter[0], float(curves.mean_diameter_spread[place])
         rows.append(_row(f"{words} outer diameter", pair, 1e3, "mm"))
     place = int(curves.pitch.argmax())

@@ -60,7 +60,7 @@ def spring_from_scan(
     >>> import pathlib, tempfile
     >>> import numpy as np
     >>> draw = np.random.default_rng(1)
-    >>> turn, around = draw.uniform(0, 4, 6000), draw.uniform(0, 6.2832, 6000)  # 4 turns of 3 mm wire, 20 mm, 6 mm per turn
+    >>> turn, around = draw.uniform(0, 4, 3000), draw.uniform(0, 6.2832, 3000)  # 4 turns of 3 mm wire, 20 mm, 6 mm per turn
     >>> radius = 10 + 1.5 * np.cos(around)
     >>> spring = np.column_stack([radius * np.cos(6.2832 * turn), radius * np.sin(6.2832 * turn), 6 * turn + 1.5 * np.sin(around)])
     >>> file = pathlib.Path(tempfile.mkdtemp(), "scan.xyz")
