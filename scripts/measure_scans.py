@@ -55,14 +55,16 @@ def fitted_line(scan: ScannedSpring, between: int = 4) -> Array:
     return np.asarray(scan.axis_point + radial + height[:, None] * axis)
 
 
-def rms(scan: ScannedSpring, truth: Truth) -> float:
-    """Root mean square distance (m) of the fitted wire axis from the true one, tip to tip."""
-    return float(np.sqrt(np.mean(distances(fitted_line(scan), truth.wire_axis) ** 2)))
+def rms(scan: ScannedSpring, truth: Truth, off: float = 0.0) -> float:
+    """Root mean square distance (m) of the fitted wire axis from the true one, tip to tip but for ``off`` turns at either end."""
+    line = fitted_line(scan)
+    skip = round(off / scan.total_coils[0] * len(line))
+    return float(np.sqrt(np.mean(distances(line[skip : len(line) - skip], truth.wire_axis) ** 2)))
 
 
 def accuracy(folder: Path, count: int = 30_000) -> None:
     """One row a spring and scanner: what was found beside what is true."""
-    print("spring        seen            axis um  wire um  free um  turns    hand   noise um   s")
+    print("spring           seen            axis um  inner um  wire um  free um  turns    hand   noise um   s")
     for name, spring in springs().items():
         for words, scanner in SEEN.items():
             point, truth = cloud(spring, count, scanner)
@@ -73,7 +75,7 @@ def accuracy(folder: Path, count: int = 30_000) -> None:
             seconds = time.process_time() - begun
             wire = float(spring.wire_diameter.value(0.0))
             print(
-                f"{name:13s} {words:15s} {1e6 * rms(scan, truth):7.1f}  {1e6 * (scan.section.diameter[0] - wire):+7.1f}  "
+                f"{name:16s} {words:15s} {1e6 * rms(scan, truth):7.1f}  {1e6 * rms(scan, truth, 0.25):7.1f}  {1e6 * (scan.section.diameter[0] - wire):+7.1f}  "
                 f"{1e6 * (scan.free_length[0] - spring.free_length):+7.1f}  {scan.total_coils[0]:.4f}  {scan.hand:5s}  "
                 f"{1e6 * scan.noise:7.1f}  {seconds:.1f}"
             )

@@ -173,7 +173,7 @@ def springs() -> dict[str, SpringDefinition]:
 
 
 def as_made(design: SpringDefinition) -> SpringDefinition:
-    """A beehive as springs are made: above coil 4 its diameter falls in steps, and its pitch comes and goes by a quarter of a millimetre."""
+    """A beehive as springs are made: above coil 4 its diameter falls in steps, and its pitch comes and goes by 0.25 mm."""
     coil = np.linspace(0.0, design.total_coils, 32 * int(design.total_coils) + 1)
     away = np.where((coil > 4.0) & (coil < 6.9), 0.25e-3 * np.sin(4 * np.pi * coil), 0.0)
     pitch = np.where((coil > 2.0) & (coil < 6.25), 0.25e-3 * np.sin(2.6 * np.pi * (coil - 2.0)), 0.0)

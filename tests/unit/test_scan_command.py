@@ -68,7 +68,12 @@ def test_the_table_of_curves_holds_those_of_the_answer(answer):
 
 def test_the_page_shows_cloud_curves_section_and_residuals(answer):
     page = (answer[1] / "report.html").read_text()
-    for part in ("The cloud and the wire axis in it", "Diameter, height and pitch over the coil", "Section of the wire", "What the points leave"):
+    for part in (
+        "The cloud and the wire axis in it",
+        "Diameter, height and pitch over the coil",
+        "Section of the wire",
+        "What the points leave",
+    ):
         assert part in page
     assert "could not be drawn" not in page and "design" not in page.split("plotly")[0].lower().replace("designed", "")
 

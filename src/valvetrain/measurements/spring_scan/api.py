@@ -83,7 +83,13 @@ def spring_from_scan(
     fitted = fit_spring(drawn.points * factor, slices_per_turn, stations_per_turn)
     wire = wire_of(fitted, turn_over)
     turns = _turn_diameters(fitted, wire)
-    definition, notes = define(fitted, wire, turns, material or material_by_name(USUAL_WIRE), name)
+    try:
+        definition, notes = define(fitted, wire, turns, material or material_by_name(USUAL_WIRE), name)
+    except InputError as error:
+        raise InputError(
+            f"what the points of '{cloud.name}' show is no spring: {str(error).partition(';')[0]}; give a cloud that shows the wire on all "
+            "sides of the spring"
+        ) from error
     if drawn.read > len(drawn.points) and len(drawn.points) == points:
         notes.insert(0, f"{drawn.read} points are in the file, an even draw of {len(drawn.points)} is fitted")
     if drawn.broken:

@@ -8,17 +8,20 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.errors import InputError
 from valvetrain.measurements.spring_scan.ends import BEYOND, Face, find_face, find_tip, flats_of, supported
 from valvetrain.measurements.spring_scan.frame import Frame, find_axis
 from valvetrain.measurements.spring_scan.sections import WEDGES, find_sections
-from valvetrain.measurements.spring_scan.trace import follow
-from valvetrain.measurements.spring_scan.tube import OnWire, Tube, fit_tube, start_tube
+from valvetrain.measurements.spring_scan.trace import FEWEST_TURNS, follow
+from valvetrain.measurements.spring_scan.tube import OnWire, Tube, fit_tube, place, start_tube
 
 Array = NDArray[np.float64]
 #: Spline pieces a turn.
 PER_TURN = 12
 #: Points that the wire is looked for in; all are fitted in the end.
 EARLY = 20_000
+#: Points by which a first tube is judged, and distance from it (share of the coil radius) at which it explains one.
+TOLD, CLOSE = 4000, 0.024
 #: Ellipticity, in standard deviations and as a share, from which a section is no longer taken as round.
 OVATE, LEAST_OVATE = 5.0, 2.5e-3
 #: Share of the directions about the wire axis that must be seen before a section is taken for anything but round.
@@ -47,10 +50,8 @@ def fit_spring(points: Array, wedges: int = WEDGES, per_turn: int = PER_TURN) ->
     """
     frame = find_axis(points)
     inside = frame.inside(points[:EARLY])
-    trace = follow(find_sections(inside, wedges), wedges)
-    ends = float(trace.turn[0]), float(trace.turn[-1])
+    tube, ends = _first_tube(inside, wedges, per_turn)
     reach = ends[0] - BEYOND, ends[1] + BEYOND
-    tube = start_tube(trace.turn, trace.radius, trace.height, trace.hand, trace.wire_radius, reach, per_turn)
     tube, _, _ = fit_tube(tube, inside, ends, False, rounds=8)
     ends = supported(tube, inside, ends)
     for _ in range(3):
@@ -75,7 +76,33 @@ def fit_spring(points: Array, wedges: int = WEDGES, per_turn: int = PER_TURN) ->
     ovate, other = _section(tube, on, weight, inside, tips, faces)
     if ovate:
         tube, on, weight = other
+    if tips[1] - tips[0] < FEWEST_TURNS:
+        raise InputError(f"the wire is seen over {tips[1] - tips[0]:.2g} turns only; give a scan that shows it all the way around")
     return FittedSpring(frame, tube, tips, spreads, (faces[-1], faces[1]), ovate, on, weight, inside)
+
+
+def _first_tube(points: Array, wedges: int, per_turn: int) -> tuple[Tube, tuple[float, float]]:
+    """A tube through sections of the wire, and their first and last turn: of the radii that votes propose, that which explains most points.
+
+    Raises :class:`InputError` where none gives a wire.
+    """
+    some, best, fault = points[:TOLD], None, InputError("the points show no wire wound about an axis; give the scan of one spring, cleaned")
+    for sections in find_sections(points, wedges):
+        try:
+            trace = follow(sections, wedges)
+        except InputError as error:
+            fault = error
+            continue
+        ends = float(trace.turn[0]), float(trace.turn[-1])
+        reach = ends[0] - BEYOND, ends[1] + BEYOND
+        tube = start_tube(trace.turn, trace.radius, trace.height, trace.hand, trace.wire_radius, reach, per_turn)
+        near = CLOSE * float(np.median(trace.radius))
+        share = float(np.mean(np.abs(place(tube, some, ends).left) < near))
+        if best is None or share > best[0]:
+            best = share, tube, ends
+    if best is None:
+        raise fault
+    return best[1], best[2]
 
 
 def _section(
