@@ -75,7 +75,8 @@ def accuracy(folder: Path, count: int = 30_000) -> None:
             seconds = time.process_time() - begun
             wire = float(spring.wire_diameter.value(0.0))
             print(
-                f"{name:16s} {words:15s} {1e6 * rms(scan, truth):7.1f}  {1e6 * rms(scan, truth, 0.25):7.1f}  {1e6 * (scan.section.diameter[0] - wire):+7.1f}  "
+                f"{name:16s} {words:15s} {1e6 * rms(scan, truth):7.1f}  {1e6 * rms(scan, truth, 0.25):7.1f}  "
+                f"{1e6 * (scan.section.diameter[0] - wire):+7.1f}  "
                 f"{1e6 * (scan.free_length[0] - spring.free_length):+7.1f}  {scan.total_coils[0]:.4f}  {scan.hand:5s}  "
                 f"{1e6 * scan.noise:7.1f}  {seconds:.1f}"
             )

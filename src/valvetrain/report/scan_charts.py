@@ -209,4 +209,5 @@ def motion_chart(found: ScanComparison, engine_speed: float, model: str) -> Char
 
 
 def _both(cases: tuple[Case, Case], studies: tuple[Study, Study]) -> list[tuple[Case, Study, str, str, str]]:
-    return [(cases[0], studies[0], "design", DESIGN, "dash"), (cases[1], studies[1], "3-D scan", SCAN, "solid")]
+    """Scan and design, the dashed one last, so that it is seen on the other."""
+    return [(cases[1], studies[1], "3-D scan", SCAN, "solid"), (cases[0], studies[0], "design", DESIGN, "dash")]
