@@ -81,6 +81,11 @@ _HOMES = {
     "write_cycles": "measurements.cycles_file",
     "Sensor": "measurements.sensor",
     "seen_by_sensor": "studies.seen",
+    # springs from scans
+    "spring_from_scan": "measurements.spring_scan.api",
+    "ScannedSpring": "measurements.spring_scan.result",
+    "compare_scan": "studies.scan_against_design",
+    "ScanComparison": "studies.scan_against_design",
     # model against test
     "compare_with_test": "studies.compare_test",
     "ModelAgainstTest": "studies.compare_test",
@@ -164,6 +169,8 @@ if TYPE_CHECKING:
     from valvetrain.measurements.rig_answers import RigAnswers as RigAnswers
     from valvetrain.measurements.rig_result import RigResult as RigResult
     from valvetrain.measurements.sensor import Sensor as Sensor
+    from valvetrain.measurements.spring_scan.api import spring_from_scan as spring_from_scan
+    from valvetrain.measurements.spring_scan.result import ScannedSpring as ScannedSpring
     from valvetrain.measurements.value_table import ValueTable as ValueTable
     from valvetrain.measurements.value_table import read_value_table as read_value_table
     from valvetrain.parameters.case import Case as Case
@@ -230,6 +237,8 @@ if TYPE_CHECKING:
     from valvetrain.studies.refined import refine as refine
     from valvetrain.studies.rig import rig_cycles as rig_cycles
     from valvetrain.studies.run_up import run_up as run_up
+    from valvetrain.studies.scan_against_design import ScanComparison as ScanComparison
+    from valvetrain.studies.scan_against_design import compare_scan as compare_scan
     from valvetrain.studies.seen import seen_by_sensor as seen_by_sensor
     from valvetrain.studies.spring_card import SpringFit as SpringFit
     from valvetrain.studies.spring_card import spring_from_card as spring_from_card

@@ -46,6 +46,7 @@ BUILT_IN["commands"] = {
     "lift": "valvetrain.cli.lift:register",
     "identify": "valvetrain.cli.identify:register",
     "spring-card": "valvetrain.cli.spring_card:register",
+    "scan": "valvetrain.cli.scan:register",
     "rig": "valvetrain.cli.rig:register",
     "new": "valvetrain.cli.new:register",
     "cases": "valvetrain.cli.cases:register",

@@ -28,6 +28,8 @@ def spring_text(name: str, spring: InstalledSpring, source: str) -> str:
         },
         "precompression": f"{spring.precompression!r} m", "seats": spring.seats,
     }  # fmt: skip
+    if wire.hand != "right":
+        block["hand"] = wire.hand
     return toml_text({"name": name, "title": f"{wire.name}, {source}", "spring": block})
 
 

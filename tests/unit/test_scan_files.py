@@ -1,0 +1,163 @@
+"""Unit: points of a scan out of PLY, STL, OBJ and text, whole, in blocks, and refused in one sentence where they are damaged."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from valvetrain.errors import InputError
+from valvetrain.measurements.spring_scan import ply, text_points
+from valvetrain.measurements.spring_scan.clouds import open_cloud
+from valvetrain.measurements.spring_scan.draw import draw_points
+
+POINTS = np.random.default_rng(3).uniform(-30, 30, (1800, 3)).round(3)
+HEAD = "ply\nformat {form} 1.0\n{comment}element vertex {count}\nproperty float x\nproperty float y\nproperty float z\n{more}end_header\n"
+
+
+def head(form="binary_little_endian", count=len(POINTS), more="", comment=""):
+    return HEAD.format(form=form, count=count, more=more, comment=comment).encode()
+
+
+def read(tmp_path, content, name="scan.ply"):
+    file = tmp_path / name
+    file.write_bytes(content)
+    cloud = open_cloud(file)
+    return cloud, np.concatenate(list(cloud.blocks))
+
+
+def rows(mark=" ", form="{:.3f}", comma="."):
+    return "\n".join(mark.join(form.format(value).replace(".", comma) for value in row) for row in POINTS) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.ply", head() + POINTS.astype("<f4").tobytes()),
+        ("b.ply", head("binary_big_endian") + POINTS.astype(">f4").tobytes()),
+        ("c.ply", head("ascii") + rows().encode()),
+        ("d.ply", head("ascii", more="element face 1\nproperty list uchar int vertex_indices\n") + rows().encode() + b"3 0 1 2\n"),
+        ("e.xyz", rows().encode()),
+        ("f.csv", ("x,y,z\n" + rows(",")).encode()),
+        ("g.txt", ("x;y;z\n" + rows(";", comma=",")).encode()),
+        ("h.txt", ("# made by a scanner\n" + rows("\t")).encode()),
+        ("i.xyz", (f"{len(POINTS)}\n" + rows()).replace("\n", "\r\n").encode()),
+        ("j.obj", ("# mesh\n" + "\n".join("v " + line for line in rows().splitlines()) + "\nf 1 2 3\n").encode()),
+    ],
+    ids=lambda one: one if isinstance(one, str) else "",
+)
+def test_every_form_gives_its_points(tmp_path, name, content):
+    _, points = read(tmp_path, content, name)
+    assert points == pytest.approx(POINTS, abs=1e-5)
+
+
+@pytest.mark.parametrize("kind", ["ply", "ply text", "stl", "stl text", "obj"])
+def test_meshes_of_another_library_are_read(tmp_path, kind):
+    trimesh = pytest.importorskip("trimesh")
+    mesh = trimesh.Trimesh(POINTS, np.arange(len(POINTS)).reshape(-1, 3), process=False)
+    word, _, _ = kind.partition(" ")
+    more = {"ply text": {"encoding": "ascii"}, "stl text": {"file_type": "stl_ascii"}}.get(kind, {})
+    mesh.export(tmp_path / f"mesh.{word}", **more)
+    points = np.concatenate(list(open_cloud(tmp_path / f"mesh.{word}").blocks))
+    assert np.sort(points, axis=0) == pytest.approx(np.sort(POINTS, axis=0), abs=1e-4)
+
+
+def test_columns_are_found_by_their_names_and_the_unit_in_brackets(tmp_path):
+    text = "nr;z [mm];x [mm];y [mm]\n" + "\n".join(f"{k};{z};{x};{y}" for k, (x, y, z) in enumerate(POINTS))
+    cloud, points = read(tmp_path, text.encode(), "scan.csv")
+    assert cloud.unit == "mm" and points == pytest.approx(POINTS)
+
+
+@pytest.mark.parametrize(("words", "unit"), [("comment units mm\n", "mm"), ("comment unit: in\n", "inch"), ("comment by a scanner\n", "")])
+def test_the_unit_of_a_ply_file_stands_in_its_comments(tmp_path, words, unit):
+    assert read(tmp_path, head(comment=words) + POINTS.astype("<f4").tobytes())[0].unit == unit
+
+
+def test_other_properties_of_points_are_passed_by(tmp_path):
+    more = "property uchar red\nproperty double quality\n"
+    rows_ = np.zeros(len(POINTS), [("p", "<f4", 3), ("red", "u1"), ("quality", "<f8")])
+    rows_["p"], rows_["quality"] = POINTS, np.nan
+    assert read(tmp_path, head(more=more) + rows_.tobytes())[1] == pytest.approx(POINTS, abs=1e-5)
+
+
+def test_long_files_are_read_in_blocks_and_give_the_same(tmp_path, monkeypatch):
+    monkeypatch.setattr(ply, "AT_A_TIME", 100)
+    monkeypatch.setattr(text_points, "BLOCK", 1000)
+    whole = {"a.ply": head() + POINTS.astype("<f4").tobytes(), "b.ply": head("ascii") + rows().encode(), "c.xyz": rows().encode()}
+    for name, content in whole.items():
+        file = tmp_path / name
+        file.write_bytes(content)
+        blocks = list(open_cloud(file).blocks)
+        assert len(blocks) > 10 and np.concatenate(blocks) == pytest.approx(POINTS, abs=1e-5)
+
+
+STL = b"\0" * 80 + (2).to_bytes(4, "little")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("a.ply", b"", "is empty"),
+        ("a.ply", b"  \n ", "is empty"),
+        ("a.ply", head(count=10**9) + POINTS.astype("<f4").tobytes(), "is cut off: its head tells 1000000000 points"),
+        ("a.ply", head("ascii", count=10**14) + rows().encode(), "is cut off"),
+        ("a.ply", head("ascii", count=len(POINTS) + 5) + rows().encode(), "5 of the 1805 points"),
+        ("a.ply", head(count=0), "holds no point"),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 3\n", "its head has no end"),
+        ("a.ply", b"ply\nformat ascii 1.0\nend_header\n", "tells no format or no points"),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float u\nend_header\n1\n", "have no x, y and z"),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement face 1\nelement vertex 1\nend_header\n", "holds 'face' before its points"),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int x\nend_header\n", "none that PLY has for points"),
+        ("a.ply", head("ascii").replace(b"float z", b"float z\nproperty float w") + rows().encode() * 2, "its head tells 4"),
+        ("a.stl", STL + b"\0" * 60, "no whole STL file"),
+        ("a.stl", b"\0" * 50, "no whole STL file"),
+        ("a.obj", b"v 1 2 3\nv 1 2\n", "not as the others: '1 2'"),
+        ("a.obj", b"# nothing\n", "holds no point"),
+        ("a.xyz", b"hello\nworld\n", "no rows of x, y and z"),
+        ("a.xyz", b"1 2\n3 4\n", "no rows of x, y and z"),
+        ("a.xyz", b"1 2 3\n4 5 six\n", "not as the others: '4 5 six'"),
+        ("a.xyz", b"1 2 3\n4 5\n6 7 8 9\n", "not as the others: '4 5'"),
+        ("a.xyz", b"\0\1\2\3" * 40, "is no scan that is read"),
+        ("a.xyz", b"1 2 3\n" + b"7" * 200_000, "a line of more than"),
+    ],
+)  # fmt: skip
+def test_damaged_files_are_refused_in_one_sentence(tmp_path, monkeypatch, name, content, words):
+    monkeypatch.setattr(text_points, "BLOCK", 50_000)
+    with pytest.raises(InputError) as refused:
+        read(tmp_path, content, name)
+    assert words in str(refused.value) and str(refused.value).count(". ") == 0
+
+
+def test_what_is_no_file_and_what_is_too_large_are_refused(tmp_path, monkeypatch):
+    with pytest.raises(InputError, match="cannot be read: no such file"):
+        open_cloud(tmp_path / "none.ply")
+    with pytest.raises(InputError, match="no regular file"):
+        open_cloud(tmp_path)
+    monkeypatch.setattr("valvetrain.measurements.spring_scan.clouds.MOST_BYTES", 100)
+    with pytest.raises(InputError, match="thin the scan out"):
+        read(tmp_path, rows().encode(), "scan.xyz")
+
+
+def test_a_draw_is_bounded_even_and_the_same_in_any_order():
+    points = np.random.default_rng(4).normal(size=(40_000, 3))
+    once = draw_points(np.array_split(points, 7), 5000, "scan")
+    again = draw_points(np.array_split(points[::-1], 31), 5000, "scan")
+    assert np.array_equal(once.points, again.points) and len(once.points) == 5000 and once.read == 40_000
+    assert np.abs(once.points.mean(axis=0)).max() < 4 / np.sqrt(5000)
+    assert np.abs(once.points.std(axis=0) - 1).max() < 0.05
+
+
+def test_a_point_that_stands_often_is_drawn_once():
+    points = np.random.default_rng(4).normal(size=(2000, 3))
+    assert len(draw_points([points, points, points], 10_000, "scan").points) == 2000
+
+
+def test_points_without_numbers_are_counted_and_many_of_them_refused():
+    points = np.random.default_rng(4).normal(size=(4000, 3))
+    points[::20] = np.nan
+    drawn = draw_points([points], 10_000, "scan")
+    assert (drawn.broken, len(drawn.points)) == (200, 3800)
+    points[::4] = np.inf
+    with pytest.raises(InputError, match="of the 4000 points of 'scan' are no numbers"):
+        draw_points([points], 10_000, "scan")
+    with pytest.raises(InputError, match="holds 100 different points"):
+        draw_points([POINTS[:100]], 10_000, "scan")
