@@ -1,0 +1,117 @@
+"""Which highlight is which coil: all of them found in every frame at once, in their order, near where they were expected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+
+Array = NDArray[np.float64]
+#: A highlight stands out by this share of the picture's contrast; a number of coils is believed that this share of frames shows.
+PROMINENCE, BELIEVED = 0.25, 0.15
+#: Most coils of a spring that are tracked.
+MOST_COILS = 40
+#: What a highlight loses that lies as far from its prediction as the next coil, beside 1 for a highlight that fits.
+MISSED = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """``frames`` (frames,) in which all coils stand apart; ``places`` (frames, coils) px of their highlights there; ``width`` (px) of one
+    at half height; ``reach`` (px) to either side that its profile takes."""
+
+    frames: NDArray[np.int64]
+    places: Array
+    width: float
+    reach: float
+
+
+def find_coils(picture: Array, coils: int | None) -> Found:
+    """Number, places and width of the highlights. Raises :class:`InputError` where the picture shows none or not as many as told."""
+    from scipy.signal import find_peaks, peak_widths
+
+    smooth = _smoothed(picture)
+    contrast = np.percentile(smooth, 98, axis=1) - np.percentile(smooth, 5, axis=1)
+    usual = float(np.median(contrast))
+    if not usual > 0:
+        raise InputError("the line shows no highlight; lay it across the coils, where the lamp's glare is", "line")
+    peaks = []
+    for row in smooth:
+        # The line's ends are no highlights, and a peak must stand out on both sides.
+        place, told = find_peaks(row, prominence=PROMINENCE * usual)
+        peaks.append((place, told["prominences"]))
+    counts = np.array([len(place) for place, _ in peaks])
+    if coils is None:
+        shares = [(count, np.mean(counts == count)) for count in range(1, int(counts.max(initial=0)) + 1)]
+        believed = [count for count, share in shares if share >= BELIEVED]
+        if not believed:
+            raise InputError("the line shows no clear highlights; lay it across the coils, or tell how many coils it crosses", "coils")
+        coils = max(believed)
+    if not 1 <= coils <= MOST_COILS:
+        raise InputError(f"{coils} highlights lie on the line; 1 to {MOST_COILS} are tracked, so shorten it or tell how many", "coils")
+    enough = np.flatnonzero(counts >= coils)
+    if not len(enough):
+        raise InputError(f"{coils} coils are told, but no frame shows more than {counts.max()} highlights; correct it or the line", "coils")
+    exact = enough[counts[enough] == coils]
+    frames = exact if len(exact) else enough
+    chosen = [np.sort(place[np.argsort(-high, kind="stable")[:coils]]) for place, high in (peaks[frame] for frame in frames)]
+    some = frames[:: max(1, len(frames) // 50)]
+    widths = [peak_widths(smooth[frame], chosen[int(np.searchsorted(frames, frame))], 0.5)[0] for frame in some]
+    width = float(np.median(np.concatenate(widths)))
+    places = np.array(chosen, dtype=float)
+    apart = float(np.median(np.diff(places, axis=1).min(axis=1))) if coils > 1 else 4.0 * width
+    return Found(frames, places, width, float(np.clip(1.5 * width, 4.0, max(4.0, 0.5 * apart))))
+
+
+def _smoothed(picture: Array) -> Array:
+    """A little smoothed along the line, so that noise makes no peaks."""
+    kernel = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
+    wide = np.pad(np.asarray(picture, dtype=float), ((0, 0), (2, 2)), mode="edge")
+    return np.asarray(sum(share * wide[:, k : k + picture.shape[1]] for k, share in enumerate(kernel)))
+
+
+def follow(responses: Array, found: Found, number: NDArray[np.int64]) -> Array:
+    """Places (frames, coils) of all coils: in every frame the best of all that keep the order, both ways from the clearest frame.
+
+    ``responses`` (frames, coils, stations): how well each coil's profile fits at each station, 1 for a perfect fit; ``number`` of each
+    frame, lost ones counted. The prediction is the place before, moved on by the velocity before.
+    """
+    frames, coils, stations = responses.shape
+    clear = [responses[frame, np.arange(coils), found.places[k].astype(int)].min() for k, frame in enumerate(found.frames)]
+    best = int(np.argmax(clear))
+    start = int(found.frames[best])
+    rest = np.median(found.places, axis=0)
+    spacing = float(np.median(np.diff(rest))) if coils > 1 else 4 * found.width
+    apart = max(2, int(round(0.6 * found.width)))
+    places = np.zeros((frames, coils))
+    places[start] = found.places[best]
+    for step, order in ((1, range(start + 1, frames)), (-1, range(start - 1, -1, -1))):
+        for frame in order:
+            before, earlier = frame - step, frame - 2 * step
+            known = 0 <= earlier < frames and (earlier - start) * step >= 0
+            span = abs(int(number[frame] - number[before]))
+            velocity = (places[before] - places[earlier]) / abs(int(number[before] - number[earlier])) if known else np.zeros(coils)
+            expected = places[before] + velocity * min(span, 2)
+            places[frame] = _ordered(responses[frame], expected, spacing * np.sqrt(span), apart)
+    return places
+
+
+def _ordered(response: Array, expected: Array, scale: float, apart: int) -> Array:
+    """Stations of all coils with the largest sum of response less distance from expectation, ``apart`` stations apart at least."""
+    coils, stations = response.shape
+    station = np.arange(stations)
+    score = response - MISSED * np.minimum(((station - expected[:, None]) / scale) ** 2, 4.0)
+    best, choice = score[0], []
+    for coil in range(1, coils):
+        highest = np.maximum.accumulate(best)
+        place = np.maximum.accumulate(np.where(best >= highest, station, 0))
+        before = np.concatenate([np.full(apart, -1e9), highest[:-apart]])
+        choice.append(np.concatenate([np.zeros(apart, dtype=np.int64), place[:-apart]]))
+        best = score[coil] + before
+    found = [int(np.argmax(best))]
+    for place in reversed(choice):
+        found.append(int(place[found[-1]]))
+    return np.array(found[::-1], dtype=float)
