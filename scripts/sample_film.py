@@ -56,7 +56,11 @@ def wire_table(scene: Scene) -> tuple[Array, Array, Array]:
     place = np.arange(-np.ceil(reach * FINE), np.ceil(reach * FINE) + 1) / FINE
     share = np.clip(place / radius, -1, 1)
     tilt = np.arcsin(share) - np.radians(scene.lamp)
-    light = 0.06 + 0.30 * np.clip(np.cos(tilt), 0, None) + 0.64 * np.clip(np.cos(2 * np.arcsin(share) - np.radians(scene.lamp)), 0, None) ** scene.shine
+    light = (
+        0.06
+        + 0.30 * np.clip(np.cos(tilt), 0, None)
+        + 0.64 * np.clip(np.cos(2 * np.arcsin(share) - np.radians(scene.lamp)), 0, None) ** scene.shine
+    )
     covers = (np.abs(place) <= radius).astype(float)
     steps = np.arange(-int(5 * scene.blur * FINE) - FINE, int(5 * scene.blur * FINE) + FINE + 1)
     lens = np.exp(-0.5 * (steps / (scene.blur * FINE)) ** 2)

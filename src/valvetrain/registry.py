@@ -44,6 +44,7 @@ BUILT_IN["commands"] = {
     "lift": "valvetrain.cli.lift:register",
     "identify": "valvetrain.cli.identify:register",
     "spring-card": "valvetrain.cli.spring_card:register",
+    "film": "valvetrain.cli.film:register",
     "new": "valvetrain.cli.new:register",
     "cases": "valvetrain.cli.cases:register",
     "check": "valvetrain.cli.check:register",

@@ -82,8 +82,16 @@ def peaks(cam_angle: Array, moved: Array, spread: Array, turns: list[int]) -> tu
             raise InputError("the film shows no turn of the cam with a motion; film a whole turn or more", "film")
         own = float(np.nanmedian(spread[:, coil]))
         scatter = float(np.std(tops, ddof=1)) if len(tops) > 1 else 0.0
-        found.append(CoilPeak(coil + 1, float(np.mean(tops)), scatter, float(np.hypot(max(scatter, own) / np.sqrt(len(tops)), 0.0)), len(tops)))
+        found.append(
+            CoilPeak(coil + 1, float(np.mean(tops)), scatter, float(np.hypot(max(scatter, own) / np.sqrt(len(tops)), 0.0)), len(tops))
+        )
     return tuple(found)
+
+
+def mean_of(values: Array) -> Array:
+    """Mean over the rows that know a column, NaN where none does."""
+    count = np.isfinite(values).sum(axis=0)
+    return np.asarray(np.where(count > 0, np.nansum(values, axis=0) / np.maximum(count, 1), np.nan))
 
 
 def closed_window(grid: Array, mean: Array) -> tuple[float, float]:
@@ -96,7 +104,7 @@ def closed_window(grid: Array, mean: Array) -> tuple[float, float]:
     if known.sum() < 8:
         raise InputError("the upper coil is hardly seen, so the closed valve is not found; tell the dwell", "dwell")
     filled = np.interp(np.arange(count), np.flatnonzero(known), mean[known], period=count)
-    wide = max(1, int(round(AVERAGED / (grid[1] - grid[0]))))
+    wide = max(1, round(float(AVERAGED / (grid[1] - grid[0]))))
     smooth = np.convolve(np.concatenate([filled] * 3), np.ones(wide) / wide, mode="same")[count : 2 * count]
     rest = float(np.median(np.sort(smooth)[: count // 3]))
     low = smooth - rest < CLOSED * (float(smooth.max()) - rest)

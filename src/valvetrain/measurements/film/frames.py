@@ -87,7 +87,7 @@ class FolderFilm(Film):
             picture = _picture(path)
             if picture.shape != (self.rows, self.columns):
                 raise InputError(
-                    f"'{path.name[:80]}' has {picture.shape[1]} x {picture.shape[0]} pixels, the frames before {self.columns} x {self.rows}; "
+                    f"'{path.name[:80]}' has {picture.shape[1]} x {picture.shape[0]} pixels, those before {self.columns} x {self.rows}; "
                     "keep one film in a folder"
                 )  # fmt: skip
             yield picture
@@ -147,10 +147,14 @@ def _video(path: Path, shown: str, begin: bytes) -> Film:
     cv2 = opencv()
     with _capture(path) as video:
         if not video.isOpened():
-            raise InputError(f"'{shown}' is damaged or of a kind that OpenCV does not read; export it as AVI or as a folder of PNG pictures")
+            raise InputError(
+                f"'{shown}' is damaged or of a kind that OpenCV does not read; export it as AVI or as a folder of PNG pictures"
+            )
         columns, rows = (int(video.get(one)) for one in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
         if rows * columns > MOST_PIXELS:
-            raise InputError(f"'{shown}' claims frames of {columns} x {rows} pixels, more than {MOST_PIXELS / 1e6:g} million; cut the picture")
+            raise InputError(
+                f"'{shown}' claims frames of {columns} x {rows} pixels, more than {MOST_PIXELS / 1e6:g} million; cut the picture"
+            )
         good, frame = _next(video)
         if not good or frame is None:
             raise InputError(f"no frame of '{shown}' can be read; it is cut short or damaged, so export it again")

@@ -1,8 +1,10 @@
-"""Places of highlights to a small part of a pixel: all profiles of a frame fitted together, each with its own shape learnt from the film."""
+"""Places of highlights to a small part of a pixel: all profiles of a frame fitted together, their shapes learnt from the film."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +52,9 @@ class Fit:
     noise: Array
 
 
-def learn(picture: Array, frames: NDArray[np.int64], places: Array, heights: Array | None, reach: float, others: Array | None = None) -> Profiles:
+def learn(
+    picture: Array, frames: NDArray[np.int64], places: Array, heights: Array | None, reach: float, others: Array | None = None
+) -> Profiles:
     """Profiles from the frames given: a smooth curve through grey levels over the distance from each coil's place.
 
     ``others``: picture of what else is there, to be taken off for each coil (frames, coils, stations).
@@ -77,16 +81,27 @@ def learn(picture: Array, frames: NDArray[np.int64], places: Array, heights: Arr
     return Profiles(np.array(table), float(fine[-1]))
 
 
-def responses(picture: Array, profiles: Profiles, light: Array) -> NDArray[np.float32]:
-    """How well each coil's profile fits at each station (frames, coils, stations): the height that it would have there, 1.2 at most."""
+def responses(picture: Array, profiles: Profiles, light: Array) -> Callable[[int], Array]:
+    """How well each coil's profile fits at each station of a frame (coils, stations): the height that it would have there, 1.2 at most."""
     from scipy.ndimage import correlate1d
 
-    found = []
-    for table in profiles.table:
-        kernel = np.interp(np.arange(-np.floor(profiles.reach), np.floor(profiles.reach) + 1), np.linspace(-profiles.reach, profiles.reach, len(table)), table)
-        kernel -= kernel.mean()
-        found.append(correlate1d(picture / light[:, None], kernel / np.sum(kernel**2), axis=1, mode="nearest"))
-    return np.clip(np.stack(found, axis=1), -0.5, 1.2).astype(np.float32)
+    steps = np.arange(-np.floor(profiles.reach), np.floor(profiles.reach) + 1)
+    points = np.linspace(-profiles.reach, profiles.reach, profiles.table.shape[1])
+    kernels = [np.interp(steps, points, table) for table in profiles.table]
+    kernels = [one - one.mean() for one in kernels]
+
+    @lru_cache(maxsize=2)
+    def block(number: int) -> Array:
+        part = slice(number * AT_ONCE, (number + 1) * AT_ONCE)
+        lit = picture[part] / light[part, None]
+        found = [correlate1d(lit, one / np.sum(one**2), axis=1, mode="nearest") for one in kernels]
+        return np.asarray(np.clip(np.stack(found, axis=1), -0.5, 1.2))
+
+    def at(frame: int) -> Array:
+        found: Array = block(frame // AT_ONCE)[frame % AT_ONCE]
+        return found
+
+    return at
 
 
 def fit(picture: Array, start: Array, profiles: Profiles, light: Array, least_apart: float) -> Fit:
@@ -94,7 +109,10 @@ def fit(picture: Array, start: Array, profiles: Profiles, light: Array, least_ap
 
     Heights are expected near ``light`` (frames,), so that two highlights that merge share their brightness as they did apart.
     """
-    parts = [_some(picture[k : k + AT_ONCE], start[k : k + AT_ONCE], profiles, light[k : k + AT_ONCE], least_apart) for k in range(0, len(start), AT_ONCE)]
+    parts = [
+        _some(picture[k : k + AT_ONCE], start[k : k + AT_ONCE], profiles, light[k : k + AT_ONCE], least_apart)
+        for k in range(0, len(start), AT_ONCE)
+    ]
     return Fit(*(np.concatenate([getattr(one, name) for one in parts]) for name in ("places", "spread", "heights", "noise")))
 
 
@@ -110,7 +128,10 @@ def _some(picture: Array, start: Array, profiles: Profiles, light: Array, least_
         distance = station - places[:, :, None]
         shape, slope = profiles.at(distance, profiles.table), profiles.at(distance, profiles.slope)
         near = (np.abs(distance) <= profiles.reach).any(axis=1).astype(float)
-        columns = np.concatenate([-heights[:, :, None] * slope, shape, np.broadcast_to(grounds, (frames, *grounds.shape))], axis=1) * near[:, None]
+        columns = (
+            np.concatenate([-heights[:, :, None] * slope, shape, np.broadcast_to(grounds, (frames, *grounds.shape))], axis=1)
+            * near[:, None]
+        )
         left = (picture - np.einsum("fc,fcs->fs", heights, shape) - ground @ grounds) * near
         count = near.sum(axis=1)
         free = np.maximum(count - 2 * coils - len(grounds), 1.0)

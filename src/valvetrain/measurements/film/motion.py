@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.measurements.film.cycles import TURN, CoilPeak, closed_window, on_grid, peaks, segments, whole_turns
+from valvetrain.measurements.film.cycles import TURN, CoilPeak, closed_window, mean_of, on_grid, peaks, segments, whole_turns
 from valvetrain.measurements.film.drift import SPOKEN_OF, camera_drift
 from valvetrain.measurements.film.frames import Film, Picture, open_film
 from valvetrain.measurements.film.phase import CamPhase, Lift, by_lift, by_marker, by_speed
@@ -42,7 +42,7 @@ class CoilMotion:
     peaks : per coil its largest displacement a turn with scatter
     dwell : cam angles (rad) of the closed valve
     surge : fitted decay; None where the dwell is too short
-    frequency, amplitude : spectrum of the whole film, Hz and m
+    spectrum_frequency, spectrum_amplitude : spectrum of the whole film, Hz and m
     metres_per_pixel, scale_spread : scale and its standard deviation
     drift : (frames,) px that was taken off
     notes : what was found or done, a sentence each
@@ -58,8 +58,8 @@ class CoilMotion:
     peaks: tuple[CoilPeak, ...]
     dwell: tuple[float, float] | None
     surge: SurgeFit | None
-    frequency_hz: Array
-    amplitude: Array
+    spectrum_frequency: Array
+    spectrum_amplitude: Array
     metres_per_pixel: float
     scale_spread: float
     drift: Array
@@ -111,7 +111,7 @@ def coil_motion(
     >>> found = coil_motion(film, FilmSetup(frame_rate=2000, scale_points=((4, 0), (4, 50)), scale_length="10 mm", free_decay=True))
     >>> found
     CoilMotion of array: 3 coils in 120 frames, free decay
-    >>> f"{found.surge.lines[0].frequency_hz:.1f} Hz, damping ratio {found.surge.lines[0].damping_ratio:.4f}"
+    >>> f"{found.surge.lines[0].natural_frequency:.1f} Hz, damping ratio {found.surge.lines[0].damping_ratio:.4f}"
     '400.0 Hz, damping ratio 0.0080'
     """
     if not 24 <= angles <= 36_000:
@@ -148,14 +148,16 @@ def _motion(
     moved = towards * scale * places
     spread = scale * tracks.spread
     grid = np.arange(angles) * TURN / angles
+    cycles: tuple[MeasuredCycles, ...] = ()
+    found: tuple[CoilPeak, ...] = ()
     if phase is None:
         whole = np.arange(len(moved))
         moved = moved - np.nanmean(moved, axis=0)
         surge = fit_surge(moved, _without_gaps(whole, seen.number), seen.frame_rate)
-        cycles, found, dwell = (), (), None
+        dwell = None
     else:
         turns = whole_turns(phase.cam_angle)
-        dwell = setup.dwell or closed_window(grid, _mean(on_grid(phase.cam_angle, moved[:, -1], turns, grid)))
+        dwell = setup.dwell or closed_window(grid, mean_of(on_grid(phase.cam_angle, moved[:, -1], turns, grid)))
         closed = segments(phase.cam_angle, seen.number, dwell)
         moved = moved - _rest(moved, closed, phase.cam_angle, dwell)
         surge = fit_surge(moved, closed, seen.frame_rate)
@@ -189,14 +191,20 @@ def _phase(seen: SpaceTime, moved: Array, setup: FilmSetup, lift: Lift | None) -
     if setup.marker is not None:
         phase = by_marker(seen.time, seen.marker, setup.marker_angle or 0.0, setup.cam_speed)
         if setup.marker_angle is None and lift is None:
-            phase = replace(phase, notes=(*phase.notes, "cam angle zero is where the mark passes, for nothing tells its angle"))
+            phase = replace(
+                phase, zero_by="nobody", notes=(*phase.notes, "cam angle zero is where the mark passes, for nothing tells its angle")
+            )
         return phase if setup.marker_angle is not None or lift is None else _zero_by_lift(phase, seen.time, moved, lift)
     if lift is not None and setup.first_angle is None:
         return by_lift(seen.time, moved, lift, setup.cam_speed)
     if setup.cam_speed is None:
         raise InputError("an angle of the first frame needs the cam speed too; tell it", "cam_speed")
     phase = by_speed(seen.time, setup.cam_speed, setup.first_angle or 0.0)
-    return phase if setup.first_angle is not None else replace(phase, notes=("cam angle zero is the first frame's, for nothing tells it",))
+    return (
+        phase
+        if setup.first_angle is not None
+        else replace(phase, zero_by="nobody", notes=("cam angle zero is the first frame's, for nothing tells it",))
+    )
 
 
 def _zero_by_lift(phase: CamPhase, time: Array, moved: Array, lift: Lift) -> CamPhase:
@@ -204,7 +212,9 @@ def _zero_by_lift(phase: CamPhase, time: Array, moved: Array, lift: Lift) -> Cam
     found = by_lift(time, moved, lift, phase.cam_speed)
     off = float(np.mean(np.unwrap(np.mod(found.cam_angle - phase.cam_angle, TURN))))
     words = "the marker tells the speed, the lift the zero of the cam angle"
-    return replace(phase, cam_angle=phase.cam_angle + off, metres_per_pixel=found.metres_per_pixel, notes=(*phase.notes, words))
+    return replace(
+        phase, cam_angle=phase.cam_angle + off, metres_per_pixel=found.metres_per_pixel, notes=(*phase.notes, words), zero_by="lift"
+    )
 
 
 def _scale(setup: FilmSetup, phase: CamPhase | None) -> tuple[float, float, tuple[str, ...]]:
@@ -213,11 +223,17 @@ def _scale(setup: FilmSetup, phase: CamPhase | None) -> tuple[float, float, tupl
         assert setup.scale_length is not None
         scale = setup.metres_per_pixel
         share = np.sqrt(2) * PICKED * scale / setup.scale_length
-        return scale, float(share * scale), (f"the scale is {1e3 * scale:.5g} mm a pixel, within {100 * share:.2g} % as far as points are picked",)
+        return (
+            scale,
+            float(share * scale),
+            (f"the scale is {1e3 * scale:.5g} mm a pixel, within {100 * share:.2g} % as far as points are picked",),
+        )
     if phase is not None and phase.metres_per_pixel > 0:
-        words = "the scale is that at which the uppermost coil moves as far as the lift, so it is too small where that coil is not the retainer's"
+        words = "the scale makes the uppermost coil move as far as the lift, too large a scale where that coil is not the retainer's"
         return phase.metres_per_pixel, 0.0, (words,)
-    raise InputError("nothing tells the scale: give two points of the picture and their distance, such as the wire or the seat's edges", "scale_points")
+    raise InputError(
+        "nothing tells the scale: give two points of the picture and their distance, such as the wire or the seat's edges", "scale_points"
+    )
 
 
 def _drift_words(drift: Array, still: int | None, setup: FilmSetup, phase: CamPhase | None) -> tuple[str, ...]:
@@ -235,11 +251,6 @@ def _without_gaps(frames: NDArray[np.int64], number: NDArray[np.int64]) -> list[
     return [max(parts, key=len)]
 
 
-def _mean(values: Array) -> Array:
-    count = np.isfinite(values).sum(axis=0)
-    return np.asarray(np.where(count > 0, np.nansum(values, axis=0) / np.maximum(count, 1), np.nan))
-
-
 def _rest(moved: Array, closed: list[NDArray[np.int64]], cam_angle: Array, dwell: tuple[float, float]) -> Array:
     """Place of each coil (m) with the valve closed."""
     inside = np.concatenate(closed) if closed else np.flatnonzero(np.mod(cam_angle - dwell[0], TURN) < dwell[1] - dwell[0])
@@ -251,8 +262,8 @@ def _rest(moved: Array, closed: list[NDArray[np.int64]], cam_angle: Array, dwell
 def _cycles(
     seen: SpaceTime, phase: CamPhase, moved: Array, turns: list[int], grid: Array, synthetic: bool, notes: tuple[str, ...]
 ) -> tuple[MeasuredCycles, ...]:  # fmt: skip
-    """Displacement of every coil over the cam angle; positive towards the seat, which is minus the channel axial_displacement."""
-    words = "positive towards the seat, from rest with the valve closed"
+    """Displacement of every coil over the cam angle."""
+    words = "positive towards the seat, from rest with the valve closed: minus the channel axial_displacement of a run"
     return tuple(
         MeasuredCycles(
             "coil_displacement", "m", grid, on_grid(phase.cam_angle, moved[:, coil], turns, grid), phase.cam_speed,
@@ -265,13 +276,13 @@ def _cycles(
 def _surge_words(surge: SurgeFit, frame_rate: float, exposure: float | None) -> tuple[str, ...]:
     """What frame rate and exposure do to the lines."""
     half, notes = 0.5 * frame_rate, []
-    high = [one for one in surge.lines if one.frequency_hz > 0.8 * half]
+    high = [one for one in surge.lines if one.natural_frequency > 0.8 * half]
     for one in high:
         notes.append(
-            f"the line at {one.frequency_hz:.4g} Hz lies near half the frame rate ({half:g} Hz) and may be one of "
-            f"{frame_rate - one.frequency_hz:.4g} Hz mirrored there; film faster to tell"
+            f"the line at {one.natural_frequency:.4g} Hz lies near half the frame rate ({half:g} Hz) and may be one of "
+            f"{frame_rate - one.natural_frequency:.4g} Hz mirrored there; film faster to tell"
         )
     if exposure is not None:
-        lost = [(one.frequency_hz, 1 - float(np.sinc(one.frequency_hz * exposure))) for one in surge.lines]
+        lost = [(one.natural_frequency, 1 - float(np.sinc(one.natural_frequency * exposure))) for one in surge.lines]
         notes += [f"motion blur lowers the swing at {line:.4g} Hz by {100 * share:.2g} %" for line, share in lost if share > 0.005]
     return tuple(notes)

@@ -23,7 +23,7 @@ MARK_SCATTER = 0.35
 @dataclass(frozen=True, eq=False)
 class CamPhase:
     """``cam_angle`` (frames,) rad, unwrapped; ``cam_speed`` rad/s, mean, with its standard deviation; ``by`` marker, speed or lift;
-    ``metres_per_pixel`` by the lift, 0 without; ``notes``."""
+    ``metres_per_pixel`` by the lift, 0 without; ``notes``; ``zero_by`` who tells where the cam angle is zero: told, lift, or nobody."""
 
     cam_angle: Array
     cam_speed: float
@@ -31,6 +31,7 @@ class CamPhase:
     by: str
     metres_per_pixel: float = 0.0
     notes: tuple[str, ...] = ()
+    zero_by: str = "told"
 
 
 def by_speed(time: Array, cam_speed: float, first_angle: float) -> CamPhase:
@@ -48,8 +49,12 @@ def by_marker(time: Array, brightness: Array, mark_angle: float, told: float | N
     pulses, frame = _pulses(time, brightness), float(np.median(np.diff(time)))
     if len(pulses) < 2:
         if told is None or not len(pulses):
-            raise InputError(f"the marker flashes {len(pulses)} times; twice or more tell the speed, so check its place or tell the cam speed", "marker")
-        return CamPhase(mark_angle + told * (time - pulses[0]), told, 0.0, "marker", 0.0, ("the marker passes once, so the speed is the one told",))
+            raise InputError(
+                f"the marker flashes {len(pulses)} times; twice or more tell the speed, so check its place or tell the cam speed", "marker"
+            )
+        return CamPhase(
+            mark_angle + told * (time - pulses[0]), told, 0.0, "marker", 0.0, ("the marker passes once, so the speed is the one told",)
+        )
     steps = np.diff(pulses)
     turns = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(steps / np.median(steps))))])
     slope, start = np.polyfit(turns, pulses, 1)
@@ -124,10 +129,10 @@ def by_lift(time: Array, moved: Array, lift: Lift, told: float | None) -> CamPha
     def shape(one: Array) -> tuple[Array, Array]:
         basis = np.column_stack([np.ones_like(t), one])
         share = np.linalg.lstsq(basis, y, rcond=None)[0]
-        return y - basis @ share, share
+        return np.asarray(y - basis @ share, dtype=float), np.asarray(share)
 
-    best = min(((float(np.sum(shape(lifted(speed * (1 + off), start))[0] ** 2)), speed * (1 + off), start)
-                for off in ((0.0,) if told is not None else (-0.01, -0.005, 0.0, 0.005, 0.01)) for start in grid[::10]))  # fmt: skip
+    best = min((float(np.sum(shape(lifted(speed * (1 + off), start))[0] ** 2)), speed * (1 + off), start)
+                for off in ((0.0,) if told is not None else (-0.01, -0.005, 0.0, 0.005, 0.01)) for start in grid[::10])  # fmt: skip
     span = t[-1] - t[0]
     # Two numbers alike in size: the angle in the middle of the film, and how far the speed turns it by its end.
     middle = t[0] + 0.5 * span
@@ -139,7 +144,9 @@ def by_lift(time: Array, moved: Array, lift: Lift, told: float | None) -> CamPha
     left, (_, factor) = shape(lifted(best[1] + found.x[1] / span, best[2] + found.x[0] - found.x[1] / span * middle))
     explained = 1 - float(np.var(left) / np.var(y))
     if explained < 0.8 or factor <= 0:
-        raise InputError("the motion of the upper coil is not that of the lift; check the line, the seat's end and the lift, or use a marker", "lift")
+        raise InputError(
+            "the motion of the upper coil is not that of the lift; check the line, the seat's end and the lift, or use a marker", "lift"
+        )
     variance = float(np.sum(left**2)) / max(len(t) - 4, 1)
     spread = float(np.sqrt(variance * np.linalg.pinv(found.jac.T @ found.jac)[1, 1])) / span
     speed = best[1] + float(found.x[1]) / span
@@ -147,7 +154,7 @@ def by_lift(time: Array, moved: Array, lift: Lift, told: float | None) -> CamPha
     if told is not None:
         notes.append(_compared(speed, spread, told, "lift"))
     start = best[2] + float(found.x[0]) - float(found.x[1]) / span * middle
-    return CamPhase(speed * time + start, speed, spread, "lift", 1.0 / float(factor), tuple(notes))
+    return CamPhase(speed * time + start, speed, spread, "lift", 1.0 / float(factor), tuple(notes), "lift")
 
 
 def _turn_speed(time: Array, moved: Array) -> float:
@@ -169,4 +176,6 @@ def _turn_speed(time: Array, moved: Array) -> float:
         first = next((k for k in tops if alike[k] > 0.8 * alike[peak]), peak)
         if alike[first] > 0.5:
             return float(TURN / (first * frame))
-    raise InputError("the film shows no motion that repeats, so the lift alone does not tell the speed; tell the cam speed too", "cam_speed")
+    raise InputError(
+        "the film shows no motion that repeats, so the lift alone does not tell the speed; tell the cam speed too", "cam_speed"
+    )

@@ -118,10 +118,10 @@ def find_line(film: Film, line_width: float = USUAL_WIDTH, samples_across: int =
         raise InputError(f"nothing in '{film.name}' changes along any line; give the line, or another film", "line")
     # The middle of all lines that are nearly as good: the wire looks alike over some width.
     good = np.flatnonzero(clear >= 0.9 * clear.max())
-    place = float(round(good[np.argmin(np.abs(good - np.average(good, weights=clear[good])))]))
+    middle = float(round(good[np.argmin(np.abs(good - np.average(good, weights=clear[good])))]))
     if upright:
-        return SightLine((place, 0.0), (place, film.rows - 1.0), line_width, samples_across)
-    return SightLine((0.0, place), (film.columns - 1.0, place), line_width, samples_across)
+        return SightLine((middle, 0.0), (middle, film.rows - 1.0), line_width, samples_across)
+    return SightLine((0.0, middle), (film.columns - 1.0, middle), line_width, samples_across)
 
 
 def _some(film: Film) -> Iterator[Picture]:

@@ -13,7 +13,7 @@ from valvetrain.measurements.film.sight_line import Point, SightLine
 
 Array = NDArray[np.float64]
 #: Grey levels of the picture that are held at most (4 bytes each), and fewest frames of a film that shows a motion.
-MOST_VALUES, FEWEST_FRAMES = 60_000_000, 16
+MOST_VALUES, FEWEST_FRAMES = 20_000_000, 16
 #: Radius (px) of the spot of a marker where none is told.
 MARKER_RADIUS = 3.0
 
@@ -97,7 +97,9 @@ def _spot(marker: Point, radius: float, rows: int, columns: int) -> NDArray[np.i
         raise InputError(f"the marker {x:g}, {y:g} lies outside the picture of {columns} x {rows} pixels; correct it", "marker")
     if not 0 < radius <= 200:
         raise InputError(f"a marker of {radius:g} px radius is none; take 1 to 200 px", "marker_radius")
-    down, across = np.mgrid[max(0, int(y - radius)) : min(rows, int(y + radius) + 2), max(0, int(x - radius)) : min(columns, int(x + radius) + 2)]
+    down, across = np.mgrid[
+        max(0, int(y - radius)) : min(rows, int(y + radius) + 2), max(0, int(x - radius)) : min(columns, int(x + radius) + 2)
+    ]
     inside = (across - x) ** 2 + (down - y) ** 2 <= radius**2
     inside |= (across == round(x)) & (down == round(y))
     found: NDArray[np.int64] = (down[inside] * columns + across[inside]).astype(np.int64)
@@ -123,8 +125,12 @@ def _numbers(film: Film, first: int, picture: NDArray[np.float32], rate: float) 
     lost = int(number[-1]) + 1 - count
     if lost:
         gaps = int((np.diff(number) > 1).sum())
-        notes.append(f"{lost} frames are lost in {gaps} gaps, as {'names' if film.numbers else 'time stamps'} of the frames tell; they are left open")
+        notes.append(
+            f"{lost} frames are lost in {gaps} gaps, as {'names' if film.numbers else 'time stamps'} of the frames tell; they are left open"
+        )
     again = (picture[1:] == picture[:-1]).all(axis=1)
     if again.any() and not again.all():
-        notes.append(f"{int(again.sum())} frames repeat the one before them bit for bit, as a camera does that has lost frames; look at the film")
+        notes.append(
+            f"{int(again.sum())} frames repeat the one before them bit for bit, as a camera does that has lost frames; look at the film"
+        )
     return number.astype(np.int64), tuple(notes)

@@ -21,10 +21,10 @@ BAND = 1.96
 
 @dataclass(frozen=True, slots=True)
 class SurgeLine:
-    """A surge line of a decay: natural ``frequency_hz`` (Hz), ``damping_ratio``, each with its standard deviation; ``amplitude`` (m) at
+    """A surge line of a decay: ``natural_frequency`` (Hz), ``damping_ratio``, each with its standard deviation; ``amplitude`` (m) at
     the beginning of the dwell, root mean square over coils and cycles."""
 
-    frequency_hz: float
+    natural_frequency: float
     frequency_spread: float
     damping_ratio: float
     damping_spread: float
@@ -33,7 +33,7 @@ class SurgeLine:
     @property
     def decay_rate(self) -> float:
         """Rate (1/s) at which the amplitude falls: exp(-rate t)."""
-        return 2 * np.pi * self.frequency_hz * self.damping_ratio
+        return 2 * np.pi * self.natural_frequency * self.damping_ratio
 
     @property
     def logarithmic_decrement(self) -> float:
@@ -42,7 +42,7 @@ class SurgeLine:
 
     def __repr__(self) -> str:
         return (
-            f"SurgeLine: {self.frequency_hz:.5g} ± {BAND * self.frequency_spread:.2g} Hz, damping ratio {self.damping_ratio:.3g} ± "
+            f"SurgeLine: {self.natural_frequency:.5g} ± {BAND * self.frequency_spread:.2g} Hz, damping ratio {self.damping_ratio:.3g} ± "
             f"{BAND * self.damping_spread:.2g} (95 %)"
         )
 
@@ -64,7 +64,7 @@ class SurgeFit:
 def fit_surge(moved: Array, decays: Sequence[NDArray[np.int64]], frame_rate: float, first_coil: int = 1) -> SurgeFit | None:
     """Damped sines fitted to all coils and dwells together: frequencies and damping in common, amplitudes and rest of their own.
 
-    ``moved`` (frames, coils) m; ``decays``: frames of each dwell. Model y = c + sum_m exp(-zeta w t) (a cos(w_d t) + b sin(w_d t)), solved by
+    ``moved`` (frames, coils) m; ``decays``: frames of each dwell. y = c + sum_m exp(-zeta w t) (a cos(w_d t) + b sin(w_d t)) is solved by
     variable projection from poles of the matrix pencil. None where too few frames tell anything.
     """
     length = min((len(one) for one in decays), default=0)
@@ -134,7 +134,9 @@ def _sound(numbers: Array) -> bool:
     return bool(np.all((angle > 0) & (angle < np.pi)) and np.all(np.abs(decay) < MOST_DAMPING * angle) and np.all(apart > 1e-3))
 
 
-def _described(data: Array, group: NDArray[np.int64], numbers: Array, frame_rate: float, coils: NDArray[np.int64], first_coil: int) -> SurgeFit:
+def _described(
+    data: Array, group: NDArray[np.int64], numbers: Array, frame_rate: float, coils: NDArray[np.int64], first_coil: int
+) -> SurgeFit:
     """Lines with their intervals: the larger of what the misfit leaves and of what leaving out one dwell after the other changes."""
     left = _left(data, numbers)
     free = max(data.size - numbers.size - (1 + numbers.size) * data.shape[1], 1)
@@ -169,7 +171,7 @@ def _described(data: Array, group: NDArray[np.int64], numbers: Array, frame_rate
         )  # fmt: skip
     shown = int(np.argmax(np.sum((data - data.mean(axis=0)) ** 2, axis=0)))
     time = np.arange(len(data)) / frame_rate
-    ordered = tuple(sorted(lines, key=lambda one: one.frequency_hz))
+    ordered = tuple(sorted(lines, key=lambda one: one.natural_frequency))
     return SurgeFit(
         ordered, time, data[:, shown] - shares[0, shown], basis[:, 1:] @ shares[1:, shown], first_coil + int(coils[shown]),
         float(np.sqrt(variance)), len(dwells),
@@ -197,9 +199,9 @@ def spectrum(moved: Array, number: NDArray[np.int64], frame_rate: float) -> tupl
         signal = signal - np.polyval(np.polyfit(even, signal, 1), even)
         power += np.abs(np.fft.rfft(signal * window) * 2 / window.sum()) ** 2
         counted += 1
-    return np.fft.rfftfreq(len(even), 1 / frame_rate), np.sqrt(power / max(counted, 1))
+    return np.asarray(np.fft.rfftfreq(len(even), 1 / frame_rate), dtype=float), np.asarray(np.sqrt(power / max(counted, 1)))
 
 
-def alias_of(frequency_hz: float, frame_rate: float) -> float:
-    """Frequency (Hz) at which a film of ``frame_rate`` shows a motion of ``frequency_hz``."""
-    return float(abs(frequency_hz - frame_rate * np.round(frequency_hz / frame_rate)))
+def alias_of(natural_frequency: float, frame_rate: float) -> float:
+    """Frequency (Hz) at which a film of ``frame_rate`` shows a motion of ``natural_frequency``."""
+    return float(abs(natural_frequency - frame_rate * np.round(natural_frequency / frame_rate)))

@@ -63,7 +63,7 @@ def _told(result: Fit, found: Found) -> Tracks:
     notes = []
     if merged.any():
         notes.append(
-            f"highlights of neighbouring coils merge in {int(merged.any(axis=1).sum())} of {len(merged)} frames; there their order and their "
+            f"neighbouring highlights merge in {int(merged.any(axis=1).sum())} of {len(merged)} frames; there their order and their "
             "own profiles tell which is which"
         )
     if lost.any():
