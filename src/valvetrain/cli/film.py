@@ -31,8 +31,8 @@ def _text(flag: str, metavar: str, words: str) -> Any:
 
 
 def film(
-    film: Annotated[Path, typer.Argument(metavar="FILE_OR_FOLDER", help="A video that OpenCV reads, or a folder of its frames as pictures.")],
-    frame_rate: Annotated[str | None, _text("--frame-rate", "RATE", "Frames a second: '2000 1/s'.")] = None,
+    film: Annotated[Path, typer.Argument(metavar="FILE_OR_FOLDER", help="A video, or a folder of its frames as pictures.")],
+    frame_rate: Annotated[str | None, _text("--frame-rate", "RATE", "Frames a second of the camera: '2000 1/s'.")] = None,
     line: Annotated[str | None, _text("--line", "X, Y, X, Y", "Ends of the line along the spring (default: found).")] = None,
     line_width: Annotated[float | None, _text("--line-width", "PX", "Width over which grey levels are averaged (5).")] = None,
     coils: Annotated[int | None, _text("--coils", "N", "Highlights on the line (default: counted).")] = None,

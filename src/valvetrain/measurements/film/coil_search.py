@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +12,6 @@ from valvetrain.errors import InputError
 Array = NDArray[np.float64]
 #: A highlight stands out by this share of the picture's contrast; a number of coils is believed that this share of frames shows.
 PROMINENCE, BELIEVED = 0.25, 0.15
-#: Frames among which the clearest one is looked for.
-LOOKED_AT = 200
 #: Most coils of a spring that are tracked.
 MOST_COILS = 40
 #: What a highlight loses that lies as far from its prediction as the next coil, beside 1 for a highlight that fits.
@@ -76,34 +73,7 @@ def _smoothed(picture: Array) -> Array:
     return np.asarray(sum(share * wide[:, k : k + picture.shape[1]] for k, share in enumerate(kernel)))
 
 
-def follow(responses: Callable[[int], Array], found: Found, number: NDArray[np.int64]) -> Array:
-    """Places (frames, coils) of all coils: in every frame the best of all that keep the order, both ways from the clearest frame.
-
-    ``responses(frame)`` (coils, stations): how well each coil's profile fits at each station, 1 for a perfect fit; ``number`` of each
-    frame, lost ones counted. The prediction is the place before, moved on by the velocity before.
-    """
-    frames, coils = len(number), found.places.shape[1]
-    some = range(0, len(found.frames), max(1, len(found.frames) // LOOKED_AT))
-    clear = [responses(int(found.frames[k]))[np.arange(coils), found.places[k].astype(int)].min() for k in some]
-    best = some[int(np.argmax(clear))]
-    start = int(found.frames[best])
-    rest = np.median(found.places, axis=0)
-    spacing = float(np.median(np.diff(rest))) if coils > 1 else 4 * found.width
-    apart = max(2, round(0.6 * found.width))
-    places = np.zeros((frames, coils))
-    places[start] = found.places[best]
-    for step, order in ((1, range(start + 1, frames)), (-1, range(start - 1, -1, -1))):
-        for frame in order:
-            before, earlier = frame - step, frame - 2 * step
-            known = 0 <= earlier < frames and (earlier - start) * step >= 0
-            span = abs(int(number[frame] - number[before]))
-            velocity = (places[before] - places[earlier]) / abs(int(number[before] - number[earlier])) if known else np.zeros(coils)
-            expected = places[before] + velocity * min(span, 2)
-            places[frame] = _ordered(responses(frame), expected, spacing * np.sqrt(span), apart)
-    return places
-
-
-def _ordered(response: Array, expected: Array, scale: float, apart: int) -> Array:
+def ordered(response: Array, expected: Array, scale: float, apart: int) -> Array:
     """Stations of all coils with the largest sum of response less distance from expectation, ``apart`` stations apart at least."""
     coils, stations = response.shape
     station = np.arange(stations)

@@ -14,6 +14,8 @@ from valvetrain.measurements.film.sight_line import Point, SightLine
 Array = NDArray[np.float64]
 #: Grey levels of the picture that are held at most (4 bytes each), and fewest frames of a film that shows a motion.
 MOST_VALUES, FEWEST_FRAMES = 20_000_000, 16
+#: Step (s) of time stamps below which whole milliseconds are too coarse.
+COARSE = 5e-3
 #: Radius (px) of the spot of a marker where none is told.
 MARKER_RADIUS = 3.0
 
@@ -116,7 +118,9 @@ def _numbers(film: Film, first: int, picture: NDArray[np.float32], rate: float) 
         stamps = np.array(film.clock[first : first + count])
         steps = np.diff(stamps)
         usual = float(np.median(steps))
-        if usual > 0 and (steps > 0).all():
+        # Containers that count whole milliseconds tell nothing of frames that are hardly longer.
+        coarse = usual < COARSE and bool(np.abs(1e3 * stamps - np.round(1e3 * stamps)).max() < 1e-6)
+        if usual > 0 and (steps > 0).all() and not coarse:
             counted = np.maximum(1, np.round(steps / usual)).astype(np.int64)
             if np.abs(steps / usual - counted).max() > 0.3:
                 notes.append("the time stamps of the frames are irregular by a third of a frame or more, so times are uncertain by as much")

@@ -7,13 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.measurements.film.coil_search import Found, find_coils, follow
-from valvetrain.measurements.film.matched_profile import Fit, Profiles, fit, learn, light_of, responses
+from valvetrain.measurements.film.bridge import bridge
+from valvetrain.measurements.film.coil_search import Found, find_coils
+from valvetrain.measurements.film.learning import learn
+from valvetrain.measurements.film.matched_profile import Fit, fit, light_of
 from valvetrain.measurements.film.space_time import SpaceTime
 
 Array = NDArray[np.float64]
 #: Rounds of learning the profiles and fitting the places.
-ROUNDS = 3
+ROUNDS = 2
+#: Factor of the standard deviation of a place where highlights merge: there it depends on shapes that are never known exactly.
+MERGED = 2.0
+#: Reach of a profile to either side in widths of a highlight.
+WIDE = 1.6
 #: A place is given up whose standard deviation is larger than this share of the highlight's width.
 LOST = 0.5
 
@@ -36,30 +42,32 @@ def track(seen: SpaceTime, coils: int | None = None) -> Tracks:
     picture = np.asarray(seen.picture, dtype=float)
     found = find_coils(picture, coils)
     light = light_of(picture, found)
-    profiles = learn(picture, found.frames, found.places, np.repeat(light[found.frames, None], found.places.shape[1], axis=1), found.reach)
-    places = follow(responses(picture, profiles, light), found, seen.number)
     apart = max(1.5, 0.5 * found.width)
+    clear, frames = np.zeros(len(picture), dtype=bool), found.frames
+    clear[frames] = True
+    places = np.zeros((len(picture), found.places.shape[1]))
+    places[frames] = found.places
+    profiles = learn(picture, frames, found.places, np.repeat(light[frames, None], places.shape[1], axis=1), found.reach)
+    for _ in range(ROUNDS):
+        known = fit(picture[frames], places[frames], profiles, light[frames], apart)
+        places[frames] = known.places
+        profiles = learn(picture, frames, known.places, known.heights, WIDE * found.width)
+    places, doubt = bridge(picture, clear, places, seen.number, profiles, light, apart)
     result = fit(picture, places, profiles, light, apart)
-    for _ in range(ROUNDS - 1):
-        profiles = _learnt_again(picture, result, found, profiles)
-        result = fit(picture, result.places, profiles, light, apart)
-    return _told(result, found)
+    profiles = learn(picture, np.arange(len(picture)), result.places, result.heights, WIDE * found.width)
+    result = fit(picture, result.places, profiles, light, apart)
+    return _told(result, found, doubt)
 
 
-def _learnt_again(picture: Array, result: Fit, found: Found, profiles: Profiles) -> Profiles:
-    """Profiles from the frames in which all coils stand apart, the neighbours' taken off."""
-    frames = found.frames
-    places, heights = result.places[frames], result.heights[frames]
-    return learn(picture, frames, places, heights, profiles.reach)
-
-
-def _told(result: Fit, found: Found) -> Tracks:
+def _told(result: Fit, found: Found, doubt: Array) -> Tracks:
+    spread = np.maximum(result.spread, np.where(doubt > found.width, doubt, 0.0)[:, None])
     gaps = np.diff(result.places, axis=1)
     close = gaps < 1.5 * found.width
     merged = np.zeros(result.places.shape, dtype=bool)
     merged[:, :-1] |= close
     merged[:, 1:] |= close
-    lost = result.spread > LOST * found.width
+    spread = np.where(merged, MERGED * spread, spread)
+    lost = spread > LOST * found.width
     notes = []
     if merged.any():
         notes.append(
@@ -68,4 +76,4 @@ def _told(result: Fit, found: Found) -> Tracks:
         )
     if lost.any():
         notes.append(f"{int(lost.sum())} places of {lost.size} are too uncertain (highlight weak or hidden) and are left open")
-    return Tracks(np.where(lost, np.nan, result.places), result.spread, merged, found.width, tuple(notes))
+    return Tracks(np.where(lost, np.nan, result.places), spread, merged, found.width, tuple(notes))
