@@ -156,10 +156,16 @@ def coils_of_case(case: str = "vaz-ohc", first_turn: float = 0.6, model: str = "
     moved = run.channel(run.channel_of(name, "axial_displacement"))
     spring = loaded.train.spring_parts()[0]
     wire = spring.wire
+    first, last = wire.free_coils
+    if coil[-1] <= 1:  # models of a uniform bar count shares of the compliance
+        from valvetrain.springs.equivalent import installed_gaps
+
+        gaps = installed_gaps(wire, spring.precompression)
+        coil = np.interp(coil, gaps.flow, gaps.turns)
     turns = np.arange(first_turn, wire.total_coils - 0.1, 1.0)
     fine = np.linspace(0.0, wire.total_coils, 2001)
     free = np.concatenate([[0.0], np.cumsum(0.5 * (wire.pitch.value(fine[1:]) + wire.pitch.value(fine[:-1])) * np.diff(fine))])
-    active = np.clip((fine - coil[0]) / (coil[-1] - coil[0]), 0, 1)
+    active = np.clip((fine - first) / (last - first), 0, 1)
     height = free - active * (free[-1] - (spring.installed_height - float(wire.wire_diameter.value(0.0))))
     rest = np.interp(turns, fine, height) * 1e3 + 0.5e3 * float(wire.wire_diameter.value(0.0))
     displaced = np.stack([1e3 * np.array([np.interp(one, coil, row) for row in moved]) for one in turns], axis=1)

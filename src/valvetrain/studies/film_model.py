@@ -14,10 +14,11 @@ from valvetrain.measurements.film.motion import CoilMotion
 from valvetrain.measurements.film.phase import Lift
 from valvetrain.measurements.film.surge import SurgeFit, alias_of, fit_surge
 from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.solution.result import Solution
-from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.springs.equivalent import EquivalentSpring, installed_gaps
 from valvetrain.studies.api import simulate
 
 Array = NDArray[np.float64]
@@ -99,7 +100,8 @@ def film_over_model(
     name = spring or run.springs[0]
     if name not in run.springs:
         raise InputError(f"spring '{name[:40]}' is unknown; the case has {', '.join(run.springs)}", "--filmed-spring")
-    angle, coil, moved = _moved(run, name)
+    parts = {one.name: one for one in (found.springs if found.train is None else found.train.spring_parts(run.spring_set or None))}
+    angle, coil, moved = _moved(run, name, parts[name])
     rest = moved[np.mod(angle - motion.dwell[0], TURN) < motion.dwell[1] - motion.dwell[0]].mean(axis=0)
     moved = rest - moved
     grid, measured = motion.cycles[0].cam_angle, np.stack([mean_of(one.values) for one in motion.cycles], axis=1)
@@ -109,7 +111,6 @@ def film_over_model(
     fine = _at(moved, coil, turns)
     shown = _on(grid, angle, fine)
     apart = np.sqrt(np.nanmean((measured - shown) ** 2, axis=0))
-    parts = {one.name: one for one in (found.springs if found.train is None else found.train.spring_parts(run.spring_set or None))}
     frequency = EquivalentSpring.from_installed(parts[name]).surge_frequency
     return FilmedModel(
         found.name, run.model, name, turns, shift, grid, shown, fine.max(axis=0), apart, _filmed(motion, angle, fine), frequency,
@@ -124,7 +125,7 @@ def _run(case: Case, engine_speed: float, spring_model: str) -> Solution:
     return run
 
 
-def _moved(run: Solution, spring: str) -> tuple[Array, Array, Array]:
+def _moved(run: Solution, spring: str, part: InstalledSpring) -> tuple[Array, Array, Array]:
     """Cam angle (samples,), coil numbers (points,) and displacement (samples, points) of the reported cycle, seat to retainer positive."""
     channel = run.channel_of(spring, "axial_displacement")
     coil = run.arrays.along(channel) if run.has(channel) else None
@@ -132,6 +133,11 @@ def _moved(run: Solution, spring: str) -> tuple[Array, Array, Array]:
         raise InputError(
             f"the model {run.model} knows no displacement of coils; choose one such as multi-mass or finite-element", "--spring"
         )
+    if np.max(coil) <= 1 + 1e-9:  # models of a uniform bar count the share of the compliance passed
+        if part.wire is None:
+            raise InputError(f"spring '{spring}' is a card without turns, so its coils are not known; give its wire", "--case")
+        gaps = installed_gaps(part.wire, part.precompression)
+        coil = np.interp(coil, gaps.flow, gaps.turns)
     cycle = reported_cycle(run)
     order = np.argsort(coil)
     return cycle.cam_angle, np.asarray(coil)[order], cycle.channel(channel)[:, order]

@@ -15,7 +15,7 @@ KNOT, LEARNT_FROM, SMOOTH = 0.7, 150, 1e-3
 def learn(picture: Array, frames: NDArray[np.int64], places: Array, heights: Array, reach: float) -> Profiles:
     """Profiles of all coils and a smooth ground together, by least squares of the grey levels below.
 
-    ``places``, ``heights`` (frames, coils) of the ``frames`` given. A profile is a cubic spline that ends at zero, ``reach`` px either side.
+    ``places``, ``heights`` (frames, coils) of the ``frames`` given. A profile is a cubic spline, zero from ``reach`` px on.
     """
     from scipy.interpolate import BSpline
     from scipy.sparse import csr_matrix

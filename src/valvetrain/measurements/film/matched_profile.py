@@ -14,8 +14,8 @@ from valvetrain.measurements.film.coil_search import Found
 Array = NDArray[np.float64]
 #: Points of a profile per pixel, frames fitted at a time, and steps of a fit.
 FINE, AT_ONCE, STEPS = 16, 256, 8
-#: How far (px) a place may move in one step, and the scatter of heights about the usual one that is expected.
-LARGEST_STEP, HEIGHT_SCATTER = 1.0, 0.3
+#: Change (px) of a place at which steps end, how far it may move in one, and the scatter of heights about the usual one that is expected.
+SETTLED, LARGEST_STEP, HEIGHT_SCATTER = 1e-3, 1.0, 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +101,7 @@ def _some(picture: Array, start: Array, profiles: Profiles, light: Array, least_
     scale = float(np.abs(profiles.table).max())
     slopes = profiles.slope
     index, diagonal = np.arange(coils), np.arange(2 * coils + len(grounds))
+    settled = False
     for step in range(STEPS + 1):
         distance = station - places[:, :, None]
         shape, slope = profiles.at(distance, profiles.table), profiles.at(distance, slopes)
@@ -121,12 +122,13 @@ def _some(picture: Array, start: Array, profiles: Profiles, light: Array, least_
             normal[:, index, index] += stiff[:, None]
             right[:, :coils] += stiff[:, None] * (start - places)
         normal[:, diagonal, diagonal] += 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None] / len(diagonal) + 1e-12
-        if step == STEPS:
+        if step == STEPS or settled:
             break
         change = np.linalg.solve(normal, right[..., None])[..., 0]
         places = _kept_in_order(places + np.clip(change[:, :coils], -LARGEST_STEP, LARGEST_STEP), least_apart)
         heights = np.clip(heights + change[:, coils : 2 * coils], 0.05 * light[:, None], 4 * light[:, None])
         ground = ground + change[:, 2 * coils :]
+        settled = bool(np.abs(change[:, :coils]).max() < SETTLED)
     # What blur leaves runs on from station to station, so it tells less than noise would.
     alike = np.clip((left[:, 1:] * left[:, :-1]).sum(axis=1) / np.maximum((left**2).sum(axis=1), 1e-300), 0.0, 0.8)
     told = np.sqrt(np.maximum(np.diagonal(np.linalg.inv(normal), axis1=1, axis2=2)[:, :coils], 0.0))

@@ -142,6 +142,8 @@ def _motion(
     tracks, towards, said = _from_the_seat(tracks, setup.seat)
     phase = None if setup.free_decay else _phase(seen, towards * tracks.places[:, -1], setup, lift)
     drift, still = camera_drift(tracks.places, seen.time, None if phase is None else phase.cam_angle)
+    if phase is not None and phase.zero_by == "lift":  # the drift was in what was laid on the lift
+        phase = _phase(seen, towards * (tracks.places[:, -1] - drift), setup, lift)
     places = tracks.places - drift[:, None]
     notes = (*seen.notes, *notes, *tracks.notes, *said, *_drift_words(drift, still, setup, phase), *(() if phase is None else phase.notes))
     scale, scale_spread, words = _scale(setup, phase)
@@ -157,7 +159,9 @@ def _motion(
         dwell = None
     else:
         turns = whole_turns(phase.cam_angle)
-        dwell = setup.dwell or closed_window(grid, mean_of(on_grid(phase.cam_angle, moved[:, -1], turns, grid)))
+        dwell = setup.dwell
+        if dwell is None:
+            dwell = closed_window(grid, mean_of(on_grid(phase.cam_angle, moved[:, -1], turns, grid)))
         closed = segments(phase.cam_angle, seen.number, dwell)
         moved = moved - _rest(moved, closed, phase.cam_angle, dwell)
         surge = fit_surge(moved, closed, seen.frame_rate)

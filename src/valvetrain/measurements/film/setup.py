@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from valvetrain.errors import InputError
 from valvetrain.measurements.film.sight_line import USUAL_WIDTH, Point
@@ -81,6 +81,12 @@ class FilmSetup:
             self, "a film", frame_rate="frequency", scale_length="length", marker_angle="angle", cam_speed="cam_speed", first_angle="angle",
             exposure="time",
         )  # fmt: skip
+        for name in ("line", "scale_points"):
+            if (points := getattr(self, name)) is not None:
+                object.__setattr__(self, name, tuple(_pair(one, name) for one in _two(points, name)))
+        for name in ("marker", "dwell"):
+            if (pair := getattr(self, name)) is not None:
+                object.__setattr__(self, name, _pair(pair, name))
         if self.seat and self.seat not in SEAT_ENDS:
             raise InputError(f"the seat is at the start or the end of the line, not at '{self.seat[:40]}'; say which", "seat")
         if (self.scale_points is None) != (self.scale_length is None):
@@ -103,3 +109,23 @@ class FilmSetup:
         one, two = self.scale_points
         apart = float(((one[0] - two[0]) ** 2 + (one[1] - two[1]) ** 2) ** 0.5)
         return self.scale_length / apart if apart > 0 else float("inf")
+
+
+def _two(given: Any, name: str) -> tuple[Any, Any]:
+    """Two things of a sequence of two."""
+    try:
+        one, two = given
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is two points, such as ((12, 5), (12, 205)); correct it", name) from error
+    return one, two
+
+
+def _pair(given: Any, name: str) -> tuple[float, float]:
+    """Two numbers."""
+    try:
+        one, two = (float(value) for value in given)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"a point of {name} is two numbers, such as (12, 5); correct it", name) from error
+    if not (abs(one) < 1e6 and abs(two) < 1e6):
+        raise InputError(f"{name} holds a number that is none of a picture or a turn; correct it", name)
+    return one, two
