@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "scripts"))
-import sample_film as drawn  # noqa: E402
+import sample_film as drawn
 
-from valvetrain.measurements.film.motion import coil_motion  # noqa: E402
-from valvetrain.measurements.film.setup import FilmSetup  # noqa: E402
+from valvetrain.measurements.film.motion import coil_motion
+from valvetrain.measurements.film.setup import FilmSetup
 
 RATE, PER_MM = 2000.0, 6.0
 SCENE = drawn.Scene(columns=9, frame_rate=RATE, pixels_per_mm=PER_MM)

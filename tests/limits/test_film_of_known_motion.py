@@ -47,7 +47,7 @@ def test_a_free_decay_gives_frequencies_within_their_intervals_and_the_damping(d
 
 def test_a_turning_cam_gives_displacements_peaks_and_speed():
     """Lift, surge, mark and the drift of the camera are closed forms."""
-    motion, (_, truth) = made.turning_motion(), made.turning_film()
+    motion = made.turning_motion()
     assert motion.phase.cam_speed == pytest.approx(made.CAM_SPEED, abs=1.96 * motion.phase.spread + 1e-9)
     assert np.degrees(np.abs(motion.phase.cam_angle - made.CAM_SPEED * motion.time - made.FIRST_ANGLE)).max() < 0.6
     time = np.arange(0.0, 0.2, 2e-5)

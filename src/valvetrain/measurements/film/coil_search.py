@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.measurements.film.peaks import find_peaks, half_width
 
 Array = NDArray[np.float64]
 #: A highlight stands out by this share of the picture's contrast; a number of coils is believed that this share of frames shows.
@@ -31,19 +32,14 @@ class Found:
 
 def find_coils(picture: Array, coils: int | None) -> Found:
     """Number, places and width of the highlights. Raises :class:`InputError` where the picture shows none or not as many as told."""
-    from scipy.signal import find_peaks, peak_widths
-
     smooth = _smoothed(picture)
     contrast = np.percentile(smooth, 98, axis=1) - np.percentile(smooth, 5, axis=1)
     usual = float(np.median(contrast))
     if not usual > 0:
         raise InputError("the line shows no highlight; lay it across the coils, where the lamp's glare is", "line")
-    peaks = []
-    for row in smooth:
-        # The line's ends are no highlights, and a peak must stand out on both sides.
-        place, told = find_peaks(row, prominence=PROMINENCE * usual)
-        peaks.append((place, told["prominences"]))
+    peaks = [find_peaks(row, PROMINENCE * usual) for row in smooth]
     counts = np.array([len(place) for place, _ in peaks])
+    told = coils is not None
     if coils is None:
         shares = [(count, np.mean(counts == count)) for count in range(1, int(counts.max(initial=0)) + 1)]
         believed = [count for count, share in shares if share >= BELIEVED]
@@ -55,13 +51,13 @@ def find_coils(picture: Array, coils: int | None) -> Found:
     enough = np.flatnonzero(counts >= coils)
     if not len(enough):
         raise InputError(f"{coils} coils are told, but no frame shows more than {counts.max()} highlights; correct it or the line", "coils")
-    exact = enough[counts[enough] == coils]
-    frames = exact if len(exact) else enough
-    chosen = [np.sort(place[np.argsort(-high, kind="stable")[:coils]]) for place, high in (peaks[frame] for frame in frames)]
-    some = frames[:: max(1, len(frames) // 50)]
-    widths = [peak_widths(smooth[frame], chosen[int(np.searchsorted(frames, frame))], 0.5)[0] for frame in some]
-    width = float(np.median(np.concatenate(widths)))
-    places = np.array(chosen, dtype=float)
+    # A number that is told leaves out what else shines, such as rear coils: the least prominent peaks.
+    frames = enough if told else enough[counts[enough] == coils]
+    picks = [np.sort(np.argsort(-peaks[frame][1], kind="stable")[:coils]) for frame in frames]
+    places = np.array([peaks[frame][0][pick] for frame, pick in zip(frames, picks, strict=True)], dtype=float)
+    some = range(0, len(frames), max(1, len(frames) // 50))
+    widths = [half_width(smooth[frames[k]], *one) for k in some for one in zip(*(part[picks[k]] for part in peaks[frames[k]]), strict=True)]
+    width = float(np.median(widths))
     apart = float(np.median(np.diff(places, axis=1).min(axis=1))) if coils > 1 else 4.0 * width
     return Found(frames, places, width, float(np.clip(1.5 * width, 4.0, max(4.0, 0.5 * apart))))
 

@@ -101,7 +101,7 @@ def find_line(film: Film, line_width: float = USUAL_WIDTH, samples_across: int =
         grey = np.asarray(picture, dtype=float)
         down, across = np.diff(grey, axis=0), np.diff(grey, axis=1)
         for place, change in enumerate((down, across)):
-            steep[place] += float(np.sum(change**2))
+            steep[place] += float(np.sum(np.abs(change)))
         total += grey
         squared += grey**2
         count += 1

@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 ROUNDS = 2
 #: Factor of the standard deviation of a place where highlights merge: there it depends on shapes that are never known exactly.
 MERGED = 2.0
+#: Factor within which a highlight is as bright as it usually is where it stands apart, and one below which it may be of a rear coil.
+ALIKE, DIM = 2.0, 0.5
 #: Reach of a profile to either side in widths of a highlight.
 WIDE = 1.6
 #: A place is given up whose standard deviation is larger than this share of the highlight's width.
@@ -52,14 +54,21 @@ def track(seen: SpaceTime, coils: int | None = None) -> Tracks:
         known = fit(picture[frames], places[frames], profiles, light[frames], apart)
         places[frames] = known.places
         profiles = learn(picture, frames, known.places, known.heights, WIDE * found.width)
+    usual = np.median(known.heights / light[frames, None], axis=0)
+    alike = np.abs(np.log(np.maximum(known.heights / light[frames, None], 1e-6) / usual)).max(axis=1) < np.log(ALIKE)
+    sure = alike & (known.noise < 2.5 * np.median(known.noise))
+    if sure.any():  # a peak beside a merged one is no coil: such a frame is followed like the others
+        clear[frames[~sure]] = False
     places, doubt = bridge(picture, clear, places, seen.number, profiles, light, apart)
     result = fit(picture, places, profiles, light, apart)
     profiles = learn(picture, np.arange(len(picture)), result.places, result.heights, WIDE * found.width)
     result = fit(picture, result.places, profiles, light, apart)
-    return _told(result, found, doubt)
+    bright = profiles.table.max(axis=1)
+    dim = np.flatnonzero(bright < DIM * np.median(bright)) + 1
+    return _told(result, found, doubt, tuple(dim.tolist()))
 
 
-def _told(result: Fit, found: Found, doubt: Array) -> Tracks:
+def _told(result: Fit, found: Found, doubt: Array, dim: tuple[int, ...]) -> Tracks:
     spread = np.maximum(result.spread, np.where(doubt > found.width, doubt, 0.0)[:, None])
     gaps = np.diff(result.places, axis=1)
     close = gaps < 1.5 * found.width
@@ -69,6 +78,11 @@ def _told(result: Fit, found: Found, doubt: Array) -> Tracks:
     spread = np.where(merged, MERGED * spread, spread)
     lost = spread > LOST * found.width
     notes = []
+    if dim:
+        notes.append(
+            f"{len(dim)} of {len(merged.T)} highlights are less than half as bright as the others; where they are rear coils, tell "
+            "how many coils the line crosses"
+        )
     if merged.any():
         notes.append(
             f"neighbouring highlights merge in {int(merged.any(axis=1).sum())} of {len(merged)} frames; there their order and their "
