@@ -16,7 +16,7 @@ from valvetrain.measurements.film.motion import coil_motion
 from valvetrain.measurements.film.setup import FilmSetup
 
 RATE, PER_MM = 2000.0, 6.0
-SCENE = drawn.Scene(columns=9, frame_rate=RATE, pixels_per_mm=PER_MM)
+SCENE = drawn.Scene(columns=10, frame_rate=RATE, pixels_per_mm=PER_MM)
 SCALE = {"frame_rate": RATE, "scale_points": ((4, 0), (4, 120)), "scale_length": 20e-3}
 #: Natural frequency (Hz) and damping ratio of the closed forms, speed of the cam (rad/s), angles of first frame and mark (rad).
 SURGE, DAMPING, CAM_SPEED, FIRST_ANGLE, MARK_ANGLE = 412.0, 0.015, 170.0, 0.7, 1.1

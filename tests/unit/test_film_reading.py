@@ -66,10 +66,10 @@ def test_the_line_averages_what_lies_across_it():
 
 def test_the_line_is_found_across_the_coils_of_an_upright_or_lying_spring():
     film, _ = made.turning_film()
-    wide = np.full((40, 240, 63), 20, dtype=np.uint8)
-    wide[:, :, 22:58] = np.tile(film[:40], 4)
+    wide = np.full((40, 240, 67), 20, dtype=np.uint8)
+    wide[:, :, 22:62] = np.tile(film[:40], 4)
     upright, lying = find_line(open_film(wide)), find_line(open_film(wide.transpose(0, 2, 1)))
-    assert 22 <= upright.start[0] <= 57 and upright.start[0] == upright.end[0] and upright.end[1] == 239
+    assert 22 <= upright.start[0] <= 61 and upright.start[0] == upright.end[0] and upright.end[1] == 239
     assert lying.start == upright.start[::-1] and lying.end == upright.end[::-1]
 
 

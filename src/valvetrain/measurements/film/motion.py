@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 ANGLES = 360
 #: Uncertainty (px) with which a point of the scale is picked.
 PICKED = 0.5
+NO_SCALE = "nothing tells the scale: give two points of the picture and their distance, such as the edges of the two seats"
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +121,8 @@ def coil_motion(
         raise InputError(
             "nothing tells the cam angle: give a marker's place, the cam speed, or the lift; or say that the spring decays freely", "marker"
         )
+    if setup.scale_points is None and lift is None:
+        raise InputError(NO_SCALE, "scale_points")
     opened = open_film(film)
     line, chosen = _line(opened, setup)
     seen = read_space_time(
@@ -235,9 +238,7 @@ def _scale(setup: FilmSetup, phase: CamPhase | None) -> tuple[float, float, tupl
     if phase is not None and phase.metres_per_pixel > 0:
         words = "the scale makes the uppermost coil move as far as the lift, too large a scale where that coil is not the retainer's"
         return phase.metres_per_pixel, 0.0, (words,)
-    raise InputError(
-        "nothing tells the scale: give two points of the picture and their distance, such as the wire or the seat's edges", "scale_points"
-    )
+    raise InputError(NO_SCALE, "scale_points")
 
 
 def _drift_words(drift: Array, still: int | None, setup: FilmSetup, phase: CamPhase | None) -> tuple[str, ...]:

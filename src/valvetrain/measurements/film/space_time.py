@@ -73,7 +73,9 @@ def read_space_time(
             words = f"'{film.name}' is too long: {len(rows)} frames by {len(profile)} pixels of the line"
             raise InputError(f"{words}; choose part of it with first_frame and last_frame, or a shorter line", "last_frame")
     if len(rows) < FEWEST_FRAMES:
-        raise InputError(f"{len(rows)} frames of '{film.name}' can be read; {FEWEST_FRAMES} or more show a motion")
+        raise InputError(
+            f"a motion shows in {FEWEST_FRAMES} frames or more, of '{film.name}' only {len(rows)} can be read; give a longer film"
+        )
     if not (first or last is not None) and 0 < len(rows) < film.claimed - 1:
         notes += (f"the file claims {film.claimed} frames, {len(rows)} of them could be read: it is cut short or damaged",)
     picture = np.stack(rows)
