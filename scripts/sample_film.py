@@ -22,6 +22,11 @@ Array = NDArray[np.float64]
 Heights = Callable[[Array], Array]
 #: Steps of the table of a wire's brightness within a pixel.
 FINE = 32
+#: Natural frequency (Hz) and damping ratio of the closed forms, speed of the cam (rad/s), angles of first frame and mark (rad).
+SURGE, DAMPING, CAM_SPEED, FIRST_ANGLE, MARK_ANGLE = 412.0, 0.015, 170.0, 0.7, 1.1
+SHARE = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 1.0])
+REST = 2.0 + 32.0 * SHARE
+LIFT, OPEN = 9.0, 2.2  # mm, rad
 
 
 @dataclass(frozen=True)
@@ -143,6 +148,37 @@ def mark_of(frames: int, frame_rate: float, cam_speed: float, first_angle: float
     angle = cam_speed * np.arange(frames) / frame_rate + first_angle - mark_angle
     apart = np.abs((angle + np.pi) % (2 * np.pi) - np.pi)
     return np.clip((0.5 * width - apart) / (0.25 * width) + 0.5, 0.0, 1.0)
+
+
+def lift(cam_angle: Array) -> Array:
+    """Lift (m) of a closed form: fourth power of a sine over the open part, none before and after."""
+    angle = np.mod(cam_angle, 2 * np.pi)
+    return 1e-3 * LIFT * np.where(angle < OPEN, np.sin(np.pi * np.minimum(angle, OPEN) / OPEN) ** 4, 0.0)
+
+
+def turning(time: Array) -> Array:
+    """Heights (mm): each section follows its share of the lift; as the valve closes a surge begins that decays freely."""
+    angle = CAM_SPEED * time + FIRST_ANGLE
+    since = np.mod(angle - OPEN, 2 * np.pi) / CAM_SPEED
+    rate = 2 * np.pi * SURGE
+    swing = 0.7 * np.exp(-DAMPING * rate * since) * np.sin(rate * np.sqrt(1 - DAMPING**2) * since)
+    return REST - 1e3 * lift(angle)[:, None] * SHARE + swing[:, None] * np.sin(np.pi * SHARE)
+
+
+def closing(coils: int, wire: float, pitch: float, surge: float) -> Heights:
+    """Heights (mm) of coils that close one after the other until all touch, twenty turns a second, and surge at 420 Hz."""
+    share, room = np.arange(coils) / (coils - 1), (pitch - wire) * (coils - 1)
+
+    def heights(time: Array) -> Array:
+        angle = np.mod(2 * np.pi * 20 * time + 2.0, 2 * np.pi)
+        opened = np.where(np.abs(angle - np.pi) < 0.8, np.cos((angle - np.pi) / 1.6 * np.pi) ** 2, 0.0)
+        found = 2.0 + pitch * np.arange(coils) - room * opened[:, None] * share
+        found = found + surge * np.sin(2 * np.pi * 420 * time)[:, None] * np.sin(np.pi * share)
+        for one in range(1, coils):
+            found[:, one] = np.maximum(found[:, one], found[:, one - 1] + wire)
+        return found
+
+    return heights
 
 
 def coils_of_case(case: str = "vaz-ohc", first_turn: float = 0.6, model: str = "multi-mass") -> tuple[Array, Array, Array, Array, float]:

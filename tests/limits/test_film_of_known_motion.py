@@ -70,7 +70,7 @@ def test_damping_in_the_dwell_of_a_turning_cam_is_within_five_per_cent():
 def test_the_lift_tells_the_phase_and_the_scale_without_a_marker():
     film, _ = made.turning_film()
     setup = vt.FilmSetup(frame_rate=made.RATE, line=((6, 10), (6, 239)))
-    motion = vt.coil_motion(film, setup, lift=made.lift)
+    motion = vt.coil_motion(film, setup, valve_lift=made.lift)
     assert motion.phase.cam_speed == pytest.approx(made.CAM_SPEED, rel=1e-3)
     off = motion.phase.cam_angle - made.CAM_SPEED * motion.time - made.FIRST_ANGLE
     assert np.degrees(np.abs((off + np.pi) % (2 * np.pi) - np.pi)).max() < 0.5

@@ -140,7 +140,7 @@ def test_numbers_depend_neither_on_samples_across_the_line_nor_on_its_width_nor_
 
 def test_the_written_grid_changes_no_number_and_the_same_film_gives_the_same_bits():
     film, _ = made.turning_film()
-    first, coarse = made.turning_motion(), vt.coil_motion(film, replace(SETUP, dwell=made.turning_motion().dwell), angles=72)
+    first, coarse = made.turning_motion(), vt.coil_motion(film, replace(SETUP, dwell=made.turning_motion().dwell), curve_angles=72)
     assert (coarse.places == first.places).all() and coarse.peaks == first.peaks and coarse.surge.lines == first.surge.lines
     assert coarse.cycles[3].values == pytest.approx(first.cycles[3].values[:, ::5], abs=1e-12)
 

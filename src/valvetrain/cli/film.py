@@ -43,7 +43,7 @@ def film(
     marker_angle: Annotated[str | None, _text("--marker-angle", "ANGLE", "Cam angle at which the mark passes.")] = None,
     cam_speed: Annotated[str | None, _text("--cam-speed", "SPEED", "Speed of the cam, such as '1034 rpm'.")] = None,
     first_angle: Annotated[str | None, _text("--first-angle", "ANGLE", "Cam angle of the first frame, with --cam-speed.")] = None,
-    lift: Annotated[Path | None, _text("--lift", "FILE", "Table of lifts that says what its columns are: tells the phase.")] = None,
+    lift_table: Annotated[Path | None, _text("--lift", "FILE", "Table of lifts that says what its columns are: tells the phase.")] = None,
     dwell: Annotated[str | None, _text("--dwell", "FIRST:LAST", "Cam angles of the closed valve: '170:350 deg' (default: found).")] = None,
     free_decay: Annotated[bool, typer.Option("--free-decay", help="The cam stands: the spring was struck and rings.")] = False,
     first_frame: Annotated[int, typer.Option("--first-frame", metavar="N", help="First frame that is used, counted from 0.")] = 0,
@@ -53,7 +53,7 @@ def film(
     spring: Annotated[str, _text("--spring", "MODEL", "Spring model of that run.")] = "",
     filmed_spring: Annotated[str, _text("--filmed-spring", "NAME", "Which of nested springs is seen (default: the outer).")] = "",
     first_turn: Annotated[float | None, _text("--first-turn", "TURNS", "Turn of the wire that coil 1 is (default: found).")] = None,
-    angles: Annotated[int, typer.Option("--angles", metavar="N", help="Cam angles of the written curves.")] = 360,
+    curve_angles: Annotated[int, typer.Option("--angles", metavar="N", help="Cam angles of the written curves.")] = 360,
     synthetic: Annotated[bool, typer.Option("--synthetic", help="The film was computed: every result says so.")] = False,
     output: OutputOption = None, open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
@@ -63,7 +63,7 @@ def film(
     from valvetrain.studies.run_store import check_folder
 
     check_folder(output or Path("runs"), kept=output is None)
-    read_count(angles, 24, 36_000, "--angles")
+    read_count(curve_angles, 24, 36_000, "--angles")
     if case is None and (spring or filmed_spring or first_turn is not None):
         raise InputError("a model is run with a case; name it with --case", "--case")
     if spring:
@@ -74,17 +74,17 @@ def film(
         cam_speed=cam_speed, first_angle=first_angle, dwell=_window(dwell), free_decay=free_decay, first_frame=first_frame,
         last_frame=last_frame, exposure=exposure, **{name: value for name, value in usual.items() if value is not None},
     )  # fmt: skip
-    if free_decay and (case or lift or marker):
+    if free_decay and (case or lift_table or marker):
         raise InputError("a free decay has no cam; leave out --case, --lift and --marker, or --free-decay", "--free-decay")
     request = _Request(
         film,
         setup,
-        lift,
+        lift_table,
         case,
         spring,
         filmed_spring,
         first_turn,
-        angles,
+        curve_angles,
         synthetic,
         output,
         datetime.now(UTC).replace(microsecond=0),
@@ -99,12 +99,12 @@ class _Request:
 
     film: Path
     setup: FilmSetup
-    lift: Path | None
+    lift_table: Path | None
     case_name: str | None
     spring_model: str
     spring: str
     first_turn: float | None
-    angles: int
+    curve_angles: int
     synthetic: bool
     output: Path | None
     created_at: datetime
@@ -194,7 +194,7 @@ def _answer(request: _Request) -> None:
     case = None if request.case_name is None else load_case(request.case_name)
     lift = _lift(request)
     with busy("following the coils"):
-        motion = coil_motion(request.film, request.setup, lift, request.angles, request.synthetic)
+        motion = coil_motion(request.film, request.setup, lift, request.curve_angles, request.synthetic)
     model = _model(request, motion, case)
     data = film_json(motion, model) | {"synthetic": request.synthetic}
     pages: list[Path] = []
@@ -227,8 +227,8 @@ def _lift(request: _Request) -> Lift | None:
     from valvetrain.measurements.lift_smoothing import smooth_lift
     from valvetrain.studies.film_model import lift_of_case
 
-    if request.lift is not None:
-        lobe = read_lift(request.lift, LiftAnswers())[0]
+    if request.lift_table is not None:
+        lobe = read_lift(request.lift_table, LiftAnswers())[0]
         return smooth_lift(lobe.cam_angles, lobe.lifts).lift
     return None if request.case_name is None else lift_of_case(request.case_name)
 

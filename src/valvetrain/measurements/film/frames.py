@@ -72,6 +72,7 @@ class ArrayFilm(Film):
     array: Picture = field(default_factory=lambda: np.zeros((0, 0, 0)))
 
     def frames(self) -> Iterator[Picture]:
+        """Every picture of the array."""
         yield from self.array
 
 
@@ -82,6 +83,7 @@ class FolderFilm(Film):
     files: tuple[Path, ...] = ()
 
     def frames(self) -> Iterator[Picture]:
+        """Every picture of the folder. Raises :class:`InputError` for a damaged one or one of another size."""
         self.clock = []
         for path in self.files:
             picture = _picture(path)
@@ -100,6 +102,7 @@ class VideoFilm(Film):
     path: Path = field(default_factory=Path)
 
     def frames(self) -> Iterator[Picture]:
+        """Every frame that can be decoded, as grey levels."""
         cv2 = opencv()
         self.clock = []
         with _capture(self.path) as video:

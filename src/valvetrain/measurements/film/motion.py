@@ -47,6 +47,9 @@ class CoilMotion:
     metres_per_pixel, scale_spread : scale and its standard deviation
     drift : (frames,) px that was taken off
     notes : what was found or done, a sentence each
+
+    >>> [name for name in CoilMotion.__dataclass_fields__ if name in ("displacement", "cycles", "peaks")]
+    ['displacement', 'cycles', 'peaks']
     """
 
     seen: SpaceTime
@@ -83,7 +86,8 @@ class CoilMotion:
 
 
 def coil_motion(
-    film: str | os.PathLike[str] | Picture, setup: FilmSetup, lift: Lift | None = None, angles: int = ANGLES, synthetic: bool = False
+    film: str | os.PathLike[str] | Picture, setup: FilmSetup, valve_lift: Lift | None = None, curve_angles: int = ANGLES,
+    synthetic: bool = False,
 ) -> CoilMotion:  # fmt: skip
     """The motion of the coils of a valve spring in a high-speed film, by the glare line that a lamp makes on each coil.
 
@@ -91,8 +95,8 @@ def coil_motion(
     ----------
     film : a video that OpenCV reads, a folder of pictures, or an array of grey levels (frames, rows, columns)
     setup : how it was filmed: rate, line, scale, phase
-    lift : lift (m) over the cam angle (rad) of the valve, for the phase where no marker tells it
-    angles : number of cam angles of the written curves; nothing else depends on it
+    valve_lift : lift (m) over the cam angle (rad) of the valve, for the phase where no marker tells it
+    curve_angles : number of cam angles of the written curves; nothing else depends on it
     synthetic : the film was computed, not taken
 
     Returns
@@ -115,20 +119,20 @@ def coil_motion(
     >>> f"{found.surge.lines[0].natural_frequency:.1f} Hz, damping ratio {found.surge.lines[0].damping_ratio:.4f}"
     '400.0 Hz, damping ratio 0.0080'
     """
-    if not 24 <= angles <= 36_000:
-        raise InputError(f"curves of {angles} cam angles are none; take 24 to 36000", "angles")
-    if not setup.free_decay and setup.marker is None and setup.cam_speed is None and lift is None:
+    if not 24 <= curve_angles <= 36_000:
+        raise InputError(f"curves of {curve_angles} cam angles are none; take 24 to 36000", "curve_angles")
+    if not setup.free_decay and setup.marker is None and setup.cam_speed is None and valve_lift is None:
         raise InputError(
             "nothing tells the cam angle: give a marker's place, the cam speed, or the lift; or say that the spring decays freely", "marker"
         )
-    if setup.scale_points is None and lift is None:
+    if setup.scale_points is None and valve_lift is None:
         raise InputError(NO_SCALE, "scale_points")
     opened = open_film(film)
     line, chosen = _line(opened, setup)
     seen = read_space_time(
         opened, line, setup.frame_rate, setup.marker, setup.marker_radius, setup.first_frame, setup.last_frame
     )  # fmt: skip
-    return _motion(seen, track(seen, setup.coils), setup, lift, angles, synthetic, chosen)
+    return _motion(seen, track(seen, setup.coils), setup, valve_lift, curve_angles, synthetic, chosen)
 
 
 def _line(film: Film, setup: FilmSetup) -> tuple[SightLine, tuple[str, ...]]:

@@ -107,7 +107,7 @@ def _pulses(time: Array, brightness: Array) -> Array:
     return np.array(found)
 
 
-def by_lift(time: Array, moved: Array, lift: Lift, told: float | None) -> CamPhase:
+def by_lift(time: Array, moved: Array, valve_lift: Lift, told: float | None) -> CamPhase:
     """The highlight that moves with the retainer laid on the lift: ``moved`` (frames,) px towards the seat.
 
     Least squares of moved = c + k lift(speed t + angle) over the four. Raises :class:`InputError` where the film shows no whole turn and
@@ -119,7 +119,7 @@ def by_lift(time: Array, moved: Array, lift: Lift, told: float | None) -> CamPha
     t, y = time[good], moved[good]
     speed = told if told is not None else _turn_speed(time, moved)
     grid = np.linspace(0.0, TURN, 721)[:-1]
-    table = np.asarray(lift(grid), dtype=float)
+    table = np.asarray(valve_lift(grid), dtype=float)
     if not np.ptp(table) > 0:
         raise InputError("the lift is the same at all cam angles, so it tells no phase; give another", "lift")
 

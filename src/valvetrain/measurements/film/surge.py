@@ -100,7 +100,7 @@ def _basis(length: int, numbers: Array) -> Array:
     time = np.arange(length, dtype=float)
     columns = [np.ones(length)]
     for angle, decay in numbers.reshape(-1, 2):
-        fall = np.exp(-decay * time)
+        fall = np.exp(np.clip(-decay * time, -600.0, 60.0))
         columns += [fall * np.cos(angle * time), fall * np.sin(angle * time)]
     return np.column_stack(columns)
 
