@@ -12,6 +12,8 @@ import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.measurements.catalogue_card import ground_off, weight
 from valvetrain.parameters.constructors import beehive
+from valvetrain.springs.spec import spring_model
+from valvetrain.studies import closing_coils
 from valvetrain.studies.spring_card import forces_at
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
@@ -130,7 +132,7 @@ def tested(table):
 
 
 def test_the_pitch_law_behind_a_noisy_table_is_found_within_its_bands(tested):
-    """The table comes from the finite-element rod, the law is fitted with the chain: two models, and noise of 0.2 %."""
+    """The table comes from the finite-element rod with noise of 0.2 %; coils that never close within it are known to their band only."""
     true = progressive_spring().pitch.value(tested.stations.coil)
     off = np.abs(tested.stations.pitch - true)
     assert np.all(off <= 3 * tested.stations.spread + 0.03e-3)
@@ -145,6 +147,25 @@ def test_rate_preload_and_length_of_the_table_are_those_of_the_spring(tested):
     assert tested.preload[0] == pytest.approx(force_at(true, 47e-3), rel=2e-3)
     assert tested.active_coils[0] == pytest.approx(6.0, abs=2 * tested.active_coils[1])
     assert tested.worst_by_rod < 0.015 * 830
+
+
+def test_the_answer_depends_neither_on_the_stations_of_the_table_nor_on_the_points_of_the_fit(table, tested, monkeypatch):
+    """Every second station, and half the places along the wire and half the forces at which the fit looks."""
+    monkeypatch.setattr(closing_coils, "PLACES", closing_coils.PLACES // 2 + 1)
+    monkeypatch.setattr(closing_coils, "FORCES", closing_coils.FORCES // 2)
+    half = vt.ForceHeight(table.heights[::2], table.forces[::2])
+    card = vt.card_of_table(half, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0)
+    fit = vt.spring_from_tester(half, card, installed_height=47e-3)
+    for name in ("active_coils", "free_length", "rate", "preload"):
+        (one, band), (other, wider) = getattr(tested, name), getattr(fit, name)
+        assert abs(one - other) < 2 * np.hypot(band, wider), name
+    assert fit.rate[0] == pytest.approx(tested.rate[0], rel=5e-3) and fit.preload[0] == pytest.approx(tested.preload[0], rel=5e-3)
+
+
+def test_loads_of_a_card_are_met_on_any_mesh(plain):
+    for elements in (12, 48):
+        rod = spring_model("finite-element").build(plain.spring.with_options("finite-element", elements_per_coil=elements))
+        assert rod.static_forces(np.array([0.0, 12e-3])) == pytest.approx([350, 830], rel=1e-3)
 
 
 def test_a_table_of_an_even_pitch_far_from_bind_tells_no_progression_and_little_of_the_gaps(plain):

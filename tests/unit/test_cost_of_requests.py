@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import valvetrain as vt
@@ -11,6 +13,7 @@ from unit.cli_parts import call, sentence
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
 from valvetrain.studies.cost import Cost, memory_words
+from valvetrain.studies.lift_band import band_cost
 from valvetrain.studies.planned import Asked
 from valvetrain.studies.request_cost import refine_cost, request_cost, solid_rest_cost
 from valvetrain.studies.rest_cost import MOST_COUNTED, rest_cost, spring_cost
@@ -102,6 +105,15 @@ def test_numbers_that_no_computer_counts_to_are_refused():
     assert "1000" in sentence(call("static", "job-t", "--elements-per-coil", "100000"))
 
 
+def measured_job():
+    """A spring alone whose lift was measured, as the band of a lift needs it."""
+    angles = np.radians(np.arange(90.0, 271.0))
+    lifts = 9e-3 * np.clip(1 - ((angles - np.pi) / np.radians(60)) ** 2, 0, None) ** 3
+    case = load_case("job-t")
+    values = {"cam_angles": tuple(angles), "lifts": tuple(lifts), "noise": 3e-6, "band": 0.0, "draw": 0}
+    return case.replace({"lift_law": type(case.lift_law)("measured", values)})
+
+
 REQUESTS = {
     "simulate": lambda limit: vt.simulate("job-t", "2000 rpm", limit=limit),
     "compare": lambda limit: vt.compare("job-t", ["massless", "wave-rod"], "2000 rpm", limit=limit),
@@ -110,7 +122,21 @@ REQUESTS = {
     "static_curve": lambda limit: vt.static_curve("job-t", limit=limit),
     "refine": lambda limit: vt.refine("job-t", "2000 rpm", limit=limit),
     "run_up": lambda limit: vt.run_up("tdi-pushrod", "1000 rpm", "6000 rpm", "20 s", limit=limit),
+    "lift_band_study": lambda limit: vt.lift_band_study(measured_job(), "2000 rpm", limit=limit),
 }
+
+
+def test_the_band_of_a_lift_costs_its_laws_and_its_searches():
+    """18 laws of one run each by one worker, by two, and with a search at each."""
+    asked = Asked("run", measured_job(), (2000 * RPM,), (), (), 1)
+    one = request_cost(asked)
+    assert band_cost(asked, 17, None).seconds == pytest.approx(18 * one.seconds)
+    assert band_cost(asked, 17, None).bytes == pytest.approx(18 * one.bytes)
+    assert band_cost(replace(asked, workers=4), 17, None).seconds == pytest.approx(5 * one.seconds)
+    train = Asked("run", load_case("tdi-pushrod"), (2000 * RPM,), ("massless",), ("stock",), 2)
+    without, searched = band_cost(train, 5, None), band_cost(train, 5, (2000 * RPM, 4000 * RPM))
+    alone = replace(train, command="sweep", engine_speeds=(2000 * RPM, 4000 * RPM), workers=1)
+    assert searched.seconds - without.seconds == pytest.approx(3 * request_cost(alone, whole=False, searches=True).seconds)
 
 
 @pytest.mark.parametrize("name", REQUESTS)
@@ -118,7 +144,8 @@ def test_programs_have_the_bounds_of_the_command_line(name, monkeypatch):
     def work(*given, **options):
         raise AssertionError("work was begun")
 
-    for place in ("api.run_study", "api.compare_study", "api.sweep_study", "api.curve_by_model", "refined.refined", "run_up.run_up_study"):
+    studies = ("api.run_study", "api.compare_study", "api.sweep_study", "refined.refined", "run_up.run_up_study")
+    for place in (*studies, "api.curve_by_model", "lift_band.map_points"):
         monkeypatch.setattr(f"valvetrain.studies.{place}", work)
     with pytest.raises(InputError, match=r"this request will take about .*, beyond the bound of 1 MB; .* raise the bound with limit='"):
         REQUESTS[name]("1 MB, 99 d")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import sys
 import threading
@@ -18,6 +19,7 @@ from valvetrain.identification.prior import Prior
 from valvetrain.identification.profiles import profile
 from valvetrain.identification.search import METHODS, Search
 from valvetrain.identification.solve import solve
+from valvetrain.studies.stopping import Stopped
 
 TRUE_RATE, TRUE_MASS = 42e3, 0.05
 LIBRARIES = [("cma-es", "cmaes"), ("nested", "dynesty"), ("ensemble", "emcee"), ("ensemble", "sklearn.cluster")]
@@ -157,3 +159,20 @@ def test_what_a_computation_raises_in_a_chain_reaches_the_caller() -> None:
     with Journal(None, "") as journal, pytest.raises(ZeroDivisionError, match="here"):
         solve(Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(fails)), Search("nested", live_points=30, lanes=4), journal)
     assert threading.active_count() == before
+
+
+@pytest.mark.parametrize(("method", "asked"), [("nested", 20), ("nested", 200), ("ensemble", 40)])
+def test_a_library_that_is_interrupted_says_nothing_on_standard_output(method: str, asked: int, capfd: pytest.CaptureFixture[str]) -> None:
+    """Libraries print the point at which an exception met them: before the answer, which was JSON no more."""
+    calls: list[int] = []
+
+    def interrupted(points: np.ndarray) -> list[dict[str, float] | None]:
+        calls.append(len(points))
+        if sum(calls) > asked:
+            raise Stopped
+        return spring_numbers(points)
+
+    with Journal(None, "") as journal, contextlib.suppress(Stopped):
+        posterior = Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(interrupted))
+        solve(posterior, Search(method, live_points=30, steps=100), journal)
+    assert sum(calls) > asked and capfd.readouterr().out == ""

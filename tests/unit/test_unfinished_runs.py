@@ -13,6 +13,7 @@ from fault_parts import gone, started
 from unit.cli_parts import SMALL, call, sentence, wait_until
 from valvetrain.cli.runs import state
 from valvetrain.errors import InputError
+from valvetrain.studies.held_folder import hold_folder
 from valvetrain.studies.run_store import LIST, KeptRun, kept_runs, mark_unfinished
 from valvetrain.studies.unfinished_runs import unfinished_runs
 
@@ -69,6 +70,28 @@ def test_a_folder_that_another_run_writes_into_is_refused_and_loses_nothing(comm
     os.close(handle)
     os.close(mark_unfinished(tmp_path / "out"))  # the first is gone now
     assert not (tmp_path / "out" / "run-0001.nc").exists() and (tmp_path / "out" / LIST).read_text() == ""
+
+
+@pytest.mark.parametrize("command", ["run", "refine", "spring-card"])
+def test_of_two_begun_at_the_same_moment_the_second_is_refused(command, tmp_path):
+    """Before either has a finished run to list: each wrote its files between those of the other."""
+    (tmp_path / "small.toml").write_text(SMALL)
+    card = ("--wire-diameter", "4.4 mm", "--outer-diameter", "32 mm", "--installed", "46 mm, 350 N", "--open-load", "34 mm, 830 N")
+    asked = card if command == "spring-card" else (str(tmp_path / "small.toml"),)
+    release = hold_folder(tmp_path / "deep" / "out")
+    said = sentence(call(command, *asked, "--output", str(tmp_path / "deep" / "out")))
+    assert "another run writes into folder" in said and list((tmp_path / "deep" / "out").iterdir()) == []
+    release()
+    assert not (tmp_path / "deep").exists()
+    if command == "spring-card":
+        for _ in range(2):  # given back when the command has ended
+            assert call(command, *asked, "--output", str(tmp_path / "deep" / "out"), "--quiet").exit_code == 0
+
+
+def test_a_command_that_is_refused_leaves_no_folder(tmp_path):
+    (tmp_path / "small.toml").write_text(SMALL)
+    sentence(call("run", str(tmp_path / "small.toml"), "--engine-speed", "fast", "--output", str(tmp_path / "a" / "b")))
+    assert not (tmp_path / "a").exists()
 
 
 def test_a_refinement_clears_what_a_killed_run_left_in_its_folder(tmp_path):

@@ -14,7 +14,7 @@ KEPT, WORTH = 24, 64
 
 
 class RememberedLift:
-    """The ``law`` itself, its last answers to long arrays kept; the same bits, in arrays that must not be written to."""
+    """The ``law`` itself, its last answers to long arrays kept; the same bits, in arrays of the caller's own."""
 
     def __init__(self, law: LiftLaw) -> None:
         self._law = law
@@ -36,7 +36,7 @@ class RememberedLift:
         if key in self._answers and np.array_equal(self._answers[key][0], angles):
             self._answers.move_to_end(key)
         else:
-            self._answers[key] = (angles.copy(), np.asarray(self._law.lift(angles, derivative), dtype=float))
+            self._answers[key] = (angles.copy(), np.array(self._law.lift(angles, derivative), dtype=float))
             while len(self._answers) > KEPT:
                 self._answers.popitem(last=False)
-        return self._answers[key][1]
+        return self._answers[key][1].copy()

@@ -10,6 +10,7 @@ from typing import Any
 
 from typer.core import TyperGroup
 
+from valvetrain.cli.ending import giving_back
 from valvetrain.cli.outcome import complain, error_object, manner, set_manner
 from valvetrain.cli.streams import mend_streams, reader_left, unread
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError
@@ -33,7 +34,7 @@ class GuardedGroup(TyperGroup):
         mend_streams()
         set_manner(sys.argv[1:] if args is None else list(args))
         _told.clear()
-        with listening():
+        with listening(), giving_back():
             try:
                 result = super().main(args, prog_name, complete_var, False, windows_expand_args, **extra)
                 code = result if isinstance(result, int) else 0

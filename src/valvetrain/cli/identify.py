@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,7 +12,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from valvetrain.cli.limits import WORTH_SAYING
-from valvetrain.cli.options import JsonOption, LimitOption, OpenOption, OutputOption, QuietOption, WorkersOption, read_words, read_workers
+from valvetrain.cli.options import (
+    JsonOption,
+    LimitOption,
+    OpenOption,
+    OutputOption,
+    QuietOption,
+    WorkersOption,
+    asks,
+    read_words,
+    read_workers,
+    take_folder,
+)
+from valvetrain.cli.study_command import Kept, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,7 +32,6 @@ if TYPE_CHECKING:
 
     from valvetrain.identification.file import Request
     from valvetrain.identification.result import Identified
-    from valvetrain.parameters.case import Case
 
 
 def register(app: typer.Typer) -> None:
@@ -28,35 +39,20 @@ def register(app: typer.Typer) -> None:
     app.command("identify")(identify)
 
 
-@dataclass(frozen=True)
-class _Kept:
-    """What the kept folder needs to know."""
-
-    case: Case
-    output: Path | None
-    created_at: datetime
-    folder: Path
-    command: str = "identify"
-
-
-def _option(flag: str, metavar: str, words: str) -> Any:
-    return typer.Option(flag, metavar=metavar, help=words, show_default=False)
-
-
 def identify(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Identification file: case, quantities with priors, measurements.")],
-    method: Annotated[str, _option("--method", "METHOD", "least-squares, cma-es, nested or ensemble instead of the file's.")] = "",
-    seed: Annotated[int | None, _option("--seed", "N", "Seed of all random numbers.")] = None,
-    profile: Annotated[list[str] | None, _option("--profile", "QUANTITIES", "Quantities whose profile is computed; repeatable.")] = None,
+    method: Annotated[str, asks("--method", "METHOD", "least-squares, cma-es, nested or ensemble instead of the file's.")] = "",
+    seed: Annotated[int | None, asks("--seed", "N", "Seed of all random numbers.")] = None,
+    profile: Annotated[list[str] | None, asks("--profile", "QUANTITIES", "Quantities whose profile is computed; repeatable.")] = None,
     output: OutputOption = None, workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False,
     as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """Quantities of a case from measurements: likeliest values, intervals, branches, and which data tell what. Goes on where it was cut."""
     from valvetrain.identification.file import read_request
     from valvetrain.studies.cost import read_limits
-    from valvetrain.studies.run_store import ROOT, check_folder, safe_name
+    from valvetrain.studies.run_store import ROOT, safe_name
 
-    check_folder(output or Path("runs"), kept=output is None)
+    take_folder(output)
     request = read_request(file)
     asked: dict[str, Any] = {"method": method} if method else {}
     if seed is not None:
@@ -66,11 +62,11 @@ def identify(
     except InputError as error:
         raise InputError(error.reason, f"--{error.where}") from None
     points = output or ROOT / safe_name(request.case.name) / f"points-{request.identity[:12]}"
-    kept = _Kept(request.case, output, datetime.now(UTC).replace(microsecond=0), file.parent)
+    kept = Kept("identify", request.case, output, datetime.now(UTC).replace(microsecond=0), file.parent)
     _answer(request, kept, points, read_workers(workers), read_limits(limit), open_page)
 
 
-def _answer(request: Request, kept: _Kept, points: Path, workers: int, limits: Any, open_page: bool) -> None:
+def _answer(request: Request, kept: Kept, points: Path, workers: int, limits: Any, open_page: bool) -> None:
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import Outcome, deliver, tell
     from valvetrain.cli.progress import busy, progress_bar
@@ -105,15 +101,12 @@ def _answer(request: Request, kept: _Kept, points: Path, workers: int, limits: A
     folder, files = _keep(request, kept, points, found, data)
     data |= {"folder": str(folder), "files": files, "page": str(folder / "report.html")}
     if open_page:
-        import webbrowser
-
-        webbrowser.open((folder / "report.html").resolve().as_uri())
+        show_page(folder / "report.html")
     deliver(Outcome(data, lambda console: _show(console, found, folder)))
 
 
-def _keep(request: Request, kept: _Kept, points: Path, found: Identified, data: dict[str, Any]) -> tuple[Path, list[str]]:
+def _keep(request: Request, kept: Kept, points: Path, found: Identified, data: dict[str, Any]) -> tuple[Path, list[str]]:
     from valvetrain.cli.progress import busy
-    from valvetrain.cli.study_command import keep_run
     from valvetrain.identification.journal import NAME
     from valvetrain.report.identification_files import write_identification
     from valvetrain.solution.atomic import write_text

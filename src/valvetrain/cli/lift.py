@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from valvetrain.cli.limits import say_cost
 from valvetrain.cli.options import (
     JsonOption,
+    LimitOption,
     OpenOption,
     OutputOption,
     QuietOption,
@@ -18,12 +20,15 @@ from valvetrain.cli.options import (
     SpringOption,
     SpringSetOption,
     WorkersOption,
+    asks,
     read_amounts,
     read_engine_speeds,
     read_models,
     read_words,
     read_workers,
+    take_folder,
 )
+from valvetrain.cli.study_command import Kept, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -31,8 +36,8 @@ if TYPE_CHECKING:
 
     from valvetrain.measurements.lift_answers import LiftAnswers
     from valvetrain.measurements.lift_figures import LiftFigure
-    from valvetrain.parameters.case import Case
     from valvetrain.report.lift_page import LobeResult
+    from valvetrain.studies.cost import Limits
     from valvetrain.studies.lift_band import LiftBandStudy
 
 
@@ -41,43 +46,39 @@ def register(app: typer.Typer) -> None:
     app.command("lift")(lift)
 
 
-def _text(flag: str, metavar: str, words: str) -> Any:
-    return typer.Option(flag, metavar=metavar, help=words, show_default=False)
-
-
 def lift(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Table of lifts: text of columns, s96, fractions, XLSX; read by content.")],
-    exhaust: Annotated[Path | None, _text("--exhaust", "FILE", "Table of the exhaust lobe on the same zero: gives overlap.")] = None,
-    angle_of: Annotated[str, _text("--angle-of", "cam|crank", "Whose angles the table holds.")] = "",
-    lift_of: Annotated[str, _text("--lift-of", "valve|tappet", "Whose lift it is.")] = "",
-    lift_unit: Annotated[str, _text("--lift-unit", "UNIT", "Unit of the lifts, such as mm or inch.")] = "",
-    angle_unit: Annotated[str, _text("--angle-unit", "deg|rad", "Unit of the angles (default: deg).")] = "",
-    columns: Annotated[str, _text("--columns", "WORDS", "What each column is: 'angle, lift, velocity' (or intake, exhaust, ignore).")] = "",
-    zero: Annotated[str, _text("--zero", "file|nose", "Zero of the angle: as in the file (default) or at the nose.")] = "",
-    direction: Annotated[str, _text("--direction", "forward|reversed", "Whether the cam turned with rising angle (forward).")] = "",
-    peak_lift: Annotated[str | None, _text("--peak-lift", "LENGTH", "Of a table of fractions: its largest lift.")] = None,
-    duration: Annotated[str | None, _text("--duration", "ANGLE", "Of a table of fractions: its length, in that angle.")] = None,
-    opening: Annotated[str | None, _text("--opening", "ANGLE", "Of a table of fractions: where it begins.")] = None,
-    noise: Annotated[str | None, _text("--noise", "LENGTH", "Standard deviation of a station, such as '3 um' (default: found).")] = None,
-    band: Annotated[str | None, _text("--band", "LENGTH", "How far the law may leave a station at most.")] = None,
-    at: Annotated[list[str] | None, _text("--at", "LENGTH", "Lift at which the duration is told too: '0.2 inch'. Repeatable.")] = None,
+    exhaust: Annotated[Path | None, asks("--exhaust", "FILE", "Table of the exhaust lobe on the same zero: gives overlap.")] = None,
+    angle_of: Annotated[str, asks("--angle-of", "cam|crank", "Whose angles the table holds.")] = "",
+    lift_of: Annotated[str, asks("--lift-of", "valve|tappet", "Whose lift it is.")] = "",
+    lift_unit: Annotated[str, asks("--lift-unit", "UNIT", "Unit of the lifts, such as mm or inch.")] = "",
+    angle_unit: Annotated[str, asks("--angle-unit", "deg|rad", "Unit of the angles (default: deg).")] = "",
+    columns: Annotated[str, asks("--columns", "WORDS", "What each column is: 'angle, lift, velocity' (or intake, exhaust, ignore).")] = "",
+    zero: Annotated[str, asks("--zero", "file|nose", "Zero of the angle: as in the file (default) or at the nose.")] = "",
+    direction: Annotated[str, asks("--direction", "forward|reversed", "Whether the cam turned with rising angle (forward).")] = "",
+    peak_lift: Annotated[str | None, asks("--peak-lift", "LENGTH", "Of a table of fractions: its largest lift.")] = None,
+    duration: Annotated[str | None, asks("--duration", "ANGLE", "Of a table of fractions: its length, in that angle.")] = None,
+    opening: Annotated[str | None, asks("--opening", "ANGLE", "Of a table of fractions: where it begins.")] = None,
+    noise: Annotated[str | None, asks("--noise", "LENGTH", "Standard deviation of a station, such as '3 um' (default: found).")] = None,
+    band: Annotated[str | None, asks("--band", "LENGTH", "How far the law may leave a station at most.")] = None,
+    at: Annotated[list[str] | None, asks("--at", "LENGTH", "Lift at which the duration is told too: '0.2 inch'. Repeatable.")] = None,
     lash: Annotated[str, typer.Option("--lash", metavar="LENGTH", help="Lift at which ramp velocities are told.")] = "0.006 inch",
-    case: Annotated[str | None, _text("--case", "CASE", "Case whose lift it becomes: its forces and speeds with the band.")] = None,
+    case: Annotated[str | None, asks("--case", "CASE", "Case whose lift it becomes: its forces and speeds with the band.")] = None,
     engine_speed: SpeedOption = None,
-    search: Annotated[str | None, _text("--search", "SPEEDS", "Range in which float and bounce are searched: '4000:9000:500 rpm'.")] = None,
+    search: Annotated[str | None, asks("--search", "SPEEDS", "Range in which float and bounce are searched: '4000:9000:500 rpm'.")] = None,
     draws: Annotated[int, typer.Option("--draws", metavar="N", help="Laws drawn for forces and speeds.")] = 16,
     spring: SpringOption = None, spring_set: SpringSetOption = None,
-    write: Annotated[Path | None, _text("--write", "FILE", "Write the smoothed lift at whole cam degrees.")] = None,
+    write: Annotated[Path | None, asks("--write", "FILE", "Write the smoothed lift at whole cam degrees.")] = None,
     write_form: Annotated[str, typer.Option("--write-form", metavar="FORM", help="columns, s96, fractions or workbook.")] = "columns",
-    output: OutputOption = None, workers: WorkersOption = None, open_page: OpenOption = False, as_json: JsonOption = False,
-    quiet: QuietOption = False,
+    output: OutputOption = None, workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False,
+    as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """Measured lifts: figures of the lobe, lift to jerk with bands, the law for a case, forces and float speed with the band."""
     from valvetrain.measurements.lift_answers import LiftAnswers
-    from valvetrain.studies.run_store import check_folder
+    from valvetrain.studies.cost import read_limits
     from valvetrain.units import parse_quantity
 
-    check_folder(output or Path("runs"), kept=output is None)
+    take_folder(output)
     if case is None and (engine_speed or search):
         raise InputError("speeds are run with a case; name it with --case", "--case")
     answers = LiftAnswers(
@@ -92,7 +93,7 @@ def lift(
         None if band is None else parse_quantity(band, "length", "--band"),
         read_amounts(at, "length", "--at"), parse_quantity(lash, "length", "--lash"), case, read_engine_speeds(engine_speed),
         read_engine_speeds(search, "--search"), draws, read_models(spring), read_words(spring_set), write, write_form, output,
-        read_workers(workers), open_page, datetime.now(UTC).replace(microsecond=0),
+        read_workers(workers), read_limits(limit), ", ".join(limit or ()), open_page, datetime.now(UTC).replace(microsecond=0),
     )  # fmt: skip
     _answer(request)
 
@@ -118,25 +119,15 @@ class _Request:
     write_form: str
     output: Path | None
     workers: int
+    limits: Limits
+    limit: str
     open_page: bool
     created_at: datetime
-
-
-@dataclass(frozen=True)
-class _Kept:
-    """What the kept folder needs to know."""
-
-    case: Case
-    output: Path | None
-    created_at: datetime
-    command: str = "lift"
-    folder: Path = Path()
 
 
 def _answer(request: _Request) -> None:
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy
-    from valvetrain.cli.study_command import keep_run
     from valvetrain.report.lift_files import lift_case, write_lift
     from valvetrain.report.lift_page import lift_page
     from valvetrain.report.page import render
@@ -155,15 +146,13 @@ def _answer(request: _Request) -> None:
 
     with busy("writing files"):
         choices = {name: str(value) for name, value in vars(request).items() if name not in ("output", "created_at", "open_page")}
-        folder, files = keep_run(_Kept(own, request.output, request.created_at), own.text, choices, data, fill)
+        folder, files = keep_run(Kept("lift", own, request.output, request.created_at), own.text, choices, data, fill)
         if request.write is not None:
             from valvetrain.report.lift_files import write_table
 
             files.append(str(write_table(lobes, request.write, request.write_form)))
     if request.open_page:
-        import webbrowser
-
-        webbrowser.open(pages[0].resolve().as_uri())
+        show_page(pages[0])
     data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
     failures = () if carried is None else (*carried.mean.failures, *carried.failures)
     deliver(Outcome(data, lambda console: _show(console, lobes, pair, carried, folder), failures))
@@ -200,7 +189,8 @@ def _carried(request: _Request, lobe: LobeResult) -> LiftBandStudy | None:
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.parameters.loading import load_case
     from valvetrain.report.lift_files import lift_parameters
-    from valvetrain.studies.lift_band import lift_band_study
+    from valvetrain.studies.lift_band import FEWER_LAWS, band_cost, lift_band_study
+    from valvetrain.studies.planned import Asked
 
     case = load_case(request.case_name)
     if case.lift_law is not None and case.lift_law.lift_of != lobe.measured.lift_of:
@@ -209,11 +199,15 @@ def _carried(request: _Request, lobe: LobeResult) -> LiftBandStudy | None:
             "give a table of the other or another case", "--case",
         )  # fmt: skip
     law = lift_parameters(lobe, request.noise, request.band)
+    carried = case.replace({"lift_law": law})
+    asked = Asked("run", carried, request.engine_speeds, request.spring_models, request.spring_sets, request.workers)
+    say_cost(band_cost(asked, request.draws, request.search), request.limits, FEWER_LAWS)
     announce_compilation("train")
     with progress_bar(f"{case.name} with {request.draws} laws") as report:
         return lift_band_study(
-            case.replace({"lift_law": law}), request.engine_speeds, draws=request.draws, search=request.search,
+            carried, request.engine_speeds, draws=request.draws, search=request.search,
             spring_models=request.spring_models, spring_sets=request.spring_sets, workers=request.workers, progress=report,
+            limit=request.limit,
         )  # fmt: skip
 
 

@@ -5,14 +5,20 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from valvetrain.cli.ending import at_end
 from valvetrain.errors import InputError
 
 #: Largest count that an option takes; what a smaller one costs decides whether it is too large.
 MOST_COUNTED = 10**9
+
+
+def asks(flag: str, metavar: str, words: str) -> Any:
+    """An option that takes text, empty by default."""
+    return typer.Option(flag, metavar=metavar, help=words, show_default=False)
 
 
 def matching_cases(begun: str) -> list[str]:
@@ -54,6 +60,19 @@ def read_folder(text: str) -> Path:
     if not text.strip():
         raise InputError("the name of the folder is empty; give one, or leave the option out", "--output")
     return Path(text)
+
+
+def take_folder(output: Path | None) -> None:
+    """Check the folder of ``--output``, or the home of kept runs where it is None, and hold it until the command ends.
+
+    Raises :class:`InputError` for a folder that cannot be used or that another run writes into.
+    """
+    from valvetrain.studies.held_folder import hold_folder
+    from valvetrain.studies.run_store import ROOT, check_folder
+
+    check_folder(output or ROOT, kept=output is None)
+    if output is not None:
+        at_end(hold_folder(output))
 
 
 OutputOption = Annotated[

@@ -23,6 +23,7 @@ from valvetrain.cli.options import (
     WorkersOption,
     read_engine_speeds,
     read_workers,
+    take_folder,
 )
 
 if TYPE_CHECKING:
@@ -67,10 +68,9 @@ def refine(
     from valvetrain.cli.outcome import deliver
     from valvetrain.studies.cost import FEWER_REFINED, read_limits
     from valvetrain.studies.request_cost import refine_cost
-    from valvetrain.studies.run_store import ROOT, check_folder
 
     chosen = choose_case(case, settings, elements_per_coil)
-    check_folder(output or ROOT, kept=output is None)
+    take_folder(output)
     request = RefineRequest(
         chosen, folder_of(case), output, datetime.now(UTC).replace(microsecond=0), read_engine_speeds(engine_speed), read_workers(workers),
         read_limits(limit), implausible,

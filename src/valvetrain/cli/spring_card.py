@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.options import JsonOption, OpenOption, OutputOption, QuietOption
+from valvetrain.cli.options import JsonOption, OpenOption, OutputOption, QuietOption, asks, take_folder
+from valvetrain.cli.study_command import Kept, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.measurements.catalogue_card import SpringLoad
-    from valvetrain.parameters.case import Case
     from valvetrain.report.page import Page
     from valvetrain.studies.spring_card import SpringFit
     from valvetrain.studies.spring_tester import TesterFit
@@ -27,38 +27,33 @@ def register(app: typer.Typer) -> None:
     app.command("spring-card")(spring_card)
 
 
-def _text(flag: str, metavar: str, words: str) -> Any:
-    return typer.Option(flag, metavar=metavar, help=words, show_default=False)
-
-
 def spring_card(
     table: Annotated[Path | None, typer.Argument(metavar="[TABLE]", help="Table of a spring tester; else two loads.")] = None,
-    wire_diameter: Annotated[str | None, _text("--wire-diameter", "LENGTH", "Diameter of the wire, such as '4.2 mm'.")] = None,
-    outer_diameter: Annotated[str | None, _text("--outer-diameter", "LENGTH", "Outer diameter of the coils.")] = None,
-    top_outer_diameter: Annotated[str | None, _text("--top-outer-diameter", "LENGTH", "Of a beehive: outer diameter at the top.")] = None,
-    taper_from_coil: Annotated[float | None, _text("--taper-from-coil", "TURNS", "Of a beehive: where it begins to taper.")] = None,
-    installed: Annotated[str | None, _text("--installed", "HEIGHT, LOAD", "Height and load closed, such as '1.80 in, 130 lbf'.")] = None,
-    open_: Annotated[str | None, _text("--open-load", "HEIGHT, LOAD", "Height and load open, such as '1.25 in, 350 lbf'.")] = None,
-    installed_height: Annotated[str | None, _text("--installed-height", "LENGTH", "With a table: height of the closed valve.")] = None,
-    solid_height: Annotated[str | None, _text("--solid-height", "LENGTH", "Height at coil bind.")] = None,
-    mass: Annotated[str | None, _text("--mass", "MASS", "Mass of the spring.")] = None,
-    free_length: Annotated[str | None, _text("--free-length", "LENGTH", "Unloaded length.")] = None,
-    total_coils: Annotated[float | None, _text("--total-coils", "TURNS", "All turns, tip to tip.")] = None,
-    material: Annotated[str, _text("--material", "NAME", "Wire by name (default: EN 10270-2 VDSiCr).")] = "",
+    wire_diameter: Annotated[str | None, asks("--wire-diameter", "LENGTH", "Diameter of the wire, such as '4.2 mm'.")] = None,
+    outer_diameter: Annotated[str | None, asks("--outer-diameter", "LENGTH", "Outer diameter of the coils.")] = None,
+    top_outer_diameter: Annotated[str | None, asks("--top-outer-diameter", "LENGTH", "Of a beehive: outer diameter at the top.")] = None,
+    taper_from_coil: Annotated[float | None, asks("--taper-from-coil", "TURNS", "Of a beehive: where it begins to taper.")] = None,
+    installed: Annotated[str | None, asks("--installed", "HEIGHT, LOAD", "Height and load closed, such as '1.80 in, 130 lbf'.")] = None,
+    open_: Annotated[str | None, asks("--open-load", "HEIGHT, LOAD", "Height and load open, such as '1.25 in, 350 lbf'.")] = None,
+    installed_height: Annotated[str | None, asks("--installed-height", "LENGTH", "With a table: height of the closed valve.")] = None,
+    solid_height: Annotated[str | None, asks("--solid-height", "LENGTH", "Height at coil bind.")] = None,
+    mass: Annotated[str | None, asks("--mass", "MASS", "Mass of the spring.")] = None,
+    free_length: Annotated[str | None, asks("--free-length", "LENGTH", "Unloaded length.")] = None,
+    total_coils: Annotated[float | None, asks("--total-coils", "TURNS", "All turns, tip to tip.")] = None,
+    material: Annotated[str, asks("--material", "NAME", "Wire by name (default: EN 10270-2 VDSiCr).")] = "",
     closes: Annotated[str, typer.Option("--closes", metavar="END", help="With a table: where coils close first (upper, both).")] = "lower",
-    columns: Annotated[str, _text("--columns", "WORDS", "With a table: 'height, force' (or compression, ignore).")] = "",
-    length_unit: Annotated[str, _text("--length-unit", "UNIT", "With a table: unit of heights.")] = "",
-    force_unit: Annotated[str, _text("--force-unit", "UNIT", "With a table: unit of forces.")] = "",
+    columns: Annotated[str, asks("--columns", "WORDS", "With a table: 'height, force' (or compression, ignore).")] = "",
+    length_unit: Annotated[str, asks("--length-unit", "UNIT", "With a table: unit of heights.")] = "",
+    force_unit: Annotated[str, asks("--force-unit", "UNIT", "With a table: unit of forces.")] = "",
     name: Annotated[str, typer.Option("--name", metavar="NAME", help="Word for the spring.")] = "spring",
     output: OutputOption = None, open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """A spring definition from a catalogue card or a tester's table: it meets the loads, and what stayed open is said."""
     from valvetrain.measurements.catalogue_card import CatalogueCard
     from valvetrain.parameters.materials import material_by_name
-    from valvetrain.studies.run_store import check_folder
     from valvetrain.units import parse_quantity
 
-    check_folder(output or Path("runs"), kept=output is None)
+    take_folder(output)
     for flag, value in (("--wire-diameter", wire_diameter), ("--outer-diameter", outer_diameter)):
         if value is None:
             raise InputError(f"the card needs {flag[2:].replace('-', '_')}; give it, such as {flag} '4.2 mm'", flag)
@@ -106,17 +101,6 @@ class _Asked:
     open_page: bool
 
 
-@dataclass(frozen=True)
-class _Kept:
-    """What the kept folder needs to know."""
-
-    case: Case
-    output: Path | None
-    created_at: datetime
-    command: str = "spring-card"
-    folder: Path = Path()
-
-
 def _load(text: str | None, flag: str) -> SpringLoad:
     """A load of text such as ``1.80 in, 130 lbf``."""
     from valvetrain.measurements.catalogue_card import SpringLoad
@@ -130,7 +114,6 @@ def _load(text: str | None, flag: str) -> SpringLoad:
 def _deliver(asked: _Asked, fit: SpringFit | TesterFit, page: Page, data: dict[str, Any], source: str, show: Any) -> None:
     """Keep the folder (page, block of the spring, run.json) and tell."""
     from valvetrain.cli.outcome import Outcome, deliver
-    from valvetrain.cli.study_command import keep_run
     from valvetrain.parameters.loading import parse_case
     from valvetrain.report.page import render
     from valvetrain.report.spring_files import spring_text
@@ -143,11 +126,11 @@ def _deliver(asked: _Asked, fit: SpringFit | TesterFit, page: Page, data: dict[s
         pages.append(write_text(folder / "report.html", render(page)))
         return [write_text(folder / "spring.toml", text), *pages]
 
-    folder, files = keep_run(_Kept(parse_case(text, "spring-card"), asked.output, asked.created_at), text, {"name": asked.name}, data, fill)
+    folder, files = keep_run(
+        Kept("spring-card", parse_case(text, "spring-card"), asked.output, asked.created_at), text, {"name": asked.name}, data, fill
+    )
     if asked.open_page:
-        import webbrowser
-
-        webbrowser.open(pages[0].resolve().as_uri())
+        show_page(pages[0])
     data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
 
     def told(console: Console) -> None:

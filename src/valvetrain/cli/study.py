@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from valvetrain.cli.options import JsonOption, LimitOption, OpenOption, QuietOption, WorkersOption, read_folder, read_workers
+from valvetrain.cli.study_command import show_page
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -104,9 +105,7 @@ def _written(request: _Request, table: StudyTable) -> Any:
         data["page"] = None if page is None else str(page)
         gaps.part(f"file '{ANSWER}'", None, lambda: write_text(request.folder / ANSWER, to_json(plain(data)) + "\n"))
     if page is not None and request.open_page:
-        import webbrowser
-
-        webbrowser.open(page.resolve().as_uri())
+        show_page(page)
     failures = _failures(table)
     return Outcome(data, lambda console: _show(console, table, request.folder), (*failures, *gaps.sentences))
 

@@ -37,6 +37,7 @@ from valvetrain.cli.options import (
     read_models,
     read_words,
     read_workers,
+    take_folder,
 )
 from valvetrain.cli.outcome import complain
 from valvetrain.errors import InputError
@@ -77,6 +78,24 @@ class KeepRequest(Protocol):
 
 
 @dataclass(frozen=True)
+class Kept:
+    """A request that is no study of runs, for its kept folder."""
+
+    command: str
+    case: Case
+    output: Path | None
+    created_at: datetime
+    folder: Path = Path()
+
+
+def show_page(page: Path) -> None:
+    """Open a page in the browser."""
+    import webbrowser
+
+    webbrowser.open(page.resolve().as_uri())
+
+
+@dataclass(frozen=True)
 class StudyRequest:
     """One study as asked for: the ``case`` with its changes and the ``folder`` its file lies in; ``engine_speeds`` (rad/s of the crank,
     None: the case's own); words of spring models and sets (empty: the study's own choice); where results go and how they are shown."""
@@ -107,10 +126,9 @@ def _shared(
 ) -> dict[str, Any]:  # fmt: skip
     """Read the options that all studies share; :func:`valvetrain.cli.outcome.set_manner` has read the last two."""
     from valvetrain.studies.cost import read_limits
-    from valvetrain.studies.run_store import check_folder
 
     chosen = choose_case(case, settings, elements_per_coil, more)
-    check_folder(output or Path("runs"), kept=output is None)
+    take_folder(output)
     speeds = read_engine_speeds(engine_speed)
     if speeds and chosen.lift_law is None:
         raise InputError(f"case '{chosen.name}' has no lift law, so nothing moves at an engine speed; add a [lift_law] table")
@@ -234,9 +252,7 @@ def _kept(request: StudyRequest, study: Study, choices: Mapping[str, Any], kept:
             gaps.part("list of finished runs", None, kept.close)
     page = pages[0] if pages else None
     if page is not None and request.open_page:
-        import webbrowser
-
-        webbrowser.open(page.resolve().as_uri())
+        show_page(page)
     told = tuple(dict.fromkeys((*failures, *gaps.sentences)))
     data.update(folder=str(folder), files=files, page=None if page is None else str(page), completed=not told, failures=list(told))
     return Outcome(data, lambda console: show_study(console, study, folder, page, request.published), told)

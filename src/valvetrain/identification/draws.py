@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import redirect_stdout
 from dataclasses import dataclass
+from io import StringIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +37,17 @@ class Draws:
     def effective(self) -> float:
         """Number of equally weighted draws that tell as much (Kish)."""
         return float(1.0 / np.sum(self.weights**2))
+
+
+def quietly(steps: Iterable[Any]) -> Iterator[Any]:
+    """The steps of a library that prints where it is interrupted: standard output belongs to the answer."""
+    ahead, end = iter(steps), object()
+    while True:
+        with redirect_stdout(StringIO()):
+            step = next(ahead, end)
+        if step is end:
+            return
+        yield step
 
 
 def extra(package: str) -> MissingExtraError:

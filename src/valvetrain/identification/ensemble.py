@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.identification.draws import Draws, Report, extra, silent
+from valvetrain.identification.draws import Draws, Report, extra, quietly, silent
 from valvetrain.identification.posterior import Posterior
 from valvetrain.studies.stopping import Stopped
 
@@ -52,7 +52,7 @@ def ensemble(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            for done, _ in enumerate(sampler.sample(begin, iterations=steps), start=1):
+            for done, _ in enumerate(quietly(sampler.sample(begin, iterations=steps)), start=1):
                 report(done / steps, f"step {done} of {steps}")
         except Stopped:
             whole = False

@@ -7,12 +7,14 @@ Sources: J. Skilling, Bayesian Analysis 1 (2006) 833; F. Feroz, M. Hobson and M.
 from __future__ import annotations
 
 import warnings
+from contextlib import redirect_stdout
+from io import StringIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.identification.draws import Draws, Report, extra, silent
+from valvetrain.identification.draws import Draws, Report, extra, quietly, silent
 from valvetrain.identification.lockstep import Lockstep
 from valvetrain.identification.posterior import Posterior
 from valvetrain.studies.stopping import Stopped
@@ -45,10 +47,11 @@ def nested(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            sampler = dynesty.NestedSampler(
-                pool.ask, _same, count, nlive=max(live_points, 2 * count + 2), pool=pool, queue_size=lanes,
-                rstate=np.random.default_rng(seed), use_pool={"prior_transform": False, "update_bound": False},
-            )  # fmt: skip
+            with redirect_stdout(StringIO()):  # it prints where it is interrupted; that stream belongs to the answer
+                sampler = dynesty.NestedSampler(
+                    pool.ask, _same, count, nlive=max(live_points, 2 * count + 2), pool=pool, queue_size=lanes,
+                    rstate=np.random.default_rng(seed), use_pool={"prior_transform": False, "update_bound": False},
+                )  # fmt: skip
         except RuntimeError as error:
             raise InputError(
                 "no point of the priors can be computed or meets the data; widen the priors or check the measurements"
@@ -56,11 +59,11 @@ def nested(
         whole = True
         try:
             left = np.inf
-            for one in sampler.sample(dlogz=precision):
+            for one in quietly(sampler.sample(dlogz=precision)):
                 if one.delta_logz < left:
                     left = float(one.delta_logz)
                     report(float(np.clip(1.0 - np.log1p(left) / np.log1p(50.0), 0.0, 0.99)), f"{left:.2f} of the log evidence left")
-            for _ in sampler.add_live_points():
+            for _ in quietly(sampler.add_live_points()):
                 pass
         except Stopped:
             whole = False

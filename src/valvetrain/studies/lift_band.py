@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -14,10 +15,17 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.study import Study
 from valvetrain.studies.api import Speeds, simulate, sweep
+from valvetrain.studies.batch import worker_count
+from valvetrain.studies.cost import Cost, limits_of, refuse_cost
 from valvetrain.studies.engine import Progress, map_points
+from valvetrain.studies.planned import Asked
+from valvetrain.studies.request_cost import request_cost
+from valvetrain.units import si_speeds
 
 #: Draws where nobody says how many: their standard deviation is known to 18 %.
 DRAWS = 16
+#: Bounds of one law, whose study was counted with the others, and what makes such a request large.
+WHOLE, FEWER_LAWS = "10000 d, 1000 TB", "laws, speeds or unknowns"
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +65,7 @@ class LiftBandStudy:
 def lift_band_study(
     case: AnyCase, engine_speeds: Speeds | None = None, *, draws: int = DRAWS, search: Speeds | None = None,
     spring_models: Sequence[str] = (), spring_sets: Sequence[str] = (), workers: int | None = None, progress: Progress | None = None,
+    limit: str = "",
 ) -> LiftBandStudy:  # fmt: skip
     """Run a case by the mean of its measured lift and by laws drawn from what the stations allow.
 
@@ -69,6 +78,7 @@ def lift_band_study(
     spring_models, spring_sets : as for :func:`valvetrain.simulate`
     workers : draws at a time; results do not depend on it
     progress : told the share done and what was done
+    limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
 
     Returns
     -------
@@ -76,7 +86,7 @@ def lift_band_study(
 
     Raises
     ------
-    InputError : as :func:`valvetrain.simulate`, and for a case whose lift was not measured
+    InputError : as :func:`valvetrain.simulate`, for a case whose lift was not measured, and for a request beyond the bounds of ``limit``
 
     Examples
     --------
@@ -97,6 +107,9 @@ def lift_band_study(
         )
     if not 4 <= draws <= MOST_DRAWS:
         raise InputError(f"draws is a number from 4 to {MOST_DRAWS}; it is {draws}", "--draws")
+    speeds, searched = (None if one is None else si_speeds(one) for one in (engine_speeds, search))
+    asked = Asked("run", known, speeds, tuple(spring_models), tuple(spring_sets), worker_count(workers))
+    refuse_cost(band_cost(asked, draws, searched), limits_of(limit), "limit=", FEWER_LAWS)
     shared = _Shared(known, engine_speeds, search, tuple(spring_models), tuple(spring_sets))
 
     def tell(done: int, total: int) -> None:
@@ -114,6 +127,16 @@ def lift_band_study(
     return LiftBandStudy(mean, tuple(spreads), failures)
 
 
+def band_cost(asked: Asked, draws: int, search: Sequence[float] | None) -> Cost:
+    """Estimated cost of ``asked`` with the mean law and so many ``draws``, critical speeds searched at ``search`` (rad/s of the crank)."""
+    alone = replace(asked, workers=1)
+    once = request_cost(alone, whole=True)
+    if search is not None:
+        once += request_cost(replace(alone, command="sweep", engine_speeds=tuple(search)), whole=False, searches=True)
+    at_a_time = max(1, min(asked.workers, draws + 1))
+    return Cost(once.seconds * math.ceil((draws + 1) / at_a_time), once.bytes * (draws + 1))
+
+
 @dataclass(frozen=True, eq=False)
 class _Shared:
     case: Case
@@ -129,10 +152,10 @@ def _study_of(shared: _Shared, draw: int) -> Study:
     assert law is not None
     case = shared.case.replace({"lift_law": law.replace(draw=draw)}) if draw else shared.case
     models, sets = shared.spring_models, shared.spring_sets
-    study = simulate(case, shared.engine_speeds, spring_models=models, spring_sets=sets, workers=1)
+    study = simulate(case, shared.engine_speeds, spring_models=models, spring_sets=sets, workers=1, limit=WHOLE)
     if shared.search is None:
         return study
-    critical = sweep(case, shared.search, spring_models=models, spring_sets=sets, workers=1)
+    critical = sweep(case, shared.search, spring_models=models, spring_sets=sets, workers=1, limit=WHOLE)
     keep = {label: {**study.still.get(label, {}), **_critical(critical, label)} for label in {*study.still, *critical.labels}}
     return replace(study, still=keep, critical_speeds=critical.critical_speeds)
 

@@ -139,8 +139,11 @@ def mark_unfinished(folder: Path) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     refuse_living(folder)
     remove_unfinished(folder)
-    handle = os.open(folder / LIST, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
-    lock(handle)
+    handle = os.open(folder / LIST, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    if not lock(handle):  # begun at the same moment
+        os.close(handle)
+        refuse_living(folder)
+    os.ftruncate(handle, 0)
     return handle
 
 
