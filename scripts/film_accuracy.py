@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import sample_film as drawn
@@ -69,6 +70,24 @@ def damping(films: int = 12) -> None:
           f"in its interval {found[:, 3].sum():.0f} of {films}")  # fmt: skip
 
 
+def pictures(folder: Path) -> None:
+    """The two pictures of docs/film.md: the film of vaz-ohc, fewer dots than on the page."""
+    from valvetrain.report import film_charts
+    from valvetrain.report.svg_chart import svg
+    from valvetrain.solution.atomic import write_text
+
+    film_charts.DOTS = 90
+    _, rest, angle, moved, cam_speed = drawn.coils_of_case()
+    scene = drawn.Scene(camera_drift=1.5)
+    film, _ = drawn.draw(scene, drawn.driven(rest, angle, moved, cam_speed, 0.4), 700, drawn.mark_of(700, 2000.0, cam_speed, 0.4, 1.0))
+    setup = vt.FilmSetup(frame_rate=2000, scale_points=((11, 0), (11, 120)), scale_length=0.02, marker=(4, 4), marker_angle=1.0)
+    motion = vt.coil_motion(film, setup, synthetic=True)
+    for name, chart in (("space-time", film_charts.space_time_chart(motion)), ("displacement", film_charts.displacement_chart(motion))):
+        assert chart is not None
+        write_text(folder / f"film-{name}.svg", svg(chart))
+
+
 if __name__ == "__main__":
     places()
     damping()
+    pictures(Path(__file__).parents[1] / "docs" / "pictures")

@@ -15,7 +15,9 @@ Array = NDArray[np.float64]
 #: Frames and stations of the space-time picture at most, dots of a coil at most, points of the spectrum at most.
 FRAMES, STATIONS, DOTS, POINTS = 400, 300, 600, 1500
 #: Turns of the cam that the space-time picture shows, and the grey ramp of it.
-TURNS, GREYS = 3.0, ("#000000", "#ffffff")
+TURNS, GREYS = 3.0, ("#000000", "#a4acb5")
+#: Colours of the tracks on the dark picture, in the order of the coils' own.
+SEEN = tuple(theme.mix(colour, "#ffffff", 0.35) for colour in theme.SERIES)
 #: What the film measured has the first colour wherever it stands beside the model's.
 FILM, MODEL = theme.SERIES[0], theme.SERIES[1]
 
@@ -40,15 +42,16 @@ def space_time_chart(motion: CoilMotion) -> Chart:
     shown = even[:, :kept].reshape(len(even), -1, every).mean(axis=2)
     shown = np.asarray(np.clip(shown - np.percentile(picture, 1), 0, None), dtype=float)
     milliseconds = np.asarray(1e3 * np.arange(len(even), dtype=float) / motion.seen.frame_rate, dtype=float)
-    station = (np.arange(shown.shape[1]) * every + 0.5 * (every - 1)).astype(float)
-    layers: list[Layer] = [HeatMap(milliseconds, station, shown.T, "brightness", "grey levels", 1.0, "px", colours=GREYS)]
+    # The start of the line stands above, as on the picture.
+    length = float(motion.seen.line.stations[-1])
+    height = length - (np.arange(shown.shape[1])[::-1] * every + 0.5 * (every - 1))
+    layers: list[Layer] = [HeatMap(milliseconds, height, shown.T[::-1], "brightness", "grey levels", 1.0, "px", colours=GREYS)]
     with_drift = motion.places + motion.drift[:, None]
     for coil in range(motion.coils):
-        line = with_drift[:last, coil]
-        layers.append(Line(1e3 * motion.time[:last], line, f"coil {coil + 1}", coil_colour(coil), 1.2))
-    # The spring stands as on the picture: the start of the line above.
+        track = length - with_drift[:last, coil]
+        layers.append(Line(1e3 * motion.time[:last], track, f"coil {coil + 1}", SEEN[coil % len(SEEN)], 1.4))
     panel = Panel(
-        "time (ms)", "place on the line (px)", tuple(layers), x_range=(0.0, float(milliseconds[-1])), y_range=(float(station[-1]), 0.0)
+        "time (ms)", "distance from the end of the line (px)", tuple(layers), x_range=(0.0, float(milliseconds[-1])), y_range=(0.0, length)
     )
     caption = "Coils are counted from the seat. " + ("The first turns of the cam." if last < len(motion.time) else "The whole film.")
     return Chart("space-time", "Space-time picture with the tracks", caption, (panel,), 1, 520)
