@@ -15,6 +15,8 @@ from valvetrain.measurements.film.frames import open_film
 from valvetrain.measurements.film.phase import by_marker
 from valvetrain.measurements.film.sight_line import SightLine, find_line
 from valvetrain.measurements.film.space_time import read_space_time
+from valvetrain.report.film_page import film_page, peak_rows
+from valvetrain.report.page import gaps_of
 
 cv2 = pytest.importorskip("cv2")
 SETUP = vt.FilmSetup(marker=(4, 4), marker_radius=2, marker_angle=made.MARK_ANGLE, line=((6, 10), (6, 239)), **made.SCALE)
@@ -175,3 +177,24 @@ def test_without_opencv_the_extra_is_named(tmp_path, monkeypatch):
     with pytest.raises(vt.InputError, match="extra 'film'"):
         open_film(film)
     shutil.rmtree(film)
+
+
+def test_a_spring_alone_is_laid_under_the_film_too():
+    """job-t is a spring under prescribed motion, whose one spring has a name of its own in the case."""
+    motion = made.turning_motion()
+    model = vt.film_over_model(motion, "job-t", "multi-mass", first_turn=0.5)
+    assert model.spring == "spring" and (model.turns == np.arange(6) + 0.5).all() and model.displacement.shape == (360, 6)
+    with pytest.raises(vt.InputError, match="knows no displacement of coils"):
+        vt.film_over_model(motion, "job-t", "massless")
+    with pytest.raises(vt.InputError, match="spring 'inner' is unknown"):
+        vt.film_over_model(motion, "job-t", "multi-mass", "inner")
+
+
+def test_a_single_turn_has_no_scatter_and_a_white_glare_is_spoken_of():
+    film, _ = made.turning_film()
+    bright = np.clip(film[:90].astype(int) * 4, 0, 255).astype(np.uint8)
+    motion = vt.coil_motion(bright, replace(SETUP, cam_speed=made.CAM_SPEED))
+    words = " ".join(motion.notes)
+    assert "turns of the cam, so peaks have no scatter" in words and "the glare is as white" in words
+    assert all(np.isnan(one.scatter) and one.spread > 0 for one in motion.peaks)
+    assert not gaps_of(film_page(motion)) and peak_rows(motion, None)[0][3] == "–"

@@ -95,6 +95,7 @@ def peaks_chart(motion: CoilMotion, model: FilmedModel | None) -> Chart | None:
     if model is not None:
         layers.append(Line(coil, 1e3 * model.peaks, f"model {theme.model_words(model.model)}", MODEL, 1.4, "dash"))
         layers.append(Marks(coil, 1e3 * model.peaks, "", MODEL, "diamond", in_legend=False, size=8.0))
+    scatter = np.nan_to_num(scatter)
     top = 1.12 * max(float(np.max(mean + scatter)), 0.0 if model is None else 1e3 * float(model.peaks.max()))
     reach = (0.5, motion.coils + 0.5)
     panel = Panel("coil, counted from the seat", "mean peak displacement (mm)", tuple(layers), x_range=reach, x_step=1.0,

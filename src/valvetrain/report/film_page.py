@@ -30,7 +30,12 @@ def peak_rows(motion: CoilMotion, model: FilmedModel | None) -> list[tuple[str, 
     """Words of the peaks along the spring; mm."""
     rows: list[tuple[str, ...]] = []
     for one in motion.peaks:
-        cells = (str(one.coil), f"{1e3 * one.mean:.3f}", f"±{1e3 * BAND * one.spread:.3f}", f"{1e3 * one.scatter:.3f}")
+        cells = (
+            str(one.coil),
+            f"{1e3 * one.mean:.3f}",
+            f"±{1e3 * BAND * one.spread:.3f}",
+            "–" if np.isnan(one.scatter) else f"{1e3 * one.scatter:.3f}",
+        )
         if model is None:
             rows.append((*cells, "mm"))
             continue

@@ -100,8 +100,9 @@ def film_over_model(
     name = spring or run.springs[0]
     if name not in run.springs:
         raise InputError(f"spring '{name[:40]}' is unknown; the case has {', '.join(run.springs)}", "--filmed-spring")
-    parts = {one.name: one for one in (found.springs if found.train is None else found.train.spring_parts(run.spring_set or None))}
-    angle, coil, moved = _moved(run, name, parts[name])
+    parts = found.springs if found.train is None else found.train.spring_parts(run.spring_set or None)
+    part = parts[run.springs.index(name)]
+    angle, coil, moved = _moved(run, name, part)
     rest = moved[np.mod(angle - motion.dwell[0], TURN) < motion.dwell[1] - motion.dwell[0]].mean(axis=0)
     moved = rest - moved
     grid, measured = motion.cycles[0].cam_angle, np.stack([mean_of(one.values) for one in motion.cycles], axis=1)
@@ -111,7 +112,7 @@ def film_over_model(
     fine = _at(moved, coil, turns)
     shown = _on(grid, angle, fine)
     apart = np.sqrt(np.nanmean((measured - shown) ** 2, axis=0))
-    frequency = EquivalentSpring.from_installed(parts[name]).surge_frequency
+    frequency = EquivalentSpring.from_installed(part).surge_frequency
     return FilmedModel(
         found.name, run.model, name, turns, shift, grid, shown, fine.max(axis=0), apart, _filmed(motion, angle, fine), frequency,
         (*notes, *alias_words(frequency, motion.seen.frame_rate)),

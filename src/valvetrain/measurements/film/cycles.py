@@ -22,7 +22,7 @@ MARGIN = 0.06
 @dataclass(frozen=True, slots=True)
 class CoilPeak:
     """Largest displacement (m, towards the seat) of one coil section a cycle: ``mean`` over ``cycles`` of them, ``scatter`` (standard
-    deviation of a cycle), ``spread`` of the mean (its standard deviation, the place of the highlight included)."""
+    deviation of a cycle, NaN of a single one), ``spread`` of the mean (its standard deviation, the place of the highlight included)."""
 
     coil: int
     mean: float
@@ -81,10 +81,9 @@ def peaks(cam_angle: Array, moved: Array, spread: Array, turns: list[int]) -> tu
         if not tops:
             raise InputError("the film shows no turn of the cam with a motion; film a whole turn or more", "film")
         own = float(np.nanmedian(spread[:, coil]))
-        scatter = float(np.std(tops, ddof=1)) if len(tops) > 1 else 0.0
-        found.append(
-            CoilPeak(coil + 1, float(np.mean(tops)), scatter, float(np.hypot(max(scatter, own) / np.sqrt(len(tops)), 0.0)), len(tops))
-        )
+        scatter = float(np.std(tops, ddof=1)) if len(tops) > 1 else float("nan")
+        of_mean = max(own, 0.0 if np.isnan(scatter) else scatter) / np.sqrt(len(tops))
+        found.append(CoilPeak(coil + 1, float(np.mean(tops)), scatter, float(of_mean), len(tops)))
     return tuple(found)
 
 

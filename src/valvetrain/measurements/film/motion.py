@@ -173,6 +173,7 @@ def _motion(
         moved = moved - _rest(moved, closed, phase.cam_angle, dwell)
         surge = fit_surge(moved, closed, seen.frame_rate)
         found = peaks(phase.cam_angle, moved, spread, turns)
+        notes += _turn_words(phase.cam_angle)
         cycles = _cycles(seen, phase, moved, turns, grid, synthetic, words)
     if surge is None:
         notes += ("no surge line with its damping can be told: the dwell holds too few frames, or nothing in it rings",)
@@ -252,6 +253,14 @@ def _drift_words(drift: Array, still: int | None, setup: FilmSetup, phase: CamPh
     if reach < SPOKEN_OF:
         return ()
     return (f"the camera drifted by {reach:.2g} px over the film, as coil {still + 1} shows that stands still; this was taken off",)
+
+
+def _turn_words(cam_angle: Array) -> tuple[str, ...]:
+    shown = float(cam_angle[-1] - cam_angle[0]) / TURN
+    if shown >= 2.0:
+        return ()
+    words = f"the film shows {shown:.2f} turns of the cam, so peaks have no scatter"
+    return (words + (", and a peak outside them is not seen" if shown < 1.0 else ""),)
 
 
 def _without_gaps(frames: NDArray[np.int64], number: NDArray[np.int64]) -> list[NDArray[np.int64]]:

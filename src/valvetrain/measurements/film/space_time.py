@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 MOST_VALUES, FEWEST_FRAMES = 20_000_000, 16
 #: Step (s) of time stamps below which whole milliseconds are too coarse.
 COARSE = 5e-3
+#: Share of the largest grey level from which a glare is white.
+WHITE = 0.99
 #: Radius (px) of the spot of a marker where none is told.
 MARKER_RADIUS = 3.0
 
@@ -57,6 +59,7 @@ def read_space_time(
     end = MOST_FRAMES if last is None else last + 1
     rows: list[NDArray[np.float32]] = []
     marks: list[float] = []
+    white = 0
     for place, picture in enumerate(film.frames()):
         if place < first:
             continue
@@ -64,6 +67,7 @@ def read_space_time(
             break
         grey = np.asarray(picture, dtype=float).ravel()
         profile = np.asarray(weights @ grey, dtype=np.float32)
+        white += float(profile.max()) > WHITE * np.iinfo(picture.dtype).max if picture.dtype.kind == "u" else 0
         if not np.isfinite(profile).all():
             raise InputError(f"frame {place} of '{film.name}' holds grey levels that are no numbers; export the film again")
         rows.append(profile)
@@ -78,6 +82,10 @@ def read_space_time(
         )
     if not (first or last is not None) and 0 < len(rows) < film.claimed - 1:
         notes += (f"the file claims {film.claimed} frames, {len(rows)} of them could be read: it is cut short or damaged",)
+    if white > 0.05 * len(rows):
+        notes += (
+            f"the glare is as white as the camera can tell in {white} of {len(rows)} frames; its middle is lost there, so film darker",
+        )
     picture = np.stack(rows)
     number, said = _numbers(film, first, picture, rate)
     return SpaceTime(picture, number, rate, line, np.array(marks), film.name, (film.rows, film.columns), film.notes + notes + said)
