@@ -48,6 +48,23 @@ def test_the_answer_is_that_of_the_function(answer):
     assert kept["peaks"] == data["peaks"] and (home / "out" / "inputs" / "case.toml").is_file()
 
 
+def test_a_table_of_lifts_tells_the_phase(answer, monkeypatch):
+    """Its angles are counted from the nose, so the lobe lies on both sides of zero."""
+    home, _ = answer
+    monkeypatch.chdir(home)
+    nose = made.OPEN / 2
+    angles = np.radians(np.arange(-75.0, 75.5, 1.0))
+    rows = zip(np.degrees(angles), 1e3 * np.where(np.abs(angles) < nose, made.lift(np.abs(angles + nose)), 0.0), strict=True)
+    Path("lobe.csv").write_text("\n".join(["cam angle [deg],valve lift [mm]", *(f"{angle:.3f},{lift:.5f}" for angle, lift in rows)]) + "\n")
+    shown = invoke(*FILM, "--lift", "lobe.csv", "--output", "by-lift", "--json")
+    assert shown.exit_code == 0, shown.output
+    data = json.loads(shown.stdout)
+    assert data["cam_speed"]["by"] == "lift" and data["cam_speed"]["value"] == pytest.approx(made.CAM_SPEED, rel=1e-3)
+    highest = np.loadtxt("by-lift/displacement-coil-6.csv", delimiter=",", skiprows=1, usecols=(0, 1))
+    top = highest[np.argsort(highest[:, 1])[-30:], 0]
+    assert abs(np.mean((top + 180) % 360 - 180)) < 2.0
+
+
 def test_the_files_hold_a_column_a_turn(answer):
     home, _ = answer
     rows = list(csv.reader((home / "out" / "displacement-coil-6.csv").open()))
@@ -106,7 +123,7 @@ def test_the_page_lays_the_model_over_the_film():
     for chart in keys.values():
         assert all("(" in panel.x_label or "coil" in panel.x_label for panel in chart.panels)
     assert "model.csv" not in render(page) and "1236 Hz at 764 Hz" in render(page)
-    assert all(len(row) == 7 for row in peak_rows(motion, beside)) and all(len(row) == 5 for row in peak_rows(motion, None))
+    assert all(len(row) == 6 for row in peak_rows(motion, beside)) and all(len(row) == 4 for row in peak_rows(motion, None))
 
 
 def test_aliases_are_where_sampling_folds_them():

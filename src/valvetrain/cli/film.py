@@ -222,6 +222,8 @@ def _answer(request: _Request) -> None:
 
 def _lift(request: _Request) -> Lift | None:
     """Lift over the cam angle, from a table or the case."""
+    import numpy as np
+
     from valvetrain.measurements.lift_answers import LiftAnswers
     from valvetrain.measurements.lift_reading import read_lift
     from valvetrain.measurements.lift_smoothing import smooth_lift
@@ -229,7 +231,9 @@ def _lift(request: _Request) -> Lift | None:
 
     if request.lift_table is not None:
         lobe = read_lift(request.lift_table, LiftAnswers())[0]
-        return smooth_lift(lobe.cam_angles, lobe.lifts).lift
+        law = smooth_lift(lobe.cam_angles, lobe.lifts)
+        # A table may begin at any angle, below zero too.
+        return lambda cam_angle: law.lift(law.event[0] + np.mod(cam_angle - law.event[0], 2 * np.pi))
     return None if request.case_name is None else lift_of_case(request.case_name)
 
 

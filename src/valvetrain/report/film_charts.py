@@ -94,7 +94,7 @@ def peaks_chart(motion: CoilMotion, model: FilmedModel | None) -> Chart | None:
     ]
     if model is not None:
         layers.append(Line(coil, 1e3 * model.peaks, f"model {theme.model_words(model.model)}", MODEL, 1.4, "dash"))
-        layers.append(Marks(coil, 1e3 * model.peaks, "", MODEL, "diamond", in_legend=False, size=8.0))
+        layers.append(Marks(coil, 1e3 * model.peaks, "", MODEL, "diamond", in_legend=False, size=13.0))
     scatter = np.nan_to_num(scatter)
     top = 1.12 * max(float(np.max(mean + scatter)), 0.0 if model is None else 1e3 * float(model.peaks.max()))
     reach = (0.5, motion.coils + 0.5)
@@ -124,7 +124,7 @@ def spectrum_chart(motion: CoilMotion) -> Chart:
     """Amplitude over frequency of the whole film, with the lines of the decay."""
     hertz, micrometres = thin(motion.spectrum_frequency[1:], 1e6 * motion.spectrum_amplitude[1:], POINTS)
     lines = () if motion.surge is None else motion.surge.lines
-    rules = tuple(Rule("x", one.natural_frequency, f"{one.natural_frequency:.4g} Hz") for one in lines)
+    rules = tuple(Rule("x", one.natural_frequency, f"{one.natural_frequency:.0f} Hz") for one in lines)
     floor = 0.3 * float(np.median(micrometres))
     curve = Line(hertz, np.maximum(micrometres, floor), "", FILM, 1.2, in_legend=False)
     panel = Panel(
@@ -144,7 +144,7 @@ def decay_chart(motion: CoilMotion) -> Chart | None:
         return None
     milliseconds = 1e3 * surge.time
     layers: tuple[Layer, ...] = (
-        Line(milliseconds, 1e3 * surge.fitted, "damped sines fitted to all coils and dwells", MODEL, 1.4),
+        Line(1e3 * surge.curve_time, 1e3 * surge.curve, "damped sines fitted to all coils and dwells", MODEL, 1.4),
         Marks(milliseconds, 1e3 * surge.measured, "film", FILM, size=4.5, filled=True),
     )
     panel = Panel("time from the beginning of the dwell (ms)", "displacement (mm)", layers, f"coil {surge.coil}")

@@ -21,8 +21,8 @@ from valvetrain.report.words import number, percent
 from valvetrain.studies.film_model import FilmedModel
 
 #: Heads of the tables on page and terminal.
-PEAKS = ("coil", "mean peak", "95 %", "scatter of a turn", "")
-PEAKS_WITH_MODEL = (*PEAKS[:4], "model", "model less film", "")
+PEAKS = ("coil", "mean peak (mm)", "95 %", "scatter of a turn (mm)")
+PEAKS_WITH_MODEL = (*PEAKS, "model (mm)", "model less film")
 LINES = ("line", "frequency", "95 %", "damping ratio", "95 %", "decay rate", "log. decrement", "amplitude")
 
 
@@ -37,11 +37,11 @@ def peak_rows(motion: CoilMotion, model: FilmedModel | None) -> list[tuple[str, 
             "–" if np.isnan(one.scatter) else f"{1e3 * one.scatter:.3f}",
         )
         if model is None:
-            rows.append((*cells, "mm"))
+            rows.append(cells)
             continue
         peak = float(model.peaks[one.coil - 1])
         share = percent(peak / one.mean - 1) if one.mean > 20 * max(one.spread, 1e-6) else "–"
-        rows.append((*cells, f"{1e3 * peak:.3f}", share, "mm"))
+        rows.append((*cells, f"{1e3 * peak:.3f}", share))
     return rows
 
 
@@ -124,10 +124,9 @@ def _apart(model: FilmedModel) -> Block:
 
 
 def _grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Grid:
-    last = len(head) - 1
     return Grid(
         tuple(head),
-        tuple((tuple(Cell(word, "" if k == last and word in ("mm", "") else "number") for k, word in enumerate(row)), ()) for row in rows),
+        tuple((tuple(Cell(word, "number") for word in row), ()) for row in rows),
     )
 
 

@@ -15,6 +15,8 @@ MOST_LINES, FEWEST = 4, 12
 WORTH = 1.0
 #: Largest damping ratio that is called a decay of surge, and the lowest frequency in parts of the frame rate times frames.
 MOST_DAMPING, LOWEST = 0.3, 0.7
+#: Points between frames of the curve that is shown.
+FINE = 8
 #: Normal quantile of a 95 % interval.
 BAND = 1.96
 
@@ -49,13 +51,15 @@ class SurgeLine:
 
 @dataclass(frozen=True, eq=False)
 class SurgeFit:
-    """``lines`` by frequency; of one decay that is shown: ``time`` (s), ``measured`` and ``fitted`` (m); ``coil`` it is of; ``scatter``
+    """``lines`` by frequency; of one decay that is shown: ``time`` (s) and ``measured`` (m), the fitted curve
+    ``curve`` (m) at ``curve_time`` (s); ``coil`` it is of; ``scatter``
     (m) of a place about the fit; ``decays`` fitted."""
 
     lines: tuple[SurgeLine, ...]
     time: Array
     measured: Array
-    fitted: Array
+    curve_time: Array
+    curve: Array
     coil: int
     scatter: float
     decays: int
@@ -95,10 +99,9 @@ def fit_surge(moved: Array, decays: Sequence[NDArray[np.int64]], frame_rate: flo
     return _described(data, group, best[1], frame_rate, np.flatnonzero(kept) % moved.shape[1], first_coil)
 
 
-def _basis(length: int, numbers: Array) -> Array:
-    """Columns of the model at whole frames: one, and a damped cosine and sine per pair (angle a frame, decay a frame)."""
-    time = np.arange(length, dtype=float)
-    columns = [np.ones(length)]
+def _basis(time: Array, numbers: Array) -> Array:
+    """Columns of the model at times in frames: one, and a damped cosine and sine per pair (angle a frame, decay a frame)."""
+    columns = [np.ones(len(time))]
     for angle, decay in numbers.reshape(-1, 2):
         fall = np.exp(np.clip(-decay * time, -600.0, 60.0))
         columns += [fall * np.cos(angle * time), fall * np.sin(angle * time)]
@@ -106,7 +109,7 @@ def _basis(length: int, numbers: Array) -> Array:
 
 
 def _left(data: Array, numbers: Array) -> Array:
-    basis, _ = np.linalg.qr(_basis(len(data), numbers))
+    basis, _ = np.linalg.qr(_basis(np.arange(len(data), dtype=float), numbers))
     return np.asarray(data - basis @ (basis.T @ data))
 
 
@@ -154,7 +157,7 @@ def _described(
         jack = (len(dwells) - 1) / len(dwells) * off.T @ off
         grown = np.sqrt(np.maximum(np.diag(jack) / np.maximum(np.diag(covariance), 1e-300), 1.0))
         covariance = covariance * np.outer(grown, grown)
-    basis = _basis(len(data), numbers)
+    basis = _basis(np.arange(len(data), dtype=float), numbers)
     shares = np.linalg.lstsq(basis, data, rcond=None)[0]
     lines = []
     for place, (angle, decay) in enumerate(numbers.reshape(-1, 2)):
@@ -171,9 +174,11 @@ def _described(
         )  # fmt: skip
     shown = int(np.argmax(np.sum((data - data.mean(axis=0)) ** 2, axis=0)))
     time = np.arange(len(data)) / frame_rate
+    fine = np.arange((len(data) - 1) * FINE + 1) / FINE
     ordered = tuple(sorted(lines, key=lambda one: one.natural_frequency))
     return SurgeFit(
-        ordered, time, data[:, shown] - shares[0, shown], basis[:, 1:] @ shares[1:, shown], first_coil + int(coils[shown]),
+        ordered, time, data[:, shown] - shares[0, shown], fine / frame_rate,
+        _basis(fine, numbers)[:, 1:] @ shares[1:, shown], first_coil + int(coils[shown]),
         float(np.sqrt(variance)), len(dwells),
     )  # fmt: skip
 
