@@ -121,13 +121,13 @@ def coil_motion(
     """
     if not 24 <= curve_angles <= 36_000:
         raise InputError(f"curves of {curve_angles} cam angles are none; take 24 to 36000", "curve_angles")
+    opened = open_film(film)
     if not setup.free_decay and setup.marker is None and setup.cam_speed is None and valve_lift is None:
         raise InputError(
             "nothing tells the cam angle: give a marker's place, the cam speed, or the lift; or say that the spring decays freely", "marker"
         )
     if setup.scale_points is None and valve_lift is None:
         raise InputError(NO_SCALE, "scale_points")
-    opened = open_film(film)
     line, chosen = _line(opened, setup)
     seen = read_space_time(
         opened, line, setup.frame_rate, setup.marker, setup.marker_radius, setup.first_frame, setup.last_frame
