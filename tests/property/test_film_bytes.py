@@ -14,9 +14,13 @@ from hypothesis import strategies as st
 from unit.cli_parts import call
 from valvetrain.errors import InputError
 from valvetrain.measurements.film.frames import MOST_PIXELS, open_film
+from valvetrain.measurements.film.motion import coil_motion
 from valvetrain.measurements.film.picture_size import picture_size
+from valvetrain.measurements.film.setup import FilmSetup
 from valvetrain.measurements.film.sight_line import SightLine
 from valvetrain.measurements.film.space_time import read_space_time
+from valvetrain.report.film_page import film_page
+from valvetrain.report.page import gaps_of
 
 cv2 = pytest.importorskip("cv2")
 FRAMES = np.random.default_rng(1).integers(0, 255, (20, 24, 32)).astype(np.uint8)
@@ -130,3 +134,27 @@ def test_missing_and_special_files_are_refused(tmp_path):
     ):
         with pytest.raises(InputError, match=words):
             open_film(tmp_path / name)
+
+
+@settings(FEW, max_examples=15)
+@given(st.integers(0, 2**32 - 1))
+def test_any_grey_levels_are_followed_or_refused(seed):
+    """Bands that come, go and cross, noise, flicker: numbers or one sentence."""
+    chance = np.random.default_rng(seed)
+    rows, time = np.arange(40.0)[None, :, None], np.arange(40)[:, None, None]
+    film = chance.normal(0, chance.uniform(0, 40), (40, 40, 5))
+    for _ in range(chance.integers(0, 5)):
+        place = chance.uniform(0, 40) + chance.uniform(0, 9) * np.sin(chance.uniform(0.01, 2) * time)
+        film = film + chance.uniform(0, 250) * np.exp(-(((rows - place) / chance.uniform(0.3, 4)) ** 2)) * (
+            time % chance.integers(1, 4) == 0
+        )
+    how = ({"free_decay": True}, {"marker": (2, 5)}, {"cam_speed": 200.0}, {"cam_speed": 300.0, "dwell": (1.0, 4.0)})[seed % 4]
+    setup = FilmSetup(frame_rate=2000, scale_points=((0, 0), (0, 9)), scale_length=9e-3, line=((2, 0), (2, 39)), line_width=3, **how)
+    try:
+        motion = coil_motion(np.clip(film, 0, 255).astype(np.uint8), setup)
+    except InputError as error:
+        assert "\n" not in str(error) and 20 < len(str(error)) < 400
+        return
+    gaps = np.diff(motion.places, axis=1)
+    assert (gaps[np.isfinite(gaps)] > 0).all() or (gaps[np.isfinite(gaps)] < 0).all()
+    assert not gaps_of(film_page(motion))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.errors import InputError
 from valvetrain.measurements.film.bridge import bridge
 from valvetrain.measurements.film.coil_search import Found, find_coils
 from valvetrain.measurements.film.learning import learn
@@ -24,6 +25,8 @@ ALIKE, DIM = 2.0, 0.5
 WIDE = 1.6
 #: A place is given up whose standard deviation is larger than this share of the highlight's width.
 LOST = 0.5
+#: Share of such places beyond which a film tells nothing.
+MOST_LOST = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +80,11 @@ def _told(result: Fit, found: Found, doubt: Array, dim: tuple[int, ...]) -> Trac
     merged[:, 1:] |= close
     spread = np.where(merged, MERGED * spread, spread)
     lost = spread > LOST * found.width
+    if lost.mean() > MOST_LOST:
+        words = "the highlights are too weak or too blurred to follow"
+        raise InputError(
+            f"{words}; light the spring with one lamp beside the camera, lay the line across the glare, or tell the coils", "line"
+        )
     notes = []
     if dim:
         notes.append(
