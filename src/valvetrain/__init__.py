@@ -58,7 +58,7 @@ _HOMES = {
     "lift_band_study": "studies.lift_band",
     # films of a spring
     "coil_motion": "measurements.film.motion",
-    "CoilMotion": "measurements.film.motion",
+    "CoilMotion": "measurements.film.result",
     "FilmSetup": "measurements.film.setup",
     "film_over_model": "studies.film_model",
     "FilmedModel": "studies.film_model",
@@ -140,8 +140,8 @@ if TYPE_CHECKING:
     from valvetrain.identification.search import Search as Search
     from valvetrain.measurements.catalogue_card import CatalogueCard as CatalogueCard
     from valvetrain.measurements.catalogue_card import SpringLoad as SpringLoad
-    from valvetrain.measurements.film.motion import CoilMotion as CoilMotion
     from valvetrain.measurements.film.motion import coil_motion as coil_motion
+    from valvetrain.measurements.film.result import CoilMotion as CoilMotion
     from valvetrain.measurements.film.setup import FilmSetup as FilmSetup
     from valvetrain.measurements.force_height import ForceHeight as ForceHeight
     from valvetrain.measurements.force_height import read_force_height as read_force_height

@@ -15,8 +15,8 @@ from valvetrain.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from valvetrain.measurements.film.motion import CoilMotion
     from valvetrain.measurements.film.phase import Lift
+    from valvetrain.measurements.film.result import CoilMotion
     from valvetrain.measurements.film.setup import FilmSetup
     from valvetrain.studies.film_model import FilmedModel
 

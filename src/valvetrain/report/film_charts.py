@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.measurements.film.cycles import mean_of
-from valvetrain.measurements.film.motion import CoilMotion
+from valvetrain.measurements.film.result import CoilMotion
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, HeatMap, Layer, Line, Marks, Panel, Rule, thin
 from valvetrain.studies.film_model import FilmedModel

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.measurements.film.motion import CoilMotion
+from valvetrain.measurements.film.result import CoilMotion
 from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.solution.atomic import write_text
 from valvetrain.studies.film_model import FilmedModel

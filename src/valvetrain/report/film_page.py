@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from valvetrain.measurements.film.motion import CoilMotion
+from valvetrain.measurements.film.result import CoilMotion
 from valvetrain.measurements.film.surge import BAND
 from valvetrain.report.film_charts import (
     decay_chart,

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from valvetrain.cam.build import build_lift_law
 from valvetrain.errors import InputError
 from valvetrain.measurements.film.cycles import TURN, mean_of, segments
-from valvetrain.measurements.film.motion import CoilMotion
 from valvetrain.measurements.film.phase import Lift
+from valvetrain.measurements.film.result import CoilMotion
 from valvetrain.measurements.film.surge import SurgeFit, alias_of, fit_surge
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.measurements.film.cycles import TURN, CoilPeak, closed_window, mean_of, on_grid, peaks, segments, whole_turns
-from valvetrain.measurements.film.drift import SPOKEN_OF, camera_drift
+from valvetrain.measurements.film.drift import camera_drift
 from valvetrain.measurements.film.frames import Film, Picture, open_film
 from valvetrain.measurements.film.phase import CamPhase, Lift, by_lift, by_marker, by_speed
+from valvetrain.measurements.film.result import CoilMotion
+from valvetrain.measurements.film.sentences import drift_words, surge_words, turn_words
 from valvetrain.measurements.film.setup import FilmSetup
 from valvetrain.measurements.film.sight_line import SightLine, find_line
 from valvetrain.measurements.film.space_time import SpaceTime, read_space_time
-from valvetrain.measurements.film.surge import SurgeFit, fit_surge, spectrum
+from valvetrain.measurements.film.surge import fit_surge, spectrum
 from valvetrain.measurements.film.tracks import Tracks, track
 from valvetrain.measurements.measured_cycles import MeasuredCycles
 
@@ -26,63 +28,6 @@ ANGLES = 360
 #: Uncertainty (px) with which a point of the scale is picked.
 PICKED = 0.5
 NO_SCALE = "nothing tells the scale: give two points of the picture and their distance, such as the edges of the two seats"
-
-
-@dataclass(frozen=True, eq=False)
-class CoilMotion:
-    """What a film tells of a spring. Coils are counted from the seat; displacements are positive towards it, from rest in the dwell.
-
-    Parameters
-    ----------
-    seen : the space-time picture behind it
-    places, spread : highlights (frames, coils) px from the start of the line, camera drift taken off, and standard deviations
-    merged : (frames, coils), where neighbouring highlights ran into each other
-    displacement : (frames, coils) m
-    phase : cam angle of every frame; None for a free decay
-    cycles : per coil its displacement over the cam angle, one row a turn; empty for a free decay
-    peaks : per coil its largest displacement a turn with scatter
-    dwell : cam angles (rad) of the closed valve
-    surge : fitted decay; None where the dwell is too short
-    spectrum_frequency, spectrum_amplitude : spectrum of the whole film, Hz and m
-    metres_per_pixel, scale_spread : scale and its standard deviation
-    drift : (frames,) px that was taken off
-    notes : what was found or done, a sentence each
-
-    >>> [name for name in CoilMotion.__dataclass_fields__ if name in ("displacement", "cycles", "peaks")]
-    ['displacement', 'cycles', 'peaks']
-    """
-
-    seen: SpaceTime
-    places: Array
-    spread: Array
-    merged: NDArray[np.bool_]
-    displacement: Array
-    phase: CamPhase | None
-    cycles: tuple[MeasuredCycles, ...]
-    peaks: tuple[CoilPeak, ...]
-    dwell: tuple[float, float] | None
-    surge: SurgeFit | None
-    spectrum_frequency: Array
-    spectrum_amplitude: Array
-    metres_per_pixel: float
-    scale_spread: float
-    drift: Array
-    notes: tuple[str, ...]
-
-    @property
-    def time(self) -> Array:
-        """Time (s) of every frame."""
-        return self.seen.time
-
-    @property
-    def coils(self) -> int:
-        """Number of tracked coils."""
-        return int(self.places.shape[1])
-
-    def __repr__(self) -> str:
-        frames = len(self.places)
-        speed = "free decay" if self.phase is None else f"{30 * self.phase.cam_speed / np.pi:.1f} rpm of the cam"
-        return f"CoilMotion of {self.seen.name}: {self.coils} coils in {frames} frames, {speed}"
 
 
 def coil_motion(
@@ -152,7 +97,7 @@ def _motion(
     if phase is not None and phase.zero_by == "lift":  # the drift was in what was laid on the lift
         phase = _phase(seen, towards * (tracks.places[:, -1] - drift), setup, lift)
     places = tracks.places - drift[:, None]
-    notes = (*seen.notes, *notes, *tracks.notes, *said, *_drift_words(drift, still, setup, phase), *(() if phase is None else phase.notes))
+    notes = (*seen.notes, *notes, *tracks.notes, *said, *drift_words(drift, still), *(() if phase is None else phase.notes))
     scale, scale_spread, words = _scale(setup, phase)
     moved = towards * scale * places
     spread = scale * tracks.spread
@@ -173,12 +118,12 @@ def _motion(
         moved = moved - _rest(moved, closed, phase.cam_angle, dwell)
         surge = fit_surge(moved, closed, seen.frame_rate)
         found = peaks(phase.cam_angle, moved, spread, turns)
-        notes += _turn_words(phase.cam_angle)
+        notes += turn_words(phase.cam_angle)
         cycles = _cycles(seen, phase, moved, turns, grid, synthetic, words)
     if surge is None:
         notes += ("no surge line with its damping can be told: the dwell holds too few frames, or nothing in it rings",)
     else:
-        notes += _surge_words(surge, seen.frame_rate, setup.exposure)
+        notes += surge_words(surge, seen.frame_rate, setup.exposure)
     return CoilMotion(
         seen, places, tracks.spread, tracks.merged, moved, phase, cycles, found, dwell, surge,
         *spectrum(moved, seen.number, seen.frame_rate), scale, scale_spread, drift, (*notes, *words),
@@ -246,23 +191,6 @@ def _scale(setup: FilmSetup, phase: CamPhase | None) -> tuple[float, float, tupl
     raise InputError(NO_SCALE, "scale_points")
 
 
-def _drift_words(drift: Array, still: int | None, setup: FilmSetup, phase: CamPhase | None) -> tuple[str, ...]:
-    if still is None:
-        return ("no coil stands still, so a shift of the camera cannot be told from the spring's motion and stays in it",)
-    reach = float(np.ptp(drift))
-    if reach < SPOKEN_OF:
-        return ()
-    return (f"the camera drifted by {reach:.2g} px over the film, as coil {still + 1} shows that stands still; this was taken off",)
-
-
-def _turn_words(cam_angle: Array) -> tuple[str, ...]:
-    shown = float(cam_angle[-1] - cam_angle[0]) / TURN
-    if shown >= 2.0:
-        return ()
-    words = f"the film shows {shown:.2f} turns of the cam, so peaks have no scatter"
-    return (words + (", and a peak outside them is not seen" if shown < 1.0 else ""),)
-
-
 def _without_gaps(frames: NDArray[np.int64], number: NDArray[np.int64]) -> list[NDArray[np.int64]]:
     """The longest stretch of frames without a lost one."""
     parts = np.split(frames, np.flatnonzero(np.diff(number) > 1) + 1)
@@ -289,18 +217,3 @@ def _cycles(
         )
         for coil in range(moved.shape[1])
     )  # fmt: skip
-
-
-def _surge_words(surge: SurgeFit, frame_rate: float, exposure: float | None) -> tuple[str, ...]:
-    """What frame rate and exposure do to the lines."""
-    half, notes = 0.5 * frame_rate, []
-    high = [one for one in surge.lines if one.natural_frequency > 0.8 * half]
-    for one in high:
-        notes.append(
-            f"the line at {one.natural_frequency:.4g} Hz lies near half the frame rate ({half:g} Hz) and may be one of "
-            f"{frame_rate - one.natural_frequency:.4g} Hz mirrored there; film faster to tell"
-        )
-    if exposure is not None:
-        lost = [(one.natural_frequency, 1 - float(np.sinc(one.natural_frequency * exposure))) for one in surge.lines]
-        notes += [f"motion blur lowers the swing at {line:.4g} Hz by {100 * share:.2g} %" for line, share in lost if share > 0.005]
-    return tuple(notes)
