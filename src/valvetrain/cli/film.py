@@ -204,12 +204,9 @@ def _answer(request: _Request) -> None:
         return [*write_film(motion, model, folder), *pages]
 
     name = f"film-{request.film.resolve().stem}"[:80]
-    text = (
-        f'name = "film"\ntitle = "Film of a valve spring"\nframe_rate = "{motion.seen.frame_rate!r} 1/s"\n'
-        if case is None
-        else case.record().text
-    )
-    choices = {key: str(value) for key, value in vars(request).items() if key not in ("output", "created_at", "open_page")}
+    text = 'name = "film"\ntitle = "Film of a valve spring"\n' if case is None else case.record().text
+    kept = vars(request) | vars(request.setup)
+    choices = {key: str(value) for key, value in kept.items() if key not in ("setup", "output", "created_at", "open_page")}
     with busy("writing files"):
         folder, files = keep_run(_Kept(case or _Name(name), request.output, request.created_at), text, choices, data, fill)
     if request.open_page:
