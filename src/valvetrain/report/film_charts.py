@@ -144,7 +144,7 @@ def decay_chart(motion: CoilMotion) -> Chart | None:
         return None
     milliseconds = 1e3 * surge.time
     layers: tuple[Layer, ...] = (
-        Line(1e3 * surge.curve_time, 1e3 * surge.curve, "damped sines fitted to all coils and dwells", MODEL, 1.4),
+        Line(1e3 * surge.curve_time, 1e3 * surge.curve, "damped sines fitted to all coils and dwells", theme.INK, 1.3),
         Marks(milliseconds, 1e3 * surge.measured, "film", FILM, size=4.5, filled=True),
     )
     panel = Panel("time from the beginning of the dwell (ms)", "displacement (mm)", layers, f"coil {surge.coil}")
