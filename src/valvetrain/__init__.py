@@ -78,6 +78,15 @@ _HOMES = {
     "card_of_table": "studies.spring_tester",
     "spring_from_tester": "studies.spring_tester",
     "TesterFit": "studies.spring_tester",
+    # recordings of a test rig
+    "rig_cycles": "studies.rig",
+    "RigAnswers": "measurements.rig_answers",
+    "RigResult": "measurements.rig_result",
+    "MeasuredCycles": "measurements.measured_cycles",
+    "read_cycles": "measurements.cycles_file",
+    "write_cycles": "measurements.cycles_file",
+    "Sensor": "measurements.sensor",
+    "seen_by_sensor": "studies.seen",
     # studies
     "build": "system.build",
     "Problem": "system.problem",
@@ -140,6 +149,8 @@ if TYPE_CHECKING:
     from valvetrain.identification.search import Search as Search
     from valvetrain.measurements.catalogue_card import CatalogueCard as CatalogueCard
     from valvetrain.measurements.catalogue_card import SpringLoad as SpringLoad
+    from valvetrain.measurements.cycles_file import read_cycles as read_cycles
+    from valvetrain.measurements.cycles_file import write_cycles as write_cycles
     from valvetrain.measurements.film.motion import coil_motion as coil_motion
     from valvetrain.measurements.film.result import CoilMotion as CoilMotion
     from valvetrain.measurements.film.setup import FilmSetup as FilmSetup
@@ -150,7 +161,11 @@ if TYPE_CHECKING:
     from valvetrain.measurements.lift_reading import read_lift as read_lift
     from valvetrain.measurements.lift_smoothing import SmoothedLift as SmoothedLift
     from valvetrain.measurements.lift_smoothing import smooth_lift as smooth_lift
+    from valvetrain.measurements.measured_cycles import MeasuredCycles as MeasuredCycles
     from valvetrain.measurements.measured_lift import MeasuredLift as MeasuredLift
+    from valvetrain.measurements.rig_answers import RigAnswers as RigAnswers
+    from valvetrain.measurements.rig_result import RigResult as RigResult
+    from valvetrain.measurements.sensor import Sensor as Sensor
     from valvetrain.parameters.case import Case as Case
     from valvetrain.parameters.constructors import barrel as barrel
     from valvetrain.parameters.constructors import beehive as beehive
@@ -211,7 +226,9 @@ if TYPE_CHECKING:
     from valvetrain.studies.points.study import study as study
     from valvetrain.studies.points.table import StudyTable as StudyTable
     from valvetrain.studies.refined import refine as refine
+    from valvetrain.studies.rig import rig_cycles as rig_cycles
     from valvetrain.studies.run_up import run_up as run_up
+    from valvetrain.studies.seen import seen_by_sensor as seen_by_sensor
     from valvetrain.studies.spring_card import SpringFit as SpringFit
     from valvetrain.studies.spring_card import spring_from_card as spring_from_card
     from valvetrain.studies.spring_tester import TesterFit as TesterFit
