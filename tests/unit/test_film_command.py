@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import film_parts as made
+import valvetrain as vt
 from unit.cli_parts import call as invoke
 from valvetrain.measurements.film.surge import alias_of, fit_surge
 from valvetrain.report.film_page import film_page, peak_rows
@@ -60,19 +61,19 @@ def test_a_table_of_lifts_tells_the_phase(answer, monkeypatch):
     assert shown.exit_code == 0, shown.output
     data = json.loads(shown.stdout)
     assert data["cam_speed"]["by"] == "lift" and data["cam_speed"]["value"] == pytest.approx(made.CAM_SPEED, rel=1e-3)
-    highest = np.loadtxt("by-lift/displacement-coil-6.csv", delimiter=",", skiprows=1, usecols=(0, 1))
-    top = highest[np.argsort(highest[:, 1])[-30:], 0]
+    (cycles,) = vt.read_cycles("by-lift/displacement-coil-6.csv")
+    top = np.degrees(cycles.cam_angle[np.argsort(cycles.values[0])[-30:]])
     assert abs(np.mean((top + 180) % 360 - 180)) < 2.0
 
 
 def test_the_files_hold_a_column_a_turn(answer):
     home, _ = answer
-    rows = list(csv.reader((home / "out" / "displacement-coil-6.csv").open()))
-    assert rows[0] == ["cam angle [deg]", "turn 1 [mm]", "turn 2 [mm]", "turn 3 [mm]"] and len(rows) == 361
-    values = np.array([[float(cell or "nan") for cell in row] for row in rows[1:]])
+    (found,), cycles = vt.read_cycles(home / "out" / "displacement-coil-6.csv"), made.turning_motion().cycles[5]
+    assert found.values == pytest.approx(cycles.values, abs=1e-9, nan_ok=True) and found.values.shape == (3, 360)
+    assert found.quantity == "coil_6_displacement" and found.cam_speed == pytest.approx(cycles.cam_speed) and found.synthetic
+    rows = [line for line in (home / "out" / "displacement-coil-6.csv").read_text().splitlines() if not line.startswith("#")]
+    assert rows[0] == "cam angle [deg],cycle 1 [m],cycle 2 [m],cycle 3 [m]" and len(rows) == 361
     motion = made.turning_motion()
-    assert values[:, 1:].T == pytest.approx(1e3 * motion.cycles[5].values, abs=1e-5, nan_ok=True)
-    assert (values[:, 0] == np.arange(360)).all()
     peaks = list(csv.reader((home / "out" / "peaks.csv").open()))
     assert [float(row[1]) for row in peaks[1:]] == pytest.approx([1e3 * one.mean for one in motion.peaks], rel=1e-6)
     tracks = list(csv.reader((home / "out" / "tracks.csv").open()))

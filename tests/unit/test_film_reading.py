@@ -150,7 +150,7 @@ def test_the_written_grid_changes_no_number_and_the_same_film_gives_the_same_bit
 def test_cycles_are_measured_cycles_in_si_with_their_turns():
     motion = made.turning_motion()
     cycles = motion.cycles[-1]
-    assert cycles.quantity == "coil_displacement" and cycles.unit == "m" and cycles.values.shape == (3, 360)
+    assert cycles.quantity == "coil_6_displacement" and cycles.unit == "m" and cycles.values.shape == (3, 360)
     assert cycles.cam_speed == motion.phase.cam_speed and np.nanmax(cycles.values) == pytest.approx(9e-3, rel=5e-3)
 
 

@@ -9,24 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.measurements.cycles_file import write_cycles
 from valvetrain.measurements.film.result import CoilMotion
-from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.solution.atomic import write_text
 from valvetrain.studies.film_model import FilmedModel
 
 Array = NDArray[np.float64]
 
 
-def cycles_csv(cycles: MeasuredCycles) -> str:
-    """Cam angle in degrees, then one column a turn in mm; empty where a turn was not measured."""
-    head = ["cam angle [deg]", *(f"turn {k + 1} [mm]" for k in range(len(cycles.values)))]
-    return _csv(head, np.column_stack([np.degrees(cycles.cam_angle), 1e3 * cycles.values.T]))
-
-
 def write_film(motion: CoilMotion, model: FilmedModel | None, folder: Path) -> list[Path]:
-    """``displacement-coil-N.csv``, ``peaks.csv``, ``tracks.csv``, ``spectrum.csv`` and, with a model, ``model.csv``."""
+    """``displacement-coil-N.csv`` (measured cycles), ``peaks.csv``, ``tracks.csv``, ``spectrum.csv`` and, with a model, ``model.csv``."""
     files = [
-        write_text(folder / f"displacement-coil-{coil}.csv", cycles_csv(one)) for coil, one in enumerate(motion.cycles, start=1)
+        write_cycles(folder / f"displacement-coil-{coil}.csv", [one]) for coil, one in enumerate(motion.cycles, start=1)
     ]  # fmt: skip
     coils = range(1, motion.coils + 1)
     columns = [1e3 * motion.time, *(() if motion.phase is None else (np.degrees(motion.phase.cam_angle),))]

@@ -212,7 +212,7 @@ def _cycles(
     words = "positive towards the seat, from rest with the valve closed: minus the channel axial_displacement of a run"
     return tuple(
         MeasuredCycles(
-            "coil_displacement", "m", grid, on_grid(phase.cam_angle, moved[:, coil], turns, grid), phase.cam_speed,
+            f"coil_{coil + 1}_displacement", "m", grid, on_grid(phase.cam_angle, moved[:, coil], turns, grid), float(phase.cam_speed),
             f"{seen.name}, coil {coil + 1} from the seat", synthetic, (words, *notes),
         )
         for coil in range(moved.shape[1])

@@ -149,7 +149,7 @@ def by_lift(time: Array, moved: Array, valve_lift: Lift, told: float | None) -> 
         )
     variance = float(np.sum(left**2)) / max(len(t) - 4, 1)
     spread = float(np.sqrt(variance * np.linalg.pinv(found.jac.T @ found.jac)[1, 1])) / span
-    speed = best[1] + float(found.x[1]) / span
+    speed = float(best[1] + found.x[1] / span)
     notes = [f"the cam angle is that at which the upper coil moves as the lift does ({100 * explained:.1f} % of its motion)"]
     if told is not None:
         notes.append(_compared(speed, spread, told, "lift"))
