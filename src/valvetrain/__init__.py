@@ -87,6 +87,13 @@ _HOMES = {
     "write_cycles": "measurements.cycles_file",
     "Sensor": "measurements.sensor",
     "seen_by_sensor": "studies.seen",
+    # model against test
+    "compare_with_test": "studies.compare_test",
+    "ModelAgainstTest": "studies.compare_test",
+    "AdequacyTest": "quantities.adequacy",
+    "adequacy_test": "quantities.adequacy",
+    "read_value_table": "measurements.value_table",
+    "ValueTable": "measurements.value_table",
     # studies
     "build": "system.build",
     "Problem": "system.problem",
@@ -166,6 +173,8 @@ if TYPE_CHECKING:
     from valvetrain.measurements.rig_answers import RigAnswers as RigAnswers
     from valvetrain.measurements.rig_result import RigResult as RigResult
     from valvetrain.measurements.sensor import Sensor as Sensor
+    from valvetrain.measurements.value_table import ValueTable as ValueTable
+    from valvetrain.measurements.value_table import read_value_table as read_value_table
     from valvetrain.parameters.case import Case as Case
     from valvetrain.parameters.constructors import barrel as barrel
     from valvetrain.parameters.constructors import beehive as beehive
@@ -183,6 +192,8 @@ if TYPE_CHECKING:
     from valvetrain.parameters.material import Material as Material
     from valvetrain.parameters.spring import EndCoil as EndCoil
     from valvetrain.parameters.spring import SpringDefinition as SpringDefinition
+    from valvetrain.quantities.adequacy import AdequacyTest as AdequacyTest
+    from valvetrain.quantities.adequacy import adequacy_test as adequacy_test
     from valvetrain.quantities.buckling import buckling_compression as buckling_compression
     from valvetrain.report.build import study_page as study_page
     from valvetrain.report.json import study_json as study_json
@@ -220,6 +231,8 @@ if TYPE_CHECKING:
     from valvetrain.studies.api import static_curve as static_curve
     from valvetrain.studies.api import sweep as sweep
     from valvetrain.studies.batch import map_cases as map_cases
+    from valvetrain.studies.compare_test import ModelAgainstTest as ModelAgainstTest
+    from valvetrain.studies.compare_test import compare_with_test as compare_with_test
     from valvetrain.studies.film_model import FilmedModel as FilmedModel
     from valvetrain.studies.film_model import film_over_model as film_over_model
     from valvetrain.studies.lift_band import lift_band_study as lift_band_study

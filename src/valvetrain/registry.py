@@ -42,6 +42,7 @@ BUILT_IN["commands"] = {
     "refine": "valvetrain.cli.refine:register",
     "runs": "valvetrain.cli.runs:register",
     "compare-runs": "valvetrain.cli.compare_runs:register",
+    "compare-test": "valvetrain.cli.compare_test:register",
     "lift": "valvetrain.cli.lift:register",
     "identify": "valvetrain.cli.identify:register",
     "spring-card": "valvetrain.cli.spring_card:register",

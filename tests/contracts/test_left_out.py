@@ -24,6 +24,7 @@ valve_angle valve_inclination cam_angle cam_acceleration nose exchange dynamic_d
 precompression compression engine_speed wall_time wall_time_per_cycle own_time friction_loss pressed_interval last_step overflow dissipated
 runs_count discard level threshold base y seed pairs time
 first_frame claimed metres_per_pixel missing resolution phase told
+fitted channel cam_speed shared gain
 """.split()
 #: What is done only when asked for.
 OFF = """
