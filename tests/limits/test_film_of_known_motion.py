@@ -106,4 +106,5 @@ def test_the_vaz_spring_filmed_at_2000_frames_a_second():
     model = vt.film_over_model(motion, "vaz-ohc", "modal-uniform")
     assert model.turns[0] == pytest.approx(0.6, abs=0.31) and model.turns[2] == pytest.approx(2.6, abs=0.05)
     assert model.apart.max() < 0.05e-3 and model.shift == 0.0
+    assert model.quantities[2] == f"outer_coil_{model.turns[2]:.2f}_displacement".replace(".", "_")
     assert any("mirrored" in note and "above half the frame rate (1000 Hz)" in note for note in model.notes)

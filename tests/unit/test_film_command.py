@@ -13,6 +13,7 @@ import film_parts as made
 import valvetrain as vt
 from unit.cli_parts import call as invoke
 from valvetrain.measurements.film.surge import alias_of, fit_surge
+from valvetrain.report.film_files import named_cycles
 from valvetrain.report.film_page import film_page, peak_rows
 from valvetrain.report.page import charts, gaps_of, render
 from valvetrain.studies.film_model import FilmedModel, alias_words
@@ -89,6 +90,9 @@ def test_the_page_shows_every_figure_and_says_that_the_film_is_synthetic(answer)
     assert "http://" not in page.split("</script>")[-1] and 'src="http' not in page
 
 
+NAMES = tuple(f"outer_coil_{turn}_70_displacement" for turn in range(6))
+
+
 def model():
     motion = made.turning_motion()
     grid = motion.cycles[0].cam_angle
@@ -99,6 +103,7 @@ def model():
         "multi-mass",
         "outer",
         np.arange(6) + 0.7,
+        NAMES,
         0.0,
         grid,
         moved,
@@ -124,6 +129,7 @@ def test_the_page_lays_the_model_over_the_film():
     for chart in keys.values():
         assert all("(" in panel.x_label or "coil" in panel.x_label for panel in chart.panels)
     assert "model.csv" not in render(page) and "1236 Hz at 764 Hz" in render(page)
+    assert [one.quantity for one in named_cycles(motion, beside)] == list(NAMES)
     assert all(len(row) == 6 for row in peak_rows(motion, beside)) and all(len(row) == 4 for row in peak_rows(motion, None))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,16 +12,24 @@ from numpy.typing import NDArray
 
 from valvetrain.measurements.cycles_file import write_cycles
 from valvetrain.measurements.film.result import CoilMotion
+from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.solution.atomic import write_text
 from valvetrain.studies.film_model import FilmedModel
 
 Array = NDArray[np.float64]
 
 
+def named_cycles(motion: CoilMotion, model: FilmedModel | None) -> tuple[MeasuredCycles, ...]:
+    """Measured cycles of every coil; beside a run under the names that the same curves have there."""
+    if model is None:
+        return motion.cycles
+    return tuple(replace(one, quantity=name) for one, name in zip(motion.cycles, model.quantities, strict=True))
+
+
 def write_film(motion: CoilMotion, model: FilmedModel | None, folder: Path) -> list[Path]:
     """``displacement-coil-N.csv`` (measured cycles), ``peaks.csv``, ``tracks.csv``, ``spectrum.csv`` and, with a model, ``model.csv``."""
     files = [
-        write_cycles(folder / f"displacement-coil-{coil}.csv", [one]) for coil, one in enumerate(motion.cycles, start=1)
+        write_cycles(folder / f"displacement-coil-{coil}.csv", [one]) for coil, one in enumerate(named_cycles(motion, model), start=1)
     ]  # fmt: skip
     coils = range(1, motion.coils + 1)
     columns = [1e3 * motion.time, *(() if motion.phase is None else (np.degrees(motion.phase.cam_angle),))]
@@ -79,7 +88,8 @@ def film_json(motion: CoilMotion, model: FilmedModel | None) -> dict[str, Any]:
     }  # fmt: skip
     if model is not None:
         data["model"] = {
-            "model": model.model, "spring": model.spring, "turns": model.turns, "peaks": model.peaks, "root_mean_square_apart": model.apart,
+            "model": model.model, "spring": model.spring, "turns": model.turns, "quantities": list(model.quantities),
+            "peaks": model.peaks, "root_mean_square_apart": model.apart,
             "surge_frequency": model.surge_frequency, "cam_angle_shift": model.shift, "notes": list(model.notes),
             "surge_lines": [{"frequency": one.natural_frequency, "damping_ratio": one.damping_ratio}
                             for one in (() if model.surge is None else model.surge.lines)],

@@ -34,7 +34,8 @@ MULTIPLES = 5
 class FilmedModel:
     """A run beside a film; SI, displacements positive towards the seat from rest in the dwell.
 
-    ``turns`` (coils,): coil numbers from the lower tip of the wire; ``shift`` (rad) by which the run's cam angle was moved to the film's;
+    ``turns`` (coils,): coil numbers from the lower tip of the wire; ``quantities``: the names that these
+    curves have in a run, such as outer_coil_2_60_displacement; ``shift`` (rad) by which the run's cam angle was moved to the film's;
     ``cam_angle`` (angles,) rad; ``displacement`` (angles, coils) m;
     ``peaks`` (coils,) m; ``apart`` (coils,) m, root mean square of the film's mean less the model; ``surge``: decay of the model as the
     same film would show it; ``surge_frequency`` (Hz) of the case's spring between fixed ends. Made by :func:`film_over_model`.
@@ -47,6 +48,7 @@ class FilmedModel:
     model: str
     spring: str
     turns: Array
+    quantities: tuple[str, ...]
     shift: float
     cam_angle: Array
     displacement: Array
@@ -109,12 +111,14 @@ def film_over_model(
     first, shift, notes = _aligned(measured, grid, (angle, coil, moved), first_turn, motion.phase.zero_by != "told")
     angle = angle + shift
     turns = first + np.arange(motion.coils, dtype=float)
+    prefix = f"{name}_" if len(run.springs) > 1 else ""
+    names = tuple(f"{prefix}coil_{turn:.2f}_displacement".replace(".", "_") for turn in turns)
     fine = _at(moved, coil, turns)
     shown = _on(grid, angle, fine)
     apart = np.sqrt(np.nanmean((measured - shown) ** 2, axis=0))
     frequency = EquivalentSpring.from_installed(part).surge_frequency
     return FilmedModel(
-        found.name, run.model, name, turns, shift, grid, shown, fine.max(axis=0), apart, _filmed(motion, angle, fine), frequency,
+        found.name, run.model, name, turns, names, shift, grid, shown, fine.max(axis=0), apart, _filmed(motion, angle, fine), frequency,
         (*notes, *alias_words(frequency, motion.seen.frame_rate)),
     )  # fmt: skip
 

@@ -209,11 +209,13 @@ def _cycles(
     seen: SpaceTime, phase: CamPhase, moved: Array, turns: list[int], grid: Array, synthetic: bool, notes: tuple[str, ...]
 ) -> tuple[MeasuredCycles, ...]:  # fmt: skip
     """Displacement of every coil over the cam angle."""
+    step = float(np.degrees(phase.cam_speed / seen.frame_rate))
     words = "positive towards the seat, from rest with the valve closed: minus the channel axial_displacement of a run"
+    between = f"splines between frames {step:.3g} cam deg apart: motion faster than half the frame rate is folded into them"
     return tuple(
         MeasuredCycles(
             f"coil_{coil + 1}_displacement", "m", grid, on_grid(phase.cam_angle, moved[:, coil], turns, grid), float(phase.cam_speed),
-            f"{seen.name}, coil {coil + 1} from the seat", synthetic, (words, *notes),
+            f"{seen.name}, coil {coil + 1} from the seat", synthetic, (words, between, *notes),
         )
         for coil in range(moved.shape[1])
     )  # fmt: skip
