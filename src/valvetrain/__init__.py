@@ -56,6 +56,12 @@ _HOMES = {
     "SmoothedLift": "measurements.lift_smoothing",
     "lift_figures": "measurements.lift_figures",
     "lift_band_study": "studies.lift_band",
+    # films of a spring
+    "coil_motion": "measurements.film.motion",
+    "CoilMotion": "measurements.film.result",
+    "FilmSetup": "measurements.film.setup",
+    "film_over_model": "studies.film_model",
+    "FilmedModel": "studies.film_model",
     # identification
     "identify": "identification.api",
     "Identified": "identification.result",
@@ -157,6 +163,9 @@ if TYPE_CHECKING:
     from valvetrain.measurements.catalogue_card import SpringLoad as SpringLoad
     from valvetrain.measurements.cycles_file import read_cycles as read_cycles
     from valvetrain.measurements.cycles_file import write_cycles as write_cycles
+    from valvetrain.measurements.film.motion import coil_motion as coil_motion
+    from valvetrain.measurements.film.result import CoilMotion as CoilMotion
+    from valvetrain.measurements.film.setup import FilmSetup as FilmSetup
     from valvetrain.measurements.force_height import ForceHeight as ForceHeight
     from valvetrain.measurements.force_height import read_force_height as read_force_height
     from valvetrain.measurements.lift_answers import LiftAnswers as LiftAnswers
@@ -231,6 +240,8 @@ if TYPE_CHECKING:
     from valvetrain.studies.batch import map_cases as map_cases
     from valvetrain.studies.compare_test import ModelAgainstTest as ModelAgainstTest
     from valvetrain.studies.compare_test import compare_with_test as compare_with_test
+    from valvetrain.studies.film_model import FilmedModel as FilmedModel
+    from valvetrain.studies.film_model import film_over_model as film_over_model
     from valvetrain.studies.lift_band import lift_band_study as lift_band_study
     from valvetrain.studies.points.study import study as study
     from valvetrain.studies.points.table import StudyTable as StudyTable

@@ -47,6 +47,7 @@ BUILT_IN["commands"] = {
     "identify": "valvetrain.cli.identify:register",
     "spring-card": "valvetrain.cli.spring_card:register",
     "scan": "valvetrain.cli.scan:register",
+    "film": "valvetrain.cli.film:register",
     "rig": "valvetrain.cli.rig:register",
     "new": "valvetrain.cli.new:register",
     "cases": "valvetrain.cli.cases:register",

@@ -31,7 +31,7 @@ IN_SI = {RATE: 40e3, MASS: 0.05, FORCE: 300.0, LENGTH: 0.005, SECOND: 2e-6, PER_
          "2000 rpm": 2000 * np.pi / 30, "8 mm": 0.008, "12 mm": 0.012}  # fmt: skip
 LOADS = SpringLoad("46 mm", "350 N"), SpringLoad("34 mm", "830 N")
 CATALOGUE = CatalogueCard(wire_diameter=4.2e-3, outer_diameter=0.032, installed_load=LOADS[0], open_load=LOADS[1])
-IN_SI |= {"4.2 mm": 4.2e-3, "32 mm": 0.032, "30 mm": 0.030, "29 mm": 0.029, "54.75 mm": 0.05475, "46 mm": 0.046}
+IN_SI |= {"2000 1/s": 2000.0, "4.2 mm": 4.2e-3, "32 mm": 0.032, "30 mm": 0.030, "29 mm": 0.029, "54.75 mm": 0.05475, "46 mm": 0.046}
 #: Class -> one of it, and the fields that are given in text.
 PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
     "CoilContact": (CoilContact, {"stiffness": "30 N/mm^2", "damping_time": SECOND}),
@@ -54,6 +54,9 @@ PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
     "SpringLoad": (lambda: LOADS[0], {"height": "46 mm", "force": FORCE}),
     "CatalogueCard": (lambda: CATALOGUE, {"wire_diameter": "4.2 mm", "outer_diameter": "32 mm", "top_outer_diameter": "30 mm",
                                           "solid_height": "29 mm", "mass": MASS, "free_length": "54.75 mm"}),
+    "FilmSetup": (lambda: vt.FilmSetup(scale_points=((0, 0), (0, 99)), scale_length=5e-3),
+                  {"scale_length": "12 mm", "frame_rate": "2000 1/s", "marker_angle": "2 deg", "first_angle": "2 deg",
+                   "cam_speed": "2000 rpm", "exposure": SECOND}),
     "RodModel": (lambda: vt.FiniteElementRod(SPRING, 6e-3, 6), {"precompression": LENGTH, "time_step": SECOND}),
 }  # fmt: skip
 

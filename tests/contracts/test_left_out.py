@@ -23,14 +23,14 @@ force mass active_mass inactive_mass residual_mass holding_torque stem_damping l
 valve_angle valve_inclination cam_angle cam_acceleration nose exchange dynamic_deflection ramp_length fullness smoothing noise band draw
 precompression compression engine_speed wall_time wall_time_per_cycle own_time friction_loss pressed_interval last_step overflow dissipated
 runs_count discard level threshold base y seed pairs time
-missing resolution phase told
+first_frame claimed metres_per_pixel missing resolution phase told
 fitted channel cam_speed shared gain
 """.split()
 #: What is done only when asked for.
 OFF = """
 implausible without_preload tied closed ring kept found widened gap main signed filled y_log turn read_fields axis fields energy
 nodal_reactions record_springs record_contacts needs_rest searches processes open_low lowest_open
-synthetic zero_phase keep_outliers periodic
+free_decay synthetic zero_phase keep_outliers periodic
 """.split()
 #: What is done unless it is refused, and factors that change nothing.
 ON = """
@@ -45,6 +45,7 @@ EVERYWHERE: dict[str, float] = {
     "float_lift": 50e-6, "bounce_height": 100e-6, "longest_period": 8, "alpha": -0.05, "masses_per_coil": 12, "elements": 5, "cells": 200,
     "on_force": 1.0, "rings": 1, "threads": 1, "reference_force": 500.0, "reference_velocity": 0.2, "card_lift": 0.012, "states": 0,
     "width": 0.012, "exponent": 1.5, "degree": 5, "relaxation_time": 4e-6, "largest_increment": 2e-3, "tolerance": 1e-6,
+    "samples_across": 5,
 }  # fmt: skip
 #: Place and word that means something else there.
 APART = {

@@ -55,13 +55,20 @@ if TYPE_CHECKING:
     from valvetrain.studies.run import Finished
 
 
+class Named(Protocol):
+    """A case, or what else is kept under its name."""
+
+    @property
+    def name(self) -> str: ...
+
+
 class KeepRequest(Protocol):
     """What the kept folder of a run needs to know: command, case, the folder its file lies in, where results go, and the time."""
 
     @property
     def command(self) -> str: ...
     @property
-    def case(self) -> Case: ...
+    def case(self) -> Named: ...
     @property
     def folder(self) -> Path: ...
     @property

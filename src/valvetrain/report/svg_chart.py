@@ -275,7 +275,9 @@ def _colour_bar(frame: _Frame, heat: HeatMap) -> str:
     parts = [f'<image x="{left:.1f}" y="{frame.top:.1f}" width="10" height="{frame.high:.1f}" preserveAspectRatio="none" href="{link}"/>']
     values, decimals = ticks(0.0, top, count=5)
     for value in values:
-        parts.append(_text(left + 14, frame.top + frame.high * (1 - value / top) + 4, f"{value:.{decimals}f}", colour=theme.MUTED, size=11))
+        parts.append(
+            _text(left + 14, frame.top + frame.high * (1 - value / top) + 4, f"{value + 0.0:.{decimals}f}", colour=theme.MUTED, size=11)
+        )
     middle = frame.top + frame.high / 2
     parts.append(_text(left + 64, middle, f"{heat.name} ({heat.unit})", colour=theme.MUTED, anchor="middle", turn=True))
     return "".join(parts)
