@@ -88,6 +88,8 @@ _HOMES = {
     "map_cases": "studies.batch",
     "study": "studies.points.study",
     "StudyTable": "studies.points.table",
+    "optimise": "studies.optimum.api",
+    "Optimum": "studies.optimum.result",
     "run_up": "studies.run_up",
     "train_modes": "studies.train_modes",
     # results
@@ -197,6 +199,8 @@ if TYPE_CHECKING:
     from valvetrain.studies.api import sweep as sweep
     from valvetrain.studies.batch import map_cases as map_cases
     from valvetrain.studies.lift_band import lift_band_study as lift_band_study
+    from valvetrain.studies.optimum.api import optimise as optimise
+    from valvetrain.studies.optimum.result import Optimum as Optimum
     from valvetrain.studies.points.study import study as study
     from valvetrain.studies.points.table import StudyTable as StudyTable
     from valvetrain.studies.refined import refine as refine

@@ -70,13 +70,16 @@ class ConstraintModel(MeasureModel):
 
 
 class SearchModel(StrictModel):
-    """The ``[search]`` table. ``per_round`` trials are asked for together, whatever the workers; ``seeds`` searches show their scatter."""
+    """The ``[search]`` table. ``per_round`` trials are asked for together, whatever the workers; ``seeds`` searches show their scatter;
+    ``local``: share of the trials that a local search about the best has at the end, of one objective.
+    """
 
     method: Method = "tpe"
     trials: Annotated[int, Field(ge=1, le=MOST_TRIALS)] = 100
     per_round: Annotated[int, Field(ge=1, le=MOST_PER_ROUND)] = 8
     seed: Annotated[int, Field(ge=0, le=2**31)] = 1
     seeds: Annotated[int, Field(ge=1, le=MOST_SEEDS)] = 1
+    local: Annotated[float, Field(ge=0.0, le=0.9)] = 0.4
 
 
 class ConfirmModel(StrictModel):

@@ -13,6 +13,7 @@ from valvetrain.errors import InputError
 from valvetrain.studies.cost import Cost, Limits, refuse_cost
 from valvetrain.studies.engine import Progress
 from valvetrain.studies.optimum.after import chosen_designs, steps_of
+from valvetrain.studies.optimum.local import local_search
 from valvetrain.studies.optimum.measure import Measure, Measured
 from valvetrain.studies.optimum.plan import OptimumPlan
 from valvetrain.studies.optimum.points import Design as Wanted
@@ -21,6 +22,7 @@ from valvetrain.studies.optimum.result import Confirmed, Design, Optimum
 from valvetrain.studies.optimum.searchers import searcher_of
 from valvetrain.studies.optimum.space import shares_of, values_of
 from valvetrain.studies.optimum.trial import CASE_SEED, Array, Trial, best_of
+from valvetrain.studies.points.distributions import Uniform
 from valvetrain.studies.points.nominal import nominal
 from valvetrain.studies.points.plan import StudyPlan
 from valvetrain.studies.points.run_study import seconds_of
@@ -30,6 +32,8 @@ from valvetrain.studies.stopping import Stopped
 FIRST, FIRST_EACH = 10, 2
 #: Points of the search for a limit speed beyond those of its grid; seconds that a trial takes besides its points; bytes of one.
 CLOSER, AROUND, TRIAL_BYTES = 10, 0.03, 2e4
+#: What makes a search large.
+FEWER = "trials, speeds or models"
 
 
 class SearchInterrupted(Stopped):
@@ -79,7 +83,7 @@ def run_search(
     """
     if workers < 1:
         raise InputError(f"workers must be 1 or more; it is {workers}", "--workers")
-    refuse_cost(estimate_search(plan, workers).cost, limits, fewer="trials, speeds or models")
+    refuse_cost(estimate_search(plan, workers).cost, limits, fewer=FEWER)
     for seed in _seeds(plan):
         searcher_of(plan.search, len(plan.varied), _signs(plan), seed)  # a library that is not installed is said before the first run
     return _Search(plan, progress).run(workers, dask, folder)
@@ -163,18 +167,38 @@ class _Search:
         known = [] if begin is None else [begin]
         asked = searcher.ask(0, [*known, *first])[len(known) :]
         searcher.tell([*([self.case] if known else []), *self._round(points, asked, seed)])
-        done = len(first)
-        while done < search.trials:
-            asked = searcher.ask(min(search.per_round, search.trials - done))
+        done, last = len(first), self._local_share()
+        while done < search.trials - last:
+            asked = searcher.ask(min(search.per_round, search.trials - last - done))
             if not asked:
-                return
+                break
             searcher.tell(self._round(points, asked, seed))
             done += len(asked)
+        if last:
+            self._local(points, seed, search.trials - done)
 
-    def _round(self, points: Points, shares: Sequence[Array], seed: int) -> list[Trial]:
+    def _local_share(self) -> int:
+        """Trials that the local search has, none for several objectives and where nothing can move a little."""
+        free = any(isinstance(one.distribution, Uniform) for one in self.plan.varied)
+        return int(self.plan.search.local * self.plan.search.trials) if len(self.plan.objectives) == 1 and free else 0
+
+    def _local(self, points: Points, seed: int, budget: int) -> None:
+        """About the best design of a seed, or the one that misses its bounds by least."""
+        own = [one for one in self.trials if one.seed in (seed, CASE_SEED) and not one.failure]
+        starts = [one for one in own if shares_of(self.plan, one.values) is not None]
+        if not starts:
+            return
+        best = best_of(starts) or min(starts, key=lambda one: (one.total_missed, one.number))
+        begin = shares_of(self.plan, best.values)
+        assert begin is not None
+        free = [place for place, one in enumerate(self.plan.varied) if isinstance(one.distribution, Uniform)]
+        local_search(begin, best, free, lambda shares: self._round(points, [shares], seed, spare=False)[0], budget)
+
+    def _round(self, points: Points, shares: Sequence[Array], seed: int, spare: bool = True) -> list[Trial]:
         """The trials of one round, a few batches of points at a time."""
         plan = self.plan
-        stop = _spared(plan) if plan.search.method != "nsga2" else None  # whose generations hold infeasible designs with their objectives
+        # the generations of NSGA-II hold infeasible designs too, with their objectives
+        stop = _spared(plan) if spare and plan.search.method != "nsga2" else None
         values = [values_of(plan, one) for one in shares]
         made = []
         for begin in range(0, len(values), plan.search.per_round):
