@@ -202,7 +202,7 @@ def test_a_faulty_file_gets_one_sentence(fault):
 
 
 def test_files_that_are_no_files(tmp_path):
-    for name, words in ((tmp_path, "cannot be read"), (tmp_path / "none", "cannot be read"), ("/dev/zero", "no regular file")):
+    for name, words in ((tmp_path, "is a folder"), (tmp_path / "none", "cannot be read"), ("/dev/zero", "is a device")):
         with pytest.raises(InputError, match=words):
             read_lift(name)
     (tmp_path / "empty").write_text("  \n")

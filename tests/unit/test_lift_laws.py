@@ -12,12 +12,12 @@ from valvetrain import registry
 from valvetrain.cam import build_lift_law, tabulate
 from valvetrain.cam.contract import TURN, LiftLaw
 from valvetrain.cam.kernels import evaluate_pieces
+from valvetrain.cam.lift_event import event_of_table
 from valvetrain.cam.pieces import PeriodicPieces
 from valvetrain.cam.polydyne import Polydyne
 from valvetrain.cam.spline import Spline
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import LiftLawParameters
-from valvetrain.parameters.lift_table import event_of_table
 from valvetrain.parameters.loading import load_case, parse_case
 
 #: A table is a spline by another word.

@@ -15,13 +15,14 @@ from valvetrain.report.build import study_page
 from valvetrain.report.chart import Chart, HeatMap, Line, Marks
 from valvetrain.report.headlines import headline_columns, headline_rows
 from valvetrain.report.json import unit_of_number
-from valvetrain.report.page import Details, Figure, Grid, charts, render
+from valvetrain.report.page import Details, Figure, Grid, Text, charts, render
 from valvetrain.report.sections import coils, published, sweep
-from valvetrain.report.uncertainty_section import uncertainty_grid, uncertainty_table
+from valvetrain.report.uncertainty_section import firmness, uncertainty_grid, uncertainty_table
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
+from valvetrain.studies.error_bars import Uncertainty
 from valvetrain.studies.uncertainty_file import load_uncertainty
 
 DEGREES = np.arange(720) / 2
@@ -275,12 +276,41 @@ def test_uncertainty_stands_beside_the_values_it_belongs_to():
     rows = load_uncertainty(record)
     values = {row.quantity: row.value for row in rows if row.engine_speed is None}
     study = replace(published_study(), record=record, solutions=(), still={"": values})
-    grid = section.blocks(study)[0]
-    assert isinstance(grid, Grid) and sum(len(cells) > 1 for cells, _ in grid.rows) == len(values)
+    words, grid, *_ = section.blocks(study)
+    assert isinstance(words, Text) and isinstance(grid, Grid) and sum(len(cells) > 1 for cells, _ in grid.rows) == len(values)
     assert section.blocks(replace(study, still={"": {name: 2 * value for name, value in values.items()}})) == ()
     assert section.blocks(replace(study, record=replace(record, text=f"{record.text}# changed"))) == ()
     assert uncertainty_table(rows)["value"].tolist() == [row.value for row in rows]
     assert len(uncertainty_grid(rows).rows) > len(rows)
+
+
+def test_the_sentence_on_firmness_counts_and_names_what_is_loose():
+    """Two of four are firm to a per cent; zeros and angles have no share; the loosest stand first. With one more firm, another sentence."""
+
+    def row(quantity, value, numerical, label=""):
+        return Uncertainty(quantity, 400.0 if label else None, value, numerical, 2.0, value, 0.0, (value, value), (value, value), label)
+
+    loose = [row("preload", 200.0, 4.0), row("peak_spring_force", 800.0, 80.0, "rod")]
+    firm = [
+        row("installed_rate", 4e4, 40.0),
+        row("mode_1_frequency", 600.0, 6.0),
+        row("clash_count", 0.0, 3.0),
+        row("clash_cam_angle", 1.0, 0.5),
+    ]
+    told = firmness([*loose, *firm])
+    assert told.startswith("2 of 4 numbers that are not zero are firm to 1 %; the least firm: peak spring force (rod, ")
+    assert told.endswith(" rpm) 10 %, preload 2 %.")
+    assert firmness(firm) == "2 of 2 numbers that are not zero are firm to 1 %."
+
+
+def test_a_long_table_of_error_bars_is_folded(monkeypatch):
+    from valvetrain.report.sections import uncertainty
+
+    study = replace(published_study(), record=load_case("gu2021-beehive").record(), solutions=())
+    study = replace(study, still={"": {row.quantity: row.value for row in load_uncertainty(study.record) if row.engine_speed is None}})
+    monkeypatch.setattr(uncertainty, "ONE_SCREEN", 3)
+    folded = uncertainty.blocks(study)[1]
+    assert isinstance(folded, Details) and isinstance(folded.blocks[0], Grid) and "numbers with their error bars" in folded.summary
 
 
 @pytest.mark.parametrize("make", [own_study, published_study, train_study, sweep_study])

@@ -7,8 +7,9 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles
+from valvetrain.measurements.lift_answers import LiftAnswers
+from valvetrain.measurements.lift_reading import read_lift
 from valvetrain.parameters.damping import DampingParameters
-from valvetrain.parameters.lift_table import read_lift_table
 from valvetrain.units import si
 from valvetrain.units.given import PLAUSIBLE
 
@@ -39,16 +40,18 @@ def test_a_run_has_two_cycles_unless_told():
     assert Cycles().count == 2
 
 
-def test_a_lift_table_needs_four_rows(tmp_path):
-    lines = ["0 0", "10 1", "20 2", "30 0"]
-    for count in (3, 4):
+def test_a_table_of_lifts_needs_eight_rows(tmp_path):
+    answers = LiftAnswers(angle_of="crank", lift_of="valve", lift_unit="mm")
+    lines = ["0 0", "10 1", "20 2", "30 3", "40 3", "50 2", "60 1", "70 0"]
+    for count in (7, 8):
         (tmp_path / "lift.txt").write_text("\n".join(lines[:count]))
-        if count == 4:
-            angles, lifts = read_lift_table(tmp_path / "lift.txt", "deg", "crank", "mm")
-            assert angles == pytest.approx(np.radians([0, 5, 10, 15])) and lifts == pytest.approx([0, 1e-3, 2e-3, 0])
+        if count == 8:
+            (lobe,) = read_lift(tmp_path / "lift.txt", answers)
+            assert lobe.cam_angles == pytest.approx(np.radians([0, 5, 10, 15, 20, 25, 30, 35]))
+            assert lobe.lifts == pytest.approx([0, 1e-3, 2e-3, 3e-3, 3e-3, 2e-3, 1e-3, 0])
         else:
-            with pytest.raises(InputError, match="holds 3 rows"):
-                read_lift_table(tmp_path / "lift.txt", "deg", "crank", "mm")
+            with pytest.raises(InputError, match="holds 7 stations"):
+                read_lift(tmp_path / "lift.txt", answers)
 
 
 def test_a_damping_is_changed_by_its_ratio_or_by_its_coefficients():

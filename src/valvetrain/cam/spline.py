@@ -14,9 +14,12 @@ from pydantic import Field
 
 from valvetrain.cam.contract import TURN, Array, LiftSpec
 from valvetrain.cam.jumps import bounded_pieces, has_jumps
+from valvetrain.cam.lift_event import event_of_table
 from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline, with_base_circle
 from valvetrain.errors import InputError
-from valvetrain.parameters.lift_table import event_of_table, read_lift_table
+from valvetrain.measurements.lift_answers import LiftAnswers
+from valvetrain.measurements.lift_reading import read_lift
+from valvetrain.measurements.measured_lift import MeasuredLift
 from valvetrain.parameters.schema_lift import LiftModel, check_angles
 from valvetrain.parameters.schema_types import Angle, Angles, Length, Lengths, guarded, problem
 
@@ -96,6 +99,7 @@ class SplineModel(LiftModel):
     angle_unit: Literal["deg", "rad"] | None = None
     angle_of: Literal["cam", "crank"] | None = None
     lift_unit: str | None = None
+    columns: str = Field(default="", description="what each column of the file is, where it has more than two")
     mirror_angle: Angle | None = Field(default=None, description="about which half a table is mirrored; without it it is whole")
     degree: Literal[5, 7] = Field(default=5, description="of the spline")
     smoothing: Length = Field(default=0.0, description="root-mean-square distance from the table that is allowed")
@@ -129,10 +133,17 @@ class SplineModel(LiftModel):
         for name in ("angle_unit", "angle_of", "lift_unit"):
             if getattr(self, name) is None:
                 raise problem(f"{name} is missing: a lift file does not say it itself; add {name}", ())
-        table: tuple[tuple[float, ...], tuple[float, ...]] = guarded(
-            read_lift_table, folder / self.file, self.angle_unit, self.angle_of, self.lift_unit, path=("file",)
-        )
-        return table
+        answers = guarded(
+            lambda: LiftAnswers(
+                angle_of=self.angle_of or "", lift_of=self.lift_of, angle_unit=self.angle_unit or "", lift_unit=self.lift_unit or "",
+                columns=tuple(word.strip() for word in self.columns.split(",") if word.strip()),
+            )
+        )  # fmt: skip
+        lobes: tuple[MeasuredLift, ...] = guarded(read_lift, folder / self.file, answers, path=("file",))
+        if len(lobes) > 1:
+            words = " and ".join(lobe.name for lobe in lobes)
+            raise problem(f"{self.file[:80]} holds {words}; name the others 'ignore' in columns", ("columns",))
+        return tuple(map(float, lobes[0].cam_angles)), tuple(map(float, lobes[0].lifts))
 
 
 def _mirrored(angles: tuple[float, ...], lifts: tuple[float, ...], about: float) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import codecs
-import stat
 from pathlib import Path
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import bounded_bytes
 
 #: Byte marks at the beginning of a text -> its coding; the longer one first.
 _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
@@ -19,15 +19,12 @@ def read_content(path: Path, most_bytes: int, noun: str) -> bytes:
     """
     shown = path.name[:80] or str(path)[:80]
     try:
-        with path.open("rb") as file:
-            if not stat.S_ISREG(path.stat().st_mode):
-                raise InputError(f"'{shown}' is no regular file; give the {noun} as a file")
-            content = file.read(most_bytes + 1)
+        content = bounded_bytes(path, noun, most_bytes)
+    except InputError as error:
+        raise InputError(f"{noun} '{shown}' {error.reason}") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", "") or "the name is no file name"
         raise InputError(f"{noun} '{shown}' cannot be read: {reason.lower()}; check the name and the folder") from error
-    if len(content) > most_bytes:
-        raise InputError(f"'{shown}' is larger than {most_bytes / 1e6:g} MB, so it is no {noun}; give another file")
     if not content.strip():
         raise InputError(f"'{shown}' is empty; export the {noun} again")
     return content

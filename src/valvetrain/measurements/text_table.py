@@ -13,9 +13,13 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 
 Array = NDArray[np.float64]
-#: A number as tables write it; a comma may stand for the point.
-_NUMBER = r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?"
-_LINE_OF_NUMBERS = re.compile(rf"\|?\s*{_NUMBER}(?:(?:\s*[;\t|]\s*|\s*,\s+|,|\s+){_NUMBER})*\s*[;,|]?\s*")
+#: A number as tables write it, once its line is parted at every mark that may stand between or within numbers; a comma may be decimal.
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
+_MARKS = re.compile(r"[;\t|,\s]+")
+#: Blanks in a row beyond these tell nothing; a heading longer than this names no columns.
+_BLANKS, LONGEST_HEADING = re.compile(r"(\s{8})\s+"), 1000
+#: Lines above the numbers among which the names of the columns are looked for.
+HEADINGS = 100
 #: Marks that begin a line of words.
 COMMENTS = ("#", "%", "!", "//", "*", "'", '"')
 #: Most columns of a table of lifts; more is another kind of file.
@@ -46,10 +50,10 @@ def read_text_table(text: str, name: str) -> TextTable:
     headings: list[str] = []
     lines: list[tuple[int, str]] = []
     for number, line in enumerate(text.splitlines(), start=1):
-        words = line.strip()
+        words = _BLANKS.sub(r"\1", line.strip())
         if not words:
             continue
-        if words.startswith(COMMENTS) or not _LINE_OF_NUMBERS.fullmatch(words):
+        if words.startswith(COMMENTS) or not _is_row(words):
             if lines and not words.startswith(COMMENTS):
                 raise InputError(f"line {number} of {name} is no row of numbers: '{words[:40]}'; correct it or mark it with #")
             headings.append(words.lstrip("#%!/*'\" ").rstrip("'\""))
@@ -70,6 +74,12 @@ def read_text_table(text: str, name: str) -> TextTable:
         raise InputError(f"{name} holds a number beyond all bounds in line {lines[int(np.argmin(np.isfinite(values).all(axis=1)))][0]}")
     names, units = _columns(headings, width)
     return TextTable(values, tuple(headings), names, units, lines[0][0])
+
+
+def _is_row(words: str) -> bool:
+    """Whether a line holds numbers and marks alone; in one pass, whatever stands in it."""
+    parts = [part for part in _MARKS.split(words) if part]
+    return bool(parts) and all(map(_NUMBER.fullmatch, parts))
 
 
 def _splitter(lines: list[str]) -> Callable[[str], list[float]]:
@@ -105,8 +115,8 @@ def _decimal_commas_alone(sample: list[str]) -> bool:
 
 def _columns(headings: list[str], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Names and units of the columns from the last heading that has as many parts; a row of units may follow the names."""
-    for place in range(len(headings) - 1, -1, -1):
-        parts = _parts(headings[place], width)
+    for place in range(len(headings) - 1, max(-1, len(headings) - 1 - HEADINGS), -1):
+        parts = _parts(headings[place], width) if len(headings[place]) <= LONGEST_HEADING else None
         if parts is None:
             continue
         names, units = zip(*(_name_and_unit(part) for part in parts), strict=True)

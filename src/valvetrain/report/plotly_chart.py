@@ -202,7 +202,7 @@ def _colour_axis(heat: HeatMap, narrow: bool) -> dict[str, Any]:
     title = {"text": _plain(f"{heat.name} ({heat.unit})"), "side": "top" if narrow else "right", "font": {"size": 12}}
     place = {"orientation": "h", "y": 0, "yanchor": "top", "ypad": 50, "len": 1.0} if narrow else {"x": 1.0, "len": 0.9}
     bar = place | {"title": title, "thickness": 10, "outlinewidth": 0, "tickfont": {"size": 11, "color": theme.MUTED}}
-    room = {} if narrow else {"xpad": 54 if heat.second is not None else 16}
+    room = {} if narrow else {"xpad": 54}  # names of lines stand between the map and its scale
     return {"colorscale": stops, "cmin": 0.0, "cmax": float(np.nanmax(heat.z, initial=0.0)) or 1.0, "colorbar": bar | room}
 
 

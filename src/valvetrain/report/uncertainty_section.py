@@ -12,6 +12,8 @@ from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.quantity import Quantity
 from valvetrain.studies.error_bars import CONTACT_FACTORS, DAMPING_FACTORS, STIFFNESS_FACTORS, Range, Uncertainty, UncertaintyStudy
 
+#: Share of a value that its numerical uncertainty may be for it to count as firm.
+FIRM = 0.01
 _HEADERS = ("quantity", "value", "± numerical", "", "unit", "order", "extrapolated")
 
 
@@ -42,6 +44,26 @@ def uncertainty_grid(rows: Sequence[Uncertainty]) -> Grid:
     stiffness, damping = (CONTACT_FACTORS,) * 2 if any(row.label for row in rows) else (STIFFNESS_FACTORS, DAMPING_FACTORS)
     ranges = (f"contact {word} × {least:g} to {most:g}" for word, (least, most) in (("stiffness", stiffness), ("damping", damping)))
     return Grid((*_HEADERS, *ranges), tuple(lines))
+
+
+def firmness(rows: Sequence[Uncertainty]) -> str:
+    """How many numbers are firm to :data:`FIRM`, and which are the least so, in a sentence."""
+    share = {row: abs(row.numerical / row.value) for row in rows if row.value != 0 and Quantity(row.quantity).unit != "rad"}
+    loose = sorted((row for row in share if share[row] > FIRM), key=lambda row: -share[row])
+    firm = f"{len(share) - len(loose)} of {len(share)} numbers that are not zero are firm to {100 * FIRM:g} %"
+    if not loose:
+        return f"{firm}."
+    named = [f"{label_of(row.quantity)}{_whose(row)} {_per_cent(share[row])} %" for row in loose[:3]]
+    return f"{firm}; the least firm: {', '.join(named)}."
+
+
+def _per_cent(share: float) -> str:
+    return f"{100 * share:.0f}" if share >= 0.1 else f"{100 * share:.2g}"
+
+
+def _whose(row: Uncertainty) -> str:
+    words = [word for word in (row.label, "" if row.engine_speed is None else speed_words(row.engine_speed)) if word]
+    return f" ({', '.join(words)})" if words else ""
 
 
 def uncertainty_table(rows: Sequence[Uncertainty]) -> Table:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from valvetrain.report.page import Block, SectionSpec, text
-from valvetrain.report.uncertainty_section import lead, uncertainty_grid
+from valvetrain.report.page import Block, Details, SectionSpec, text
+from valvetrain.report.uncertainty_section import firmness, lead, uncertainty_grid
 from valvetrain.solution.study import Study
 from valvetrain.studies.uncertainty_file import fresh_uncertainty, load_uncertainty, meshes_of
+
+#: Rows of a table beyond which it is folded, so that the figures below stay near.
+ONE_SCREEN = 30
 
 
 def blocks(study: Study) -> tuple[Block, ...]:
@@ -15,7 +18,10 @@ def blocks(study: Study) -> tuple[Block, ...]:
         return ()
     left = f"{len(rows) - len(fresh)} stored rows are left out: this run computes other values or other speeds."
     notes = (text(left, "note"),) if len(fresh) < len(rows) else ()
-    return (uncertainty_grid(fresh), text(lead(meshes_of(study.record)), "quiet"), *notes)
+    grid: Block = uncertainty_grid(fresh)
+    if len(fresh) > ONE_SCREEN:
+        grid = Details(f"All {len(fresh)} numbers with their error bars", (grid,))
+    return (text(firmness(fresh)), grid, text(lead(meshes_of(study.record)), "quiet"), *notes)
 
 
 SPEC = SectionSpec("uncertainty", "Numbers with error bars", blocks)
