@@ -59,7 +59,9 @@ def optimise(
     told = refuse_cost(estimate.cost, limits, fewer=FEWER)
     if estimate.cost.seconds > WORTH_SAYING:
         tell(f"{estimate.trials} trials, {told} at most; finished points are kept in '{folder / POINTS}'")
-    announce_compilation("statics", "transient", *(["train"] if plan.case.train is not None else []))
+    moves = any(one.wanted.motion for one in plan.plans.values())
+    if moves or any(not one.wanted.sizes_alone for one in plan.plans.values()):
+        announce_compilation("statics", *(["transient"] if moves else []), *(["train"] if plan.case.train is not None else []))
     _answer(_Request(plan, folder, count, dask, open_page), limits)
 
 

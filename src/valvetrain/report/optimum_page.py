@@ -13,7 +13,7 @@ from valvetrain.studies.optimum.result import Design, Optimum, bound_words
 from valvetrain.studies.optimum.words import confirmed_words, sentences
 
 #: Designs of a front and failed trials that are listed.
-MOST_DESIGNS, MOST_FAILURES = 40, 20
+MOST_DESIGNS, MOST_FAILURES = 40, 8
 METHODS = {"tpe": "tree of Parzen estimators (Optuna)", "nsga2": "NSGA-II (Optuna)", "cma-es": "CMA-ES (cmaes)"}
 ANSWER_HEADS = ("", "case", "best", "", "change")
 BOUND_HEADS = ("bound", "case", "best", "", "to spare", "")
@@ -24,7 +24,7 @@ def optimum_page(found: Optimum) -> Page:
     """The whole page."""
     plan = found.plan
     told = sentences(found)
-    answers: list[Block] = [text(told[0], "lead" if found.best else "alert")]
+    answers: list[Block] = [text(told[0], "" if found.best else "alert")]
     if found.best:
         answers.append(_grid(ANSWER_HEADS, answer_rows(found), (1, 2, 4)))
     answers += [text(sentence) for sentence in told[1:]]
@@ -97,10 +97,14 @@ def step_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
         size = f"{varied.shown(step.size):+.3g} {unit_words(varied.unit)}".strip().replace("-", "−")
         value, before = float(step.objectives[0]), float(design.trial.objectives[0])
         unit = unit_words(one.unit)
-        apart = "" if not np.isfinite(value) else f"{one.shown(value) - one.shown(before):+.3g} {unit}".strip().replace("-", "−")
+        apart = "" if not np.isfinite(value) else _difference(one.shown(value) - one.shown(before), unit)
         words = "cannot be computed" if step.failure else "kept, and better" if step.improves else "kept" if step.feasible else "missed"
         rows.append((varied.words, size, f"{_shown(one, value)} {unit}".strip(), apart, words))
     return rows
+
+
+def _difference(value: float, unit: str) -> str:
+    return f"{value:+.3g} {unit}".strip().replace("-", "−") if value else f"0 {unit}".strip()
 
 
 def _row(one: Measure, before: float, value: float) -> tuple[str, ...]:
@@ -163,6 +167,8 @@ def _where(one: Measure) -> str:
         words = f"searched from {first:.6g} to {last:.6g} rpm, to {one.shown(one.limit.resolution):.3g} rpm"
     else:
         speeds = dict.fromkeys(run[0] for run in one.runs if run[0] is not None)
-        words = ", ".join(f"{speed * 30 / np.pi:.6g}" for speed in speeds) + " rpm" if speeds else "rest"
+        words = ", ".join(f"{speed * 30 / np.pi:.6g}" for speed in speeds) + " rpm"
+        if not speeds:
+            return "rest"
     several = f", the {one.over} of them" if len(one.runs) > 1 else ""
     return ", ".join([words, *models]) + several

@@ -51,9 +51,8 @@ def answer(found: Optimum) -> str:
     if best.trial.number == 0:
         return f"No trial beats the case itself, whose {one.label} is {told(one, value)}; {found.feasible} of {len(found.trials)} keep every bound."
     if not case.feasible:
-        return f"The least that keeps every bound: {one.label} {told(one, value)}. {_own(case)}" if not goals[0].maximise else (
-            f"The most that keeps every bound: {one.label} {told(one, value)}. {_own(case)}"
-        )  # fmt: skip
+        most = "most" if goals[0].maximise else "least"
+        return f"The {most} that keeps every bound: {one.label} {told(one, value)}. {_own(case)}"
     verb = "rises" if value > before else "falls"
     return f"Within all bounds the {one.label} {verb} from {told(one, before)} of the case to {told(one, value)} ({change(one, value, before)})."
 
@@ -138,7 +137,8 @@ def _seeds(found: Optimum) -> list[str]:
     values = np.array(list(found.best_by_seed.values()))
     told_each = ", ".join(f"{one.shown(float(value)):.5g}" for value in values)
     half = 0.5 * (one.shown(float(values.max())) - one.shown(float(values.min())))
-    return [f"{len(values)} searches of other seeds end at {told_each} {one.unit}: the search itself is worth ±{half:.2g} {one.unit}.".replace(" :", ":")]
+    ends = f"{len(values)} searches from different seeds end at {told_each} {one.unit}".rstrip()
+    return [f"{ends}: the search itself is worth {f'±{half:.2g} {one.unit}'.rstrip()}."]
 
 
 def confirmed_words(one: Confirmed, found: Optimum) -> str:
@@ -153,6 +153,15 @@ def confirmed_words(one: Confirmed, found: Optimum) -> str:
         searched = float(found.best.trial.objectives[place]) if found.best else np.nan
         apart = f"{told(measure, value)} against {told(measure, before)} of the case ({change(measure, value, before)})"
         parts.append(f"{measure.label} {apart}, where the search has {told(measure, searched)}")
-    missed = [bound_words(one.plan, place) for place, miss in enumerate(one.design.missed) if miss > 0]
-    bounds = f"; by it these bounds are missed: {'; '.join(missed)}" if missed else "; all bounds are kept"
-    return f"By {one.label}: {'; '.join(parts)}{bounds}."
+    missed = [_missed_words(one, place) for place, miss in enumerate(one.design.missed) if miss > 0]
+    bounds = f"It misses: {'; '.join(missed)}." if missed else "All bounds are kept."
+    return f"By {one.label}: {'; '.join(parts)}. {bounds}"
+
+
+def _missed_words(one: Confirmed, place: int) -> str:
+    """A bound that a design misses by another model, with what it has."""
+    words = bound_words(one.plan, place)
+    if place >= len(one.plan.constraints):
+        return words
+    measure = one.plan.constraints[place].measure
+    return f"{words}, it has {told(measure, float(one.design.constraints[place]), 4)}"
