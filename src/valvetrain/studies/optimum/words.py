@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.studies.optimum.limit_speed import BEYOND, FOUND
+from valvetrain.studies.optimum.limit_speed import BELOW, BEYOND, FOUND
 from valvetrain.studies.optimum.measure import Measure
 from valvetrain.studies.optimum.result import Confirmed, Design, Optimum, bound_words
 from valvetrain.studies.optimum.trial import Trial
@@ -150,12 +150,27 @@ def confirmed_words(one: Confirmed, found: Optimum) -> str:
     for place, goal in enumerate(one.plan.objectives):
         measure = goal.measure
         value, before = float(one.design.objectives[place]), float(one.case.objectives[place])
-        searched = float(found.best.trial.objectives[place]) if found.best else np.nan
-        apart = f"{told(measure, value)} against {told(measure, before)} of the case ({change(measure, value, before)})"
-        parts.append(f"{measure.label} {apart}, where the search has {told(measure, searched)}")
+        searched = found.best.trial if found.best else one.design
+        apart = f"{_own_words(one.design, measure, place)} against {_own_words(one.case, measure, place)} of the case"
+        if not any(_beyond(trial, measure) for trial in (one.design, one.case)):
+            apart += f" ({change(measure, value, before)})"
+        parts.append(f"{measure.label} {apart}, where the search has {told(measure, float(searched.objectives[place]))}")
     missed = [_missed_words(one, place) for place, miss in enumerate(one.design.missed) if miss > 0]
     bounds = f"It misses: {'; '.join(missed)}." if missed else "All bounds are kept."
     return f"By {one.label}: {'; '.join(parts)}. {bounds}"
+
+
+def _beyond(trial: Trial, measure: Measure) -> bool:
+    """Whether a limit speed lies outside the speeds that were searched, so that there is no number for it."""
+    return any(bracket.kind != FOUND for bracket in trial.measured.limits.get(measure, ()))
+
+
+def _own_words(trial: Trial, measure: Measure, place: int) -> str:
+    """An objective of a trial; of a limit speed outside the speeds searched, on which side."""
+    words = told(measure, float(trial.objectives[place]))
+    if not _beyond(trial, measure):
+        return words
+    return f"below {words}" if any(one.kind == BELOW for one in trial.measured.limits[measure]) else f"{words} or more"
 
 
 def _missed_words(one: Confirmed, place: int) -> str:
