@@ -22,7 +22,7 @@ search = {{ method = "{method}", trials = 48, seed = {seed} }}
 
 @pytest.mark.parametrize("method", ["tpe", "cma-es"])
 def test_the_lightest_spring_of_a_rate_is_that_of_the_formula(method):
-    """k = G d^4 / (8 D^3 n) and m = rho pi^2/4 d^2 D n, pitch left out: at k fixed d^2 goes with D^1.5, so the narrowest coil is lightest."""
+    """k = G d^4 / (8 D^3 n), m = rho pi^2/4 d^2 D n without pitch: at fixed k d^2 goes with D^1.5, so the narrowest coil is lightest."""
     found = vt.optimise(LIGHTEST.format(method=method, seed=1), workers=1)
     turns = 79.6e9 * 4e-3**4 / (8 * 24e-3**3 * float(found.case.constraints[0]))  # as the rate of the case has it
     assert 3 < turns < 7
@@ -36,7 +36,7 @@ def test_the_lightest_spring_of_a_rate_is_that_of_the_formula(method):
 
 
 def test_a_front_of_two_objectives_is_the_curve_between_their_ends():
-    """Mass against surge frequency of one coil diameter: m goes with d^2, f with d at fixed D and n, so m f^-2 is one number on the front."""
+    """m ~ d^2 D, f = d / (2 pi n D^2) sqrt(G / 2 rho): at any mass the narrowest coil surges highest, so the front lies at that end."""
     found = vt.optimise("""
 case = "job-c"
 objective = [
@@ -51,7 +51,6 @@ search = { method = "nsga2", trials = 160, per_round = 16, seed = 2 }
 """, workers=1)  # fmt: skip
     mass, frequency = np.array([one.objectives for one in found.front]).T
     coil = np.array([one.values[1] for one in found.front])
-    # f = d / (2 pi n D^2) sqrt(G / (2 rho)) and m ~ d^2 D: at any mass, the narrowest coil surges highest, so the front lies at its end
     assert len(found.front) > 8 and np.all(np.diff(mass) > 0) and np.all(np.diff(frequency) > 0)
     assert np.median(coil) < 18.5e-3
     on_the_end = vt.study("""

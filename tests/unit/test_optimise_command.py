@@ -52,7 +52,7 @@ LIGHT = """
 title = "Lightest"
 case = "job-c"
 objective = [{ quantity = "wire_mass", direction = "minimise" }]
-constraint = [{ quantity = "estimated_rate", at_least = "1.1 x case" }, { quantity = "smallest_index_ratio", at_least = 5.0, at_most = 9.0 }]
+constraint = [{ quantity = "estimated_rate", at_least = "1.1 x case" }, { quantity = "smallest_index_ratio", at_least = 5, at_most = 9 }]
 vary = [
   { key = "spring.wire_diameter", low = "3 mm", high = "4.6 mm", label = "wire" },
   { key = "spring.mean_diameter", values = "20, 18, 24, 22 mm", label = "coil" },
@@ -142,7 +142,7 @@ def file(tmp_path, monkeypatch):
 
 
 def test_a_search_without_a_design_names_the_bound_that_is_missed_by_least(file):
-    text = LIGHT.replace(', { quantity = "smallest_index_ratio", at_least = 5.0, at_most = 9.0 }', "").replace("seeds = 2", "local = 0.0")
+    text = LIGHT.replace(', { quantity = "smallest_index_ratio", at_least = 5, at_most = 9 }', "").replace("seeds = 2", "local = 0.0")
     file.write_text(text.replace("1.1 x case", "400 N/mm"))
     answer = call("optimise", str(file), "--workers", "1")
     assert answer.exit_code == 1 and "No trial keeps every bound" in answer.stderr and "estimated rate at least 400 N/mm" in answer.stderr

@@ -30,7 +30,7 @@ def register(app: typer.Typer) -> None:
 
 
 def optimise(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Optimisation file (docs/optimisation.md): case, ranges, objectives, bounds.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Optimisation file (docs/optimisation.md): ranges, objectives, bounds.")],
     output: Annotated[Path | None, typer.Option(
         "--output", metavar="FOLDER", parser=read_folder, show_default=False,
         help="Folder of points and results; points that it holds are not computed again (default: runs/optimise/FILE).",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +67,7 @@ def front_chart(found: Optimum) -> Chart | None:
         return None
     panels = []
     for number, (first, second) in enumerate(itertools.combinations(range(len(goals)), 2)):
-        layers = _clouds(found, lambda trial, at=first: _objective(found, trial, at), second, number == 0)
+        layers = _clouds(found, partial(_objective, found, place=first), second, number == 0)
         if len(goals) == 2:
             x, y = (np.array([_objective(found, trial, at) for trial in found.front]) for at in (first, second))
             layers.insert(-2 if found.case.feasible else -1, Line(x, y, "front", FEASIBLE, 1.6, in_legend=number == 0))
@@ -83,7 +84,7 @@ def over_chart(found: Optimum, place: int) -> Chart | None:
         return None
     panels = []
     for at, one in enumerate(varied):
-        layers = _clouds(found, lambda trial, at=at: _shown(varied[at], trial, at), place, at == 0)
+        layers = _clouds(found, partial(_shown, one, place=at), place, at == 0)
         panels.append(Panel(varied_label(one), measure_label(goal.measure), tuple(layers)))
     columns = min(3, len(panels)) if len(panels) != 4 else 2
     title = f"{goal.measure.label[:1].upper()}{goal.measure.label[1:]} over what is varied"

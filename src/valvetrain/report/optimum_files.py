@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -102,6 +103,10 @@ def trials_csv(found: Optimum) -> str:
     return stream.getvalue()
 
 
+def _write_case(found: Optimum, design: Design, path: Path) -> Path:
+    return write_text(path, case_text(found, design))
+
+
 def write_optimum(found: Optimum, folder: Path, gaps: Gaps) -> tuple[list[Path], Path | None]:
     """Write trials, Optuna study, case files and page into ``folder``; what could not be written stands in ``gaps``. Files, and page."""
     made = [
@@ -110,6 +115,6 @@ def write_optimum(found: Optimum, folder: Path, gaps: Gaps) -> tuple[list[Path],
     ]
     for place, design in enumerate(found.designs):
         name = BEST if place == 0 else f"design-{place + 1}.toml"
-        made.append(gaps.part(f"file '{name}'", None, lambda design=design, name=name: write_text(folder / name, case_text(found, design))))
+        made.append(gaps.part(f"file '{name}'", None, partial(_write_case, found, design, folder / name)))
     page = gaps.part("report page", None, lambda: write_text(folder / "report.html", render(optimum_page(found), gaps)))
     return [path for path in (*made, page) if path is not None], page

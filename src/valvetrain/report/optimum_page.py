@@ -8,6 +8,7 @@ from valvetrain.report.optimum_charts import convergence_chart, front_chart, ove
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, text
 from valvetrain.report.points_page import distribution_words
 from valvetrain.report.words import number, percent, unit_words
+from valvetrain.solution.definition import shown
 from valvetrain.studies.optimum.measure import Measure
 from valvetrain.studies.optimum.result import Design, Optimum, bound_words
 from valvetrain.studies.optimum.words import confirmed_words, sentences
@@ -38,7 +39,8 @@ def optimum_page(found: Optimum) -> Page:
         sections.append(Section("bounds", "Bounds", (_grid(BOUND_HEADS, bound_rows(found, found.best), (1, 2, 4)),)))
     if found.best and found.best.steps:
         caption = "One quantity alone, a hundredth of its range or to its next value; the rest stays as it is."
-        sections.append(Section("steps", "What small steps do", (_grid(STEP_HEADS, step_rows(found, found.best), (1, 2, 3)), text(caption, "note"))))
+        table = _grid(STEP_HEADS, step_rows(found, found.best), (1, 2, 3))
+        sections.append(Section("steps", "What small steps do", (table, text(caption, "note"))))
     if found.best and found.best.confirmed:
         sections.append(Section("confirmed", "By other models", _confirmed(found, found.best)))
     failed = [one for one in found.trials if one.failure]
@@ -64,9 +66,9 @@ def answer_rows(found: Optimum) -> list[tuple[str, ...]]:
     for goal, value, before in zip(found.plan.objectives, best.objectives, case.objectives, strict=True):
         rows.append(_row(goal.measure, float(before), float(value)))
     for one, value, before in zip(found.plan.varied, best.values, case.values, strict=True):
-        shown, own = one.shown(float(value)), one.shown(float(before))
-        apart = "" if not np.isfinite(own) else number(shown - own, 3) if one.operation != "value" or not own else percent(shown / own - 1)
-        rows.append((one.words, number(own if np.isfinite(own) else None, 5), number(shown, 5), unit_words(one.unit), apart))
+        there, own = one.shown(float(value)), one.shown(float(before))
+        apart = "" if not np.isfinite(own) else number(there - own, 3) if one.operation != "value" or not own else percent(there / own - 1)
+        rows.append((one.words, number(own if np.isfinite(own) else None, 5), number(there, 5), unit_words(one.unit), apart))
     seen = {goal.measure.quantity for goal in found.plan.objectives}
     for bound, value, before in zip(found.plan.constraints, best.constraints, case.constraints, strict=True):
         if bound.measure.quantity not in seen:
@@ -84,14 +86,14 @@ def bound_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
         values = (float(found.case.constraints[place]), float(design.trial.constraints[place]))
         miss = float(design.trial.missed[place])
         words = "missed" if miss > 0 else "active" if place in active else "kept"
-        rows.append((bound_words(found.plan, place), *(_shown(one, value) for value in values), unit_words(one.unit), percent(-miss), words))
+        shown_values = (_shown(one, value) for value in values)
+        rows.append((bound_words(found.plan, place), *shown_values, unit_words(one.unit), percent(-miss), words))
     return rows
 
 
 def step_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
     """What a small step of each varied quantity does to the first objective, and whether the bounds are kept there."""
-    one = found.plan.objectives[0].measure
-    rows = []
+    one, rows = found.plan.objectives[0].measure, list[tuple[str, ...]]()
     for step in design.steps:
         varied = found.plan.varied[step.place]
         size = f"{varied.shown(step.size):+.3g} {unit_words(varied.unit)}".strip().replace("-", "−")
@@ -153,9 +155,16 @@ def _confirmed(found: Optimum, design: Design) -> tuple[Block, ...]:
 
 
 def _asked(found: Optimum) -> tuple[Block, ...]:
-    rows = [(one.words, one.key, {"value": "its value"}.get(one.operation, one.operation), distribution_words(one)) for one in found.plan.varied]
-    goals = [(f"{'most' if one.maximise else 'least'} {one.measure.label}", one.measure.quantity, _where(one.measure)) for one in found.plan.objectives]
-    goals += [(bound_words(found.plan, at), one.measure.quantity, _where(one.measure)) for at, one in enumerate(found.plan.constraints)]
+    rows: list[tuple[str, ...]] = []
+    for varied in found.plan.varied:
+        how = "its value" if varied.operation == "value" else varied.operation
+        rows.append((varied.words, varied.key, how, distribution_words(varied)))
+    goals: list[tuple[str, ...]] = []
+    for goal in found.plan.objectives:
+        most = "most" if goal.maximise else "least"
+        goals.append((f"{most} {goal.measure.label}", goal.measure.quantity, _where(goal.measure)))
+    for place, bound in enumerate(found.plan.constraints):
+        goals.append((bound_words(found.plan, place), bound.measure.quantity, _where(bound.measure)))
     return (_grid(("quantity", "key of the case", "varied by", "over"), rows, ()), _grid(("asked for", "quantity", "at"), goals, ()))
 
 
@@ -164,7 +173,10 @@ def _where(one: Measure) -> str:
     models = dict.fromkeys(word for run in one.runs for word in (run[1], run[2]) if word)
     if one.limit is not None:
         first, last = (one.shown(speed) for speed in (one.limit.engine_speeds[0], one.limit.engine_speeds[-1]))
-        words = f"searched from {first:.6g} to {last:.6g} rpm, to {one.shown(one.limit.resolution):.3g} rpm"
+        bound, unit = shown(one.quantity, one.limit.bound)
+        of_case = "" if one.limit.share is None else f" ({one.limit.share:g} x case at {first:.6g} rpm)"
+        kept = f"{'at most' if one.limit.upper else 'at least'} {bound:.4g} {unit_words(unit)}{of_case}"
+        words = f"{kept}, from {first:.6g} to {last:.6g} rpm, to {one.shown(one.limit.resolution):.3g} rpm"
     else:
         speeds = dict.fromkeys(run[0] for run in one.runs if run[0] is not None)
         words = ", ".join(f"{speed * 30 / np.pi:.6g}" for speed in speeds) + " rpm"

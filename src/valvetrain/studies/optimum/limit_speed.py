@@ -22,7 +22,7 @@ Scan = Generator[list[float], list[float], "LimitFound"]
 class LimitSearch:
     """Keep ``quantity`` at or below (``upper``), or at or above, ``bound`` (SI), over ``engine_speeds`` (rad/s, rising).
 
-    ``resolution`` (rad/s): width of the bracket at the end.
+    ``resolution`` (rad/s): width of the bracket at the end. ``share``: the bound is this share of what the case has at the lowest speed.
     """
 
     quantity: str
@@ -30,6 +30,7 @@ class LimitSearch:
     bound: float
     engine_speeds: tuple[float, ...]
     resolution: float
+    share: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

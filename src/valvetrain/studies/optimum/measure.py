@@ -103,8 +103,8 @@ def measuring(measures: Sequence[Measure], stop: object = None) -> Answers:
     ``stop(values)`` may say, before the search for limit speeds, that these are not needed.
     """
     values: dict[Measure, float] = {}
-    for source in (REST, RUNS):
-        here = [one for one in measures if one.source == source]
+    for source in (REST, RUNS, LIMIT):
+        here = [one for one in measures if one.source == source and one.limit is None]
         asks = list(dict.fromkeys((source, run) for one in here for run in one.runs))
         if not asks:
             continue
@@ -132,7 +132,7 @@ def measuring(measures: Sequence[Measure], stop: object = None) -> Answers:
 
 
 def _limit(one: Measure, run: Run) -> Generator[list[Ask], list[Outcome], tuple[LimitFound, Outcome | None]]:
-    """The bracket of one limit speed; a run that fails at the lowest speed is handed back, at a higher one it counts as beyond the bound."""
+    """The bracket of one limit speed; a run that fails at the lowest speed is handed back, a higher one counts as beyond the bound."""
     assert one.limit is not None
     search = find_limit(one.limit)
     asked = next(search)

@@ -47,7 +47,7 @@ class LimitSpeedModel(StrictModel):
 
 
 class MeasureModel(StrictModel):
-    """What an objective and a constraint share: a ``quantity`` or a ``limit_speed``, at which engine speeds, and which of several counts."""
+    """What objectives and constraints share: a ``quantity`` or a ``limit_speed``, at which engine speeds, which of several counts."""
 
     quantity: str = ""
     limit_speed: LimitSpeedModel | None = None

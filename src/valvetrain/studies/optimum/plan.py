@@ -50,7 +50,28 @@ class OptimumPlan:
     @property
     def measures(self) -> tuple[Measure, ...]:
         """Every measure once, objectives first."""
-        return tuple(dict.fromkeys(one.measure for one in (*self.objectives, *self.constraints)))
+        every = [one.measure for one in self.objectives] + [one.measure for one in self.constraints]
+        return tuple(dict.fromkeys(every))
+
+    @property
+    def begins(self) -> dict[Measure, Measure]:
+        """Measures of limit speeds whose bound is a share of the case -> what the case has at the lowest speed of each."""
+        found = {}
+        for one in self.measures:
+            if one.limit is not None and one.limit.share is not None:
+                run = (one.limit.engine_speeds[0], *one.runs[0][1:])
+                found[one] = Measure(LIMIT, one.quantity, (run,), definition_of(one.quantity).label)
+        return found
+
+    def with_limits(self, values: Mapping[Measure, float]) -> OptimumPlan:
+        """The plan with the bounds of such limit speeds, from ``values`` of what :attr:`begins` asks for."""
+        made: dict[Measure, Measure] = {}
+        for one, begin in self.begins.items():
+            assert one.limit is not None and one.limit.share is not None
+            made[one] = replace(one, limit=replace(one.limit, bound=one.limit.share * values[begin]))
+        objectives = tuple(replace(goal, measure=made.get(goal.measure, goal.measure)) for goal in self.objectives)
+        constraints = tuple(replace(bound, measure=made.get(bound.measure, bound.measure)) for bound in self.constraints)
+        return replace(self, objectives=objectives, constraints=constraints)
 
     def of_case(self, values: Mapping[Measure, float]) -> OptimumPlan:
         """The plan with bounds that are shares of what the case has. Raises :class:`InputError` where the case has no such number."""
@@ -59,7 +80,7 @@ class OptimumPlan:
             if one.share is not None:
                 value = values.get(one.measure, float("nan"))
                 if value != value:
-                    raise InputError(f"the case itself gives no {one.measure.label}, which a bound is a share of; give the bound as a number")
+                    raise InputError(f"the case itself gives no {one.measure.label}, which a bound is a share of; give a number")
                 one = replace(one, bound=one.share * value, scale=abs(value) or 1.0)
             made.append(one)
         return replace(self, constraints=tuple(made))
@@ -162,7 +183,8 @@ def _measure(text: OptimumText, path: tuple[str | int, ...], one: MeasureModel, 
             raise text.located((*path, "engine_speeds"), f"'{words}' belongs to springs at rest, at no engine speed; leave it out")
         runs = tuple((None, spring_model, spring_set) for spring_model, spring_set in kinds)
         return Measure(REST, words, runs, label, largest_is_worst, one.over)
-    given, key = (one.engine_speeds, (*path, "engine_speeds")) if one.engine_speeds is not None else (model.engine_speeds, ("engine_speeds",))
+    own = one.engine_speeds is not None
+    given, key = (one.engine_speeds, (*path, "engine_speeds")) if own else (model.engine_speeds, ("engine_speeds",))
     speeds = text.guarded(key, lambda: si_speeds(given)) if given is not None else case.operation.engine_speeds
     if not speeds:
         raise text.located(path, f"the case names no engine speed, and '{words}' needs one; add engine_speeds = '6000 rpm'")
@@ -176,14 +198,16 @@ def _limit(one: MeasureModel) -> LimitSearch:
     if (told.at_most is None) == (told.at_least is None):
         raise InputError("has one bound: give at_most or at_least")
     upper = told.at_most is not None
-    bound = parse_quantity(told.at_most if upper else told.at_least, definition_of(told.quantity).dimension or "ratio")
+    raw = told.at_most if upper else told.at_least
+    share = _OF_CASE.match(raw) if isinstance(raw, str) else None
+    bound = float("nan") if share else parse_quantity(raw, definition_of(told.quantity).dimension or "ratio")
     speeds = tuple(sorted(si_speeds(told.engine_speeds)))
     if len(speeds) < 2:
         raise InputError("engine_speeds holds one speed; give a range such as '4000:9000:250 rpm'")
     resolution = parse_quantity(told.resolution, "angular speed")
     if not resolution > 0:
         raise InputError("the resolution is not positive; give such as '10 rpm'")
-    return LimitSearch(told.quantity, upper, bound, speeds, resolution)
+    return LimitSearch(told.quantity, upper, bound, speeds, resolution, float(share[1] or 1.0) if share else None)
 
 
 def _constraints(text: OptimumText, path: tuple[str | int, ...], one: ConstraintModel, case: Case) -> list[Constraint]:

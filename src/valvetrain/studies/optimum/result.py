@@ -107,7 +107,9 @@ class Optimum:
 
     def case_of(self, design: Design) -> Case:
         """The case with the values of a design."""
-        return self.case if design.trial is self.case else vary(self.plan.case, dict(zip(self.plan.varied, design.trial.values, strict=True)))
+        if design.trial is self.case:
+            return self.plan.case
+        return vary(self.plan.case, dict(zip(self.plan.varied, map(float, design.trial.values), strict=True)))
 
     def at_ends(self, trial: Trial) -> tuple[tuple[int, str], ...]:
         """(place, ``low`` or ``high``) of varied quantities that stand at an end of their range in a design."""

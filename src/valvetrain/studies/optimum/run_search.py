@@ -140,6 +140,11 @@ class _Search:
 
     def _case(self, points: Points, plan: OptimumPlan, own: Mapping[str, StudyPlan]) -> Trial:
         """The case as it stands, trial 0, with the bounds that are shares of its numbers."""
+        if plan.begins:
+            (begin,) = points.measure([Wanted(own, ())], list(plan.begins.values()))
+            if begin.failure:
+                raise InputError(f"the case itself cannot be computed, and a limit speed is a share of its numbers: {begin.failure}")
+            plan = plan.with_limits(begin.values)
         (measured,) = points.measure([Wanted(own, ())], plan.measures)
         if measured.failure and any(one.share is not None for one in plan.constraints):
             raise InputError(f"the case itself cannot be computed, and a bound is a share of its numbers: {measured.failure}")
@@ -228,7 +233,7 @@ class _Search:
 
     def _looked_at(self, points: Points, one: Design, place: int) -> Design:
         """A chosen design with what small steps do to it; of several designs the first one alone."""
-        if place or one.trial.number == 0 and shares_of(self.plan, one.trial.values) is None:
+        if place or (one.trial.number == 0 and shares_of(self.plan, one.trial.values) is None):
             return one
 
         def measure(values: Sequence[Array]) -> list[Measured]:

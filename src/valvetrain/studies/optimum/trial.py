@@ -48,8 +48,8 @@ class Trial:
 
     @cached_property
     def missed(self) -> Array:
-        """By how much (c + m,) each bound is missed, in shares of it, negative inside; then 0 for each objective, more where the lowest speed
-        of the search for a limit speed is beyond its bound already."""
+        """By how much (c + m,) each bound is missed, in shares of it, negative inside; then 0 for each objective, more where a limit speed
+        lies below the lowest one searched."""
         bounds = [one.missed(value) for one, value in zip(self.plan.constraints, self.constraints, strict=True)]
         begins = [
             max((1e-9 + bracket.missed for bracket in self.measured.limits.get(one.measure, ()) if bracket.kind == BELOW), default=0.0)

@@ -49,12 +49,13 @@ def answer(found: Optimum) -> str:
         return f"{len(found.front)} designs beat each other in nothing: {'; '.join(spans)}. {there}"
     one, value, before = goals[0].measure, float(best.trial.objectives[0]), float(case.objectives[0])
     if best.trial.number == 0:
-        return f"No trial beats the case itself, whose {one.label} is {told(one, value)}; {found.feasible} of {len(found.trials)} keep every bound."
+        return f"No trial beats the case itself, whose {one.label} is {told(one, value)}."
     if not case.feasible:
         most = "most" if goals[0].maximise else "least"
         return f"The {most} that keeps every bound: {one.label} {told(one, value)}. {_own(case)}"
     verb = "rises" if value > before else "falls"
-    return f"Within all bounds the {one.label} {verb} from {told(one, before)} of the case to {told(one, value)} ({change(one, value, before)})."
+    apart = change(one, value, before)
+    return f"Within all bounds the {one.label} {verb} from {told(one, before)} of the case to {told(one, value)} ({apart})."
 
 
 def _own(case: Trial) -> str:
