@@ -8,7 +8,7 @@ from valvetrain.report.optimum_charts import convergence_chart, front_chart, ove
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, text
 from valvetrain.report.points_page import distribution_words
 from valvetrain.report.words import number, percent, unit_words
-from valvetrain.solution.definition import shown
+from valvetrain.solution.definition import definition_of, shown
 from valvetrain.studies.optimum.measure import Measure
 from valvetrain.studies.optimum.result import Design, Optimum, bound_words
 from valvetrain.studies.optimum.words import confirmed_words, sentences
@@ -173,9 +173,9 @@ def _where(one: Measure) -> str:
     models = dict.fromkeys(word for run in one.runs for word in (run[1], run[2]) if word)
     if one.limit is not None:
         first, last = (one.shown(speed) for speed in (one.limit.engine_speeds[0], one.limit.engine_speeds[-1]))
-        bound, unit = shown(one.quantity, one.limit.bound)
+        bounds = ", ".join(number(float(shown(one.quantity, bound)[0]), 4) for bound in one.bounds or (one.limit.bound,))
         of_case = "" if one.limit.share is None else f" ({one.limit.share:g} x case at {first:.6g} rpm)"
-        kept = f"{'at most' if one.limit.upper else 'at least'} {bound:.4g} {unit_words(unit)}{of_case}"
+        kept = f"{'at most' if one.limit.upper else 'at least'} {bounds} {unit_words(definition_of(one.quantity).shown_unit)}{of_case}"
         words = f"{kept}, from {first:.6g} to {last:.6g} rpm, to {one.shown(one.limit.resolution):.3g} rpm"
     else:
         speeds = dict.fromkeys(run[0] for run in one.runs if run[0] is not None)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,7 +25,8 @@ _RPM = np.pi / 30
 class Measure:
     """One number of a design: ``quantity`` over ``runs``, the ``over`` (worst, mean) of several, or a limit speed where ``limit`` is given.
 
-    ``largest_is_worst`` tells which of several is the worst. ``label``: plain words.
+    ``largest_is_worst`` tells which of several is the worst. ``label``: plain words. ``bounds``: of the limit speed of each run, where they
+    are shares of what the case has; else that of ``limit`` holds for all.
     """
 
     source: str
@@ -35,6 +36,12 @@ class Measure:
     largest_is_worst: bool = True
     over: str = "worst"
     limit: LimitSearch | None = None
+    bounds: tuple[float, ...] = ()
+
+    def limit_of(self, place: int) -> LimitSearch:
+        """The search for the limit speed of the run at ``place``."""
+        assert self.limit is not None
+        return replace(self.limit, bound=self.bounds[place]) if self.bounds else self.limit
 
     @property
     def si_unit(self) -> str:
@@ -121,8 +128,8 @@ def measuring(measures: Sequence[Measure], stop: object = None) -> Answers:
     limits: dict[Measure, tuple[LimitFound, ...]] = {}
     for one in (one for one in measures if one.limit is not None):
         brackets: list[LimitFound] = []
-        for run in one.runs:
-            found_limit, failed = yield from _limit(one, run)
+        for place, run in enumerate(one.runs):
+            found_limit, failed = yield from _limit(one, place)
             if failed is not None:
                 return Measured(values, limits, _at(run, failed.status.sentence()), failed.status.code)
             brackets.append(found_limit)
@@ -131,10 +138,9 @@ def measuring(measures: Sequence[Measure], stop: object = None) -> Answers:
     return Measured(values, limits)
 
 
-def _limit(one: Measure, run: Run) -> Generator[list[Ask], list[Outcome], tuple[LimitFound, Outcome | None]]:
+def _limit(one: Measure, place: int) -> Generator[list[Ask], list[Outcome], tuple[LimitFound, Outcome | None]]:
     """The bracket of one limit speed; a run that fails at the lowest speed is handed back, a higher one counts as beyond the bound."""
-    assert one.limit is not None
-    search = find_limit(one.limit)
+    run, search = one.runs[place], find_limit(one.limit_of(place))
     asked = next(search)
     first = True
     while True:

@@ -54,21 +54,22 @@ class OptimumPlan:
         return tuple(dict.fromkeys(every))
 
     @property
-    def begins(self) -> dict[Measure, Measure]:
-        """Measures of limit speeds whose bound is a share of the case -> what the case has at the lowest speed of each."""
+    def begins(self) -> dict[Measure, tuple[Measure, ...]]:
+        """Measures of limit speeds whose bound is a share of the case -> what the case has at the lowest speed, for each of their runs."""
         found = {}
         for one in self.measures:
             if one.limit is not None and one.limit.share is not None:
-                run = (one.limit.engine_speeds[0], *one.runs[0][1:])
-                found[one] = Measure(LIMIT, one.quantity, (run,), definition_of(one.quantity).label)
+                lowest, label = one.limit.engine_speeds[0], definition_of(one.quantity).label
+                found[one] = tuple(Measure(LIMIT, one.quantity, ((lowest, *run[1:]),), label) for run in one.runs)
         return found
 
     def with_limits(self, values: Mapping[Measure, float]) -> OptimumPlan:
         """The plan with the bounds of such limit speeds, from ``values`` of what :attr:`begins` asks for."""
         made: dict[Measure, Measure] = {}
-        for one, begin in self.begins.items():
+        for one, begins in self.begins.items():
             assert one.limit is not None and one.limit.share is not None
-            made[one] = replace(one, limit=replace(one.limit, bound=one.limit.share * values[begin]))
+            bounds = tuple(one.limit.share * values[begin] for begin in begins)
+            made[one] = replace(one, limit=replace(one.limit, bound=bounds[0]), bounds=bounds)
         objectives = tuple(replace(goal, measure=made.get(goal.measure, goal.measure)) for goal in self.objectives)
         constraints = tuple(replace(bound, measure=made.get(bound.measure, bound.measure)) for bound in self.constraints)
         return replace(self, objectives=objectives, constraints=constraints)

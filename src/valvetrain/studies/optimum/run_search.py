@@ -141,7 +141,7 @@ class _Search:
     def _case(self, points: Points, plan: OptimumPlan, own: Mapping[str, StudyPlan]) -> Trial:
         """The case as it stands, trial 0, with the bounds that are shares of its numbers."""
         if plan.begins:
-            (begin,) = points.measure([Wanted(own, ())], list(plan.begins.values()))
+            (begin,) = points.measure([Wanted(own, ())], [one for several in plan.begins.values() for one in several])
             if begin.failure:
                 raise InputError(f"the case itself cannot be computed, and a limit speed is a share of its numbers: {begin.failure}")
             plan = plan.with_limits(begin.values)
@@ -248,7 +248,7 @@ class _Search:
         case = self._case(points, plan, still)
         if best.number == 0:
             return Confirmed(label, case.plan, case, case)
-        (measured,) = points.measure([Wanted(plan.plans, tuple(map(float, best.values)))], plan.measures)
+        (measured,) = points.measure([Wanted(plan.plans, tuple(map(float, best.values)))], case.plan.measures)
         return Confirmed(label, case.plan, case, Trial(best.number, best.seed, best.values, measured, case.plan))
 
 
