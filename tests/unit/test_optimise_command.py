@@ -16,6 +16,7 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
 from valvetrain.studies.optimum.run_search import SearchInterrupted
+from valvetrain.studies.optimum.words import sentences
 
 #: Short runs of the chain: a limit speed, a bound at rest that is a share of the case, one trial in a few that cannot be built.
 SEARCH = """
@@ -196,7 +197,7 @@ def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkey
     with pytest.raises(SearchInterrupted) as cut:
         vt.optimise(LIGHT, workers=1, output=tmp_path / "out" / "points", progress=stop)
     held = cut.value.optimum
-    assert not held.finished and 25 <= len(held.trials) < 41 and "stopped after" in repr(held)
+    assert not held.finished and 25 <= len(held.trials) < 41 and "stopped before its end" in repr(held)
     assert all(np.array_equal(one.values, two.values) for one, two in zip(held.trials, light().trials, strict=False))
     again = vt.optimise(LIGHT, workers=1, output=tmp_path / "out" / "points")
     assert again.computed <= light().computed - 20
@@ -236,7 +237,7 @@ def test_another_model_says_what_it_makes_of_the_best():
     text = SEARCH.format(trials=8).replace("[search]", '[[confirm]]\nspring_model = "massless"\nlabel = "no surge"\n[search]')
     found = vt.optimise(text.replace("6000:9000:1500", "6000:9000:3000"), workers=1)
     (one,) = found.best.confirmed
-    told = [sentence_ for sentence_ in repr(found).splitlines() if sentence_.startswith("By no surge: limit speed")]
+    told = [words for words in sentences(found) if words.startswith("By no surge: limit speed")]
     assert one.label == "no surge" and len(told) == 1 and one.case.number == 0
     # a spring without surge has its static force at any speed, which the case keeps up to the highest one searched
     assert one.case.objectives[0] == pytest.approx(9000 * np.pi / 30) and found.case.objectives[0] < one.case.objectives[0]

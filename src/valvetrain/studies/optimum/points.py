@@ -1,4 +1,4 @@
-"""Points of designs, each computed once: out to the workers, outcomes into the house's stores as they come."""
+"""Points of designs, each computed once: out to the workers, outcomes into stores on disk as they come."""
 
 from __future__ import annotations
 

@@ -138,9 +138,15 @@ class Optimum:
         return nearest, bound_words(self.plan, place)
 
     def __repr__(self) -> str:
-        from valvetrain.studies.optimum.words import sentences
-
-        return "\n".join([f"search '{self.plan.title}': {len(self.trials)} trials, {self.feasible} feasible", *sentences(self)])
+        cut = "" if self.finished else ", stopped before its end"
+        lines = [f"search '{self.plan.title}': {len(self.trials)} trials, {self.feasible} feasible{cut}"]
+        if self.best is not None:
+            for goal, value, before in zip(self.plan.objectives, self.best.trial.objectives, self.case.objectives, strict=True):
+                one = goal.measure
+                lines.append(f"  {one.label}: {one.shown(float(value)):.5g} {one.unit}, the case {one.shown(float(before)):.5g} {one.unit}")
+            for varied, value in zip(self.plan.varied, self.best.trial.values, strict=True):
+                lines.append(f"  {varied.words}: {varied.shown(float(value)):.5g} {varied.unit}".rstrip())
+        return "\n".join(lines)
 
 
 def bound_words(plan: OptimumPlan, place: int) -> str:
