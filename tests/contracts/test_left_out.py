@@ -22,7 +22,7 @@ derivative retainer_velocity damping damping_ratio mass_damping stiffness_dampin
 force mass active_mass inactive_mass residual_mass holding_torque stem_damping lash offset tilt radius tip_radius follower_radius
 valve_angle valve_inclination cam_angle cam_acceleration nose exchange dynamic_deflection ramp_length fullness smoothing noise band draw
 precompression compression engine_speed wall_time wall_time_per_cycle own_time friction_loss pressed_interval last_step overflow dissipated
-runs_count discard level threshold base y seed pairs time missed computed seconds
+runs_count discard level threshold base y seed pairs time missed computed
 """.split()
 #: What is done only when asked for.
 OFF = """
@@ -30,8 +30,12 @@ implausible without_preload tied closed ring kept found widened gap main signed 
 nodal_reactions record_springs record_contacts needs_rest searches processes open_low lowest_open
 """.split()
 #: What is done unless it is refused, and factors that change nothing.
-ON = "pulls judged compared moves with_tangent page in_legend shaded legend worded seats quadratic needs_mass damped critical_speeds finished spare largest_is_worst".split()
-ONE = "weight closed_lower closed_upper drive_scale depth factor refinement end_refinement rotation drive_side records".split()
+ON = """
+pulls judged compared moves with_tangent page in_legend shaded legend worded seats quadratic needs_mass damped critical_speeds spare
+""".split()
+ONE = """
+weight closed_lower closed_upper drive_scale depth factor refinement end_refinement rotation drive_side records scale seeds
+""".split()
 #: One value everywhere: Hertz (1882) for points, steel (EN 13906-1), ends of a column held in parallel planes, what docs state of flanks,
 #: friction and steps.
 EVERYWHERE: dict[str, float] = {
@@ -50,7 +54,8 @@ APART = {
     (f"{file}.py", "seed"): 1
     for file in (
         "studies/points/samplers/contract", "studies/points/sensitivity", "studies/points/surrogate", "identification/ensemble",
-        "studies/optimum/optimum_file", "identification/search", "identification/evolution", "identification/branches", "identification/nested",
+        "studies/optimum/optimum_file",
+        "identification/search", "identification/evolution", "identification/branches", "identification/nested",
     )
 }  # fmt: skip
 

@@ -52,10 +52,10 @@ def answer(found: Optimum) -> str:
         return f"No trial beats the case itself, whose {one.label} is {told(one, value)}."
     if not case.feasible:
         most = "most" if goals[0].maximise else "least"
-        return f"The {most} that keeps every bound: {one.label} {told(one, value)}. {_own(case)}"
-    verb = "rises" if value > before else "falls"
-    apart = change(one, value, before)
-    return f"Within all bounds the {one.label} {verb} from {told(one, before)} of the case to {told(one, value)} ({apart})."
+        return f"The {most} that keeps every bound: {one.label} {_own_words(best.trial, one, 0)}. {_own(case)}"
+    verb, least = "rises" if value > before else "falls", "at least " if _beyond(best.trial, one) else ""
+    ends = f"from {_own_words(case, one, 0)} of the case to {_own_words(best.trial, one, 0)}"
+    return f"Within all bounds the {one.label} {verb} {ends} ({least}{change(one, value, before)})."
 
 
 def _own(case: Trial) -> str:
