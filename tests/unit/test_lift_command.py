@@ -142,6 +142,30 @@ def test_the_spread_does_not_depend_on_workers(table, tmp_path):
     assert list(map(repr, found[0])) == list(map(repr, found[1]))
 
 
+def test_searched_speeds_are_carried_with_their_spread(table, tmp_path, monkeypatch):
+    """Each law's own critical speeds: here 700 rad/s and the number of the law; a law that never floats is left out of the spread."""
+    from types import SimpleNamespace
+
+    from valvetrain.studies import lift_band
+
+    asked = []
+
+    def searched(case, speeds, **options):
+        draw = case.lift_law.values["draw"]
+        asked.append((draw, speeds, options["spring_models"]))
+        found = [SimpleNamespace(label="massless", kind="float", engine_speed=700.0 + draw)]
+        found.append(SimpleNamespace(label="massless", kind="bounce", engine_speed=float("nan") if draw == 2 else 800.0 + 2 * draw))
+        return SimpleNamespace(still={}, labels=("massless",), critical_speeds=tuple(found))
+
+    monkeypatch.setattr(lift_band, "sweep", searched)
+    case = vt.load_case("job-t").replace({"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law})
+    study = lift_band_study(case, "2000 rpm", draws=4, search="4000:9000:500 rpm", spring_models=["massless"], workers=1)
+    assert asked == [(draw, "4000:9000:500 rpm", ("massless",)) for draw in range(5)]
+    lifted, bounced = (study.spread(f"{kind}_engine_speed") for kind in ("float", "bounce"))
+    assert (lifted.value, lifted.spread, lifted.draws) == (700.0, pytest.approx(np.std([1, 2, 3, 4], ddof=1)), 4)
+    assert (bounced.value, bounced.spread, bounced.draws) == (800.0, pytest.approx(np.std([2, 6, 8], ddof=1)), 3)
+
+
 def test_a_request_of_many_laws_is_refused_with_its_numbers(table, tmp_path):
     asked = ("--case", "job-t", "--engine-speed", "100:9000:10 rpm", "--draws", "64", "--output", str(tmp_path / "out"))
     said = invoke("lift", str(table), *asked).stderr

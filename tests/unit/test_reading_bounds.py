@@ -154,8 +154,16 @@ def test_damping_that_leaves_no_time_step_is_refused(damping):
         spring_model("finite-element").build(spring).stable_time_step()
 
 
-def test_a_wire_without_any_stiffness_finds_no_equilibrium_and_says_so():
-    text = CARD.replace('"4 mm"', '"1e-300 mm"') + 'pitch = "8 mm"\nmaterial = "OTEVA 90 SC"\n'
+@pytest.mark.parametrize(("given", "thin"), [("4 mm", "1e-300 mm"), ("4 mm", "0.9 um"), ("24 mm", "0.9 um")])
+def test_a_wire_that_is_none_is_refused_where_it_is_read(given, thin):
+    """Its mass was zero, and the estimate of its surge frequency divided by it."""
+    text = CARD + 'pitch = "8 mm"\nmaterial = "OTEVA 90 SC"\n'
+    with pytest.raises(InputError, match="is less than a micrometre"):
+        parse_case(text.replace(f'"{given}"', f'"{thin}"'), "thread")
+
+
+def test_a_wire_with_hardly_any_stiffness_finds_no_equilibrium_and_says_so():
+    text = CARD.replace('"4 mm"', '"1.1 um"') + 'pitch = "8 mm"\nmaterial = "OTEVA 90 SC"\n'
     spring = build(parse_case(text, "thread")).springs[0]
     with pytest.raises(InputError, match="finds no equilibrium"):
         _ = spring_model("finite-element").build(spring).installed

@@ -16,6 +16,8 @@ from valvetrain.units import si
 OVERLAP_SLACK = 0.02
 #: Turns by which meshes run past both tips, where every curve must still hold a number.
 BEYOND_TIPS = 0.5
+#: Thinner is no wire (m): its mass and stiffness vanish from the numbers of a computer.
+LEAST_LENGTH = 1e-6
 
 
 class WireShape(Protocol):
@@ -67,6 +69,7 @@ def check_spring(spring: WireShape) -> None:
     for law, label in ((spring.wire_diameter, "wire diameter"), (spring.mean_diameter, "mean coil diameter")):
         values = law.value(coil)
         _refuse(~(values > 0), coil, spring, f"{label} is not positive; give a positive length")
+        _refuse(values < LEAST_LENGTH, coil, spring, f"{label} is less than a micrometre, which no wire is; check its unit")
     _refuse(~np.isfinite(spring.pitch.value(coil)), coil, spring, "pitch is not a finite number")
     _refuse(spring.pitch.value(coil) < 0, coil, spring, "pitch is negative, so the wire runs back through itself; make it positive")
     beyond = np.linspace(-BEYOND_TIPS, spring.total_coils + BEYOND_TIPS, len(coil))

@@ -14,6 +14,8 @@ from valvetrain.system.train_system import TrainSystem
 Array = NDArray[np.float64]
 #: Points of the static spring curve over the lift.
 CURVE_POINTS = 33
+#: Steps of the search for rest without a thousandth of progress after which it ends.
+PATIENCE = 25
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +58,12 @@ def static_equilibrium(system: TrainSystem, cam_angle: float, start: Array | Non
     scale = np.maximum(system.masses, 1e-9)
     damping = 1e3
     residual = generalised_forces(system, q, cam_angle, spring_force)
+    sizes: list[float] = []
     for _ in range(200):
         size = float(np.sum(residual**2 / scale))
+        sizes.append(size)
+        if len(sizes) > PATIENCE and size > 0.999 * sizes[-1 - PATIENCE]:
+            break  # contacts too hard for the tangent: the motion settles from here as well
         shifted = (generalised_forces(system, q + 1e-9 * row, cam_angle, spring_force) for row in np.eye(len(q)))
         tangent = np.array([(forces - residual) / 1e-9 for forces in shifted]).T
         step = np.linalg.solve(-tangent + damping * np.diag(scale), residual)

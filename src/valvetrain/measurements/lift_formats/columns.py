@@ -1,4 +1,4 @@
-"""Columns of angle and lift in a text of any form, 4stHEAD's ``.svl`` and ``.dvl`` among them."""
+"""Columns of angle and lift in a text of any form, whatever its name ends in."""
 
 from __future__ import annotations
 
