@@ -1,7 +1,7 @@
 """Draw docs/pictures/optimise-beehive.svg: clash energy over engine speed of the case and of the best spring of the worked example.
 
-    valvetrain optimise examples/optimise-beehive.toml
-    python scripts/draw_optimisation.py runs/optimise/optimise-beehive/best.toml
+valvetrain optimise examples/optimise-beehive.toml
+python scripts/draw_optimisation.py runs/optimise/optimise-beehive/best.toml
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ import json
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -225,6 +226,16 @@ def test_seeds_and_rounds_alone_decide_which_designs_are_looked_at():
     assert not all(np.array_equal(one.values, two.values) for one, two in zip(first.trials[1:], other.trials[1:], strict=False))
     designs = [one.values.tobytes() for one in first.trials]
     assert first.computed <= len(set(designs)) + 1 + len(first.best.steps)  # a design that comes twice is computed once
+
+
+def test_a_best_whose_gain_a_small_step_undoes_is_called_narrow():
+    """Steps of the smooth mass leave most of the gain; one that led back to the case would not."""
+    found = vt.optimise(LIGHT.replace("1.1 x case", "0.9 x case").replace("seeds = 2", "local = 0.4"), workers=1)
+    assert found.case.feasible and not any("It is narrow" in words for words in sentences(found))
+    back = replace(found.best.steps[0], objectives=0.9 * found.case.objectives + 0.1 * found.best.trial.objectives)
+    narrow = replace(found, designs=(replace(found.best, steps=(*found.best.steps[1:], back)),))
+    (told,) = [words for words in sentences(narrow) if "It is narrow" in words]
+    assert told.endswith(f"so count on {1e3 * float(back.objectives[0]):.5g} g.")
 
 
 def test_a_library_that_is_not_installed_is_said_in_one_sentence(monkeypatch):

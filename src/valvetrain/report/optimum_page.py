@@ -106,7 +106,7 @@ def step_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
 
 
 def _difference(value: float, unit: str) -> str:
-    return f"{value:+.3g} {unit}".strip().replace("-", "−") if value else f"0 {unit}".strip()
+    return f"{value:+.4g} {unit}".strip().replace("-", "−") if value else f"0 {unit}".strip()
 
 
 def _row(one: Measure, before: float, value: float) -> tuple[str, ...]:

@@ -11,6 +11,8 @@ from valvetrain.studies.optimum.trial import Trial
 
 #: A search whose best value came in this last share of its trials was still rising.
 LATE = 0.1
+#: Share of the gain that a small step may cost before the best is called narrow.
+NARROW = 0.5
 
 
 def told(one: Measure, value: float, digits: int = 5) -> str:
@@ -122,6 +124,7 @@ def _steps(best: Design, found: Optimum) -> list[str]:
         lines.append(f"A small step still improves it ({', '.join(dict.fromkeys(better))}): more trials will find more.")
     elif best.steps:
         lines.append("No step of a hundredth of a range improves it within the bounds.")
+    lines += _narrow(best, found)
     if found.finished and len(found.plan.objectives) == 1 and best.trial.number and not better:
         history = found.history(best.trial.seed)
         value = float(best.trial.objectives[0])
@@ -129,6 +132,21 @@ def _steps(best: Design, found: Optimum) -> list[str]:
         if came > (1 - LATE) * (len(history) - 1):
             lines.append(f"The best value came with trial {came} of {len(history) - 1}: more trials may find more.")
     return lines
+
+
+def _narrow(best: Design, found: Optimum) -> list[str]:
+    """A best value whose gain over the case is lost by half or more at a small step is a peak that no workshop meets."""
+    goal = found.plan.objectives[0]
+    near = [float(one.objectives[0]) for one in best.steps if np.isfinite(one.objectives[0])]
+    gain = goal.sign * (float(found.case.objectives[0]) - float(best.trial.objectives[0]))
+    if len(found.plan.objectives) > 1 or not near or not found.case.feasible or not gain > 0:
+        return []
+    near.sort(key=lambda value: goal.sign * value)
+    if goal.sign * (near[-1] - float(best.trial.objectives[0])) < NARROW * gain:
+        return []
+    one = goal.measure
+    ends = f"{told(one, near[-1])} to {told(one, near[0])}"
+    return [f"It is narrow: a hundredth of one range away the {one.label} is {ends}, so count on {told(one, near[-1])}."]
 
 
 def _seeds(found: Optimum) -> list[str]:
