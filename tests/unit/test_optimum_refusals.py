@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import valvetrain as vt
+from unit.cli_parts import call, sentence
 from valvetrain.studies.optimum.optimum_file import OptimumText
 from valvetrain.studies.optimum.plan import read_optimum
 
@@ -123,3 +124,10 @@ def test_an_empty_text_removes_a_key_of_the_case():
     plan = plan_of(FILE.replace('case = "gu2021-beehive"', f'case = "gu2021-beehive"\n{swap}'))
     (spring,) = plan.case.springs
     assert spring.wire.free_length - spring.precompression == pytest.approx(39e-3)
+
+
+@pytest.mark.parametrize("command", ["run", "study", "optimise"])
+def test_a_folder_with_a_zero_byte_in_its_name_is_refused(command):
+    """No shell can say it, a program that calls the command can."""
+    result = call(command, "job-c", "--output=\0")
+    assert result.exit_code == 2 and "holds a zero byte" in sentence(result)
