@@ -72,6 +72,22 @@ _HOMES = {
     "card_of_table": "studies.spring_tester",
     "spring_from_tester": "studies.spring_tester",
     "TesterFit": "studies.spring_tester",
+    # recordings of a test rig
+    "rig_cycles": "studies.rig",
+    "RigAnswers": "measurements.rig_answers",
+    "RigResult": "measurements.rig_result",
+    "MeasuredCycles": "measurements.measured_cycles",
+    "read_cycles": "measurements.cycles_file",
+    "write_cycles": "measurements.cycles_file",
+    "Sensor": "measurements.sensor",
+    "seen_by_sensor": "studies.seen",
+    # model against test
+    "compare_with_test": "studies.compare_test",
+    "ModelAgainstTest": "studies.compare_test",
+    "AdequacyTest": "quantities.adequacy",
+    "adequacy_test": "quantities.adequacy",
+    "read_value_table": "measurements.value_table",
+    "ValueTable": "measurements.value_table",
     # studies
     "build": "system.build",
     "Problem": "system.problem",
@@ -136,6 +152,8 @@ if TYPE_CHECKING:
     from valvetrain.identification.search import Search as Search
     from valvetrain.measurements.catalogue_card import CatalogueCard as CatalogueCard
     from valvetrain.measurements.catalogue_card import SpringLoad as SpringLoad
+    from valvetrain.measurements.cycles_file import read_cycles as read_cycles
+    from valvetrain.measurements.cycles_file import write_cycles as write_cycles
     from valvetrain.measurements.force_height import ForceHeight as ForceHeight
     from valvetrain.measurements.force_height import read_force_height as read_force_height
     from valvetrain.measurements.lift_answers import LiftAnswers as LiftAnswers
@@ -143,7 +161,13 @@ if TYPE_CHECKING:
     from valvetrain.measurements.lift_reading import read_lift as read_lift
     from valvetrain.measurements.lift_smoothing import SmoothedLift as SmoothedLift
     from valvetrain.measurements.lift_smoothing import smooth_lift as smooth_lift
+    from valvetrain.measurements.measured_cycles import MeasuredCycles as MeasuredCycles
     from valvetrain.measurements.measured_lift import MeasuredLift as MeasuredLift
+    from valvetrain.measurements.rig_answers import RigAnswers as RigAnswers
+    from valvetrain.measurements.rig_result import RigResult as RigResult
+    from valvetrain.measurements.sensor import Sensor as Sensor
+    from valvetrain.measurements.value_table import ValueTable as ValueTable
+    from valvetrain.measurements.value_table import read_value_table as read_value_table
     from valvetrain.parameters.case import Case as Case
     from valvetrain.parameters.constructors import barrel as barrel
     from valvetrain.parameters.constructors import beehive as beehive
@@ -161,6 +185,8 @@ if TYPE_CHECKING:
     from valvetrain.parameters.material import Material as Material
     from valvetrain.parameters.spring import EndCoil as EndCoil
     from valvetrain.parameters.spring import SpringDefinition as SpringDefinition
+    from valvetrain.quantities.adequacy import AdequacyTest as AdequacyTest
+    from valvetrain.quantities.adequacy import adequacy_test as adequacy_test
     from valvetrain.quantities.buckling import buckling_compression as buckling_compression
     from valvetrain.report.build import study_page as study_page
     from valvetrain.report.json import study_json as study_json
@@ -198,13 +224,17 @@ if TYPE_CHECKING:
     from valvetrain.studies.api import static_curve as static_curve
     from valvetrain.studies.api import sweep as sweep
     from valvetrain.studies.batch import map_cases as map_cases
+    from valvetrain.studies.compare_test import ModelAgainstTest as ModelAgainstTest
+    from valvetrain.studies.compare_test import compare_with_test as compare_with_test
     from valvetrain.studies.lift_band import lift_band_study as lift_band_study
     from valvetrain.studies.optimum.api import optimise as optimise
     from valvetrain.studies.optimum.result import Optimum as Optimum
     from valvetrain.studies.points.study import study as study
     from valvetrain.studies.points.table import StudyTable as StudyTable
     from valvetrain.studies.refined import refine as refine
+    from valvetrain.studies.rig import rig_cycles as rig_cycles
     from valvetrain.studies.run_up import run_up as run_up
+    from valvetrain.studies.seen import seen_by_sensor as seen_by_sensor
     from valvetrain.studies.spring_card import SpringFit as SpringFit
     from valvetrain.studies.spring_card import spring_from_card as spring_from_card
     from valvetrain.studies.spring_tester import TesterFit as TesterFit

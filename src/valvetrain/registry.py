@@ -25,6 +25,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "sections": ("valvetrain.sections", "section of the report"),
     "commands": ("valvetrain.commands", "command"),
     "lift_formats": ("valvetrain.lift_formats", "form of lift files"),
+    "rig_formats": ("valvetrain.rig_formats", "form of recordings"),
     "samplers": ("valvetrain.samplers", "sampler"),
 }  # fmt: skip
 
@@ -42,9 +43,11 @@ BUILT_IN["commands"] = {
     "refine": "valvetrain.cli.refine:register",
     "runs": "valvetrain.cli.runs:register",
     "compare-runs": "valvetrain.cli.compare_runs:register",
+    "compare-test": "valvetrain.cli.compare_test:register",
     "lift": "valvetrain.cli.lift:register",
     "identify": "valvetrain.cli.identify:register",
     "spring-card": "valvetrain.cli.spring_card:register",
+    "rig": "valvetrain.cli.rig:register",
     "new": "valvetrain.cli.new:register",
     "cases": "valvetrain.cli.cases:register",
     "check": "valvetrain.cli.check:register",
@@ -96,6 +99,16 @@ BUILT_IN["lift_formats"] = {
     "s96": "valvetrain.measurements.lift_formats.s96:SPEC",
     "fractions": "valvetrain.measurements.lift_formats.fractions:SPEC",
     "columns": "valvetrain.measurements.lift_formats.columns:SPEC",
+}
+#: Likewise, of recordings of test rigs.
+BUILT_IN["rig_formats"] = {
+    "mdf": "valvetrain.measurements.rig_formats.mdf4:SPEC",
+    "tdms": "valvetrain.measurements.rig_formats.tdms:SPEC",
+    "mat": "valvetrain.measurements.rig_formats.mat5:SPEC",
+    "hdf5": "valvetrain.measurements.rig_formats.hdf5:SPEC",
+    "netcdf": "valvetrain.measurements.rig_formats.netcdf3:SPEC",
+    "uff58": "valvetrain.measurements.rig_formats.uff58:SPEC",
+    "text": "valvetrain.measurements.rig_formats.text:SPEC",
 }
 BUILT_IN["contacts"] = {
     "linear": "valvetrain.contact.linear:SPEC",

@@ -23,15 +23,19 @@ force mass active_mass inactive_mass residual_mass holding_torque stem_damping l
 valve_angle valve_inclination cam_angle cam_acceleration nose exchange dynamic_deflection ramp_length fullness smoothing noise band draw
 precompression compression engine_speed wall_time wall_time_per_cycle own_time friction_loss pressed_interval last_step overflow dissipated
 runs_count discard level threshold base y seed pairs time missed computed
+missing resolution phase told
+fitted channel cam_speed shared gain
 """.split()
 #: What is done only when asked for.
 OFF = """
 implausible without_preload tied closed ring kept found widened gap main signed filled y_log turn read_fields axis fields energy
 nodal_reactions record_springs record_contacts needs_rest searches processes open_low lowest_open
+synthetic zero_phase keep_outliers periodic
 """.split()
 #: What is done unless it is refused, and factors that change nothing.
 ON = """
-pulls judged compared moves with_tangent page in_legend shaded legend worded seats quadratic needs_mass damped critical_speeds spare
+pulls judged compared moves with_tangent page in_legend shaded legend worded seats quadratic needs_mass damped critical_speeds apart
+spare
 """.split()
 ONE = """
 weight closed_lower closed_upper drive_scale depth factor refinement end_refinement rotation drive_side records scale seeds

@@ -61,7 +61,7 @@ def test_completion_prints_a_script_that_knows_the_commands(tmp_path, shell):
     script = process("--show-completion", shell, folder=tmp_path, _TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION="1")
     assert script.returncode == 0 and "_VALVETRAIN_COMPLETE" in script.stdout
     asked = {"_VALVETRAIN_COMPLETE": "complete_bash", "COMP_WORDS": "valvetrain comp", "COMP_CWORD": "1"}
-    assert process(folder=tmp_path, **asked).stdout.split() == ["compare", "compare-runs"]
+    assert process(folder=tmp_path, **asked).stdout.split() == ["compare", "compare-runs", "compare-test"]
 
 
 def test_an_own_command_of_a_package_that_cannot_be_loaded_is_left_out_with_a_sentence(tmp_path):

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.identification.datum import Datum
 from valvetrain.identification.part import Part
-from valvetrain.identification.sought import Sought, Station, angle_name
+from valvetrain.identification.sought import Sought, Station
 from valvetrain.measurements.content import read_content, text_of
 from valvetrain.measurements.text_table import read_text_table
 from valvetrain.parameters.bounded_file import MOST_BYTES
-from valvetrain.solution.definition import definition_of
+from valvetrain.solution.definition import angle_name, definition_of
 from valvetrain.units import DIMENSIONS, parse_quantity, unit_factor
 from valvetrain.units.text import split_quantity
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from valvetrain.errors import InputError
-from valvetrain.solution.definition import definition_of, is_defined
+from valvetrain.solution.definition import definition_of
 from valvetrain.units import format_quantity
 
 
@@ -58,15 +57,3 @@ class Sought:
         if self.kind in ("force", "load"):
             return "N"
         return "deg" if self.kind == "event" else definition_of(self.name).shown_unit
-
-
-def angle_name(quantity: str) -> str:
-    """The quantity that tells at which cam angle a peak lies. Raises :class:`InputError` for one without."""
-    short = quantity
-    for ending in ("_force", "_acceleration", "_velocity", "_displacement", "_lift", "_stress"):
-        short = short.removesuffix(ending)
-    names = (f"{quantity}_cam_angle", f"{short}_cam_angle")
-    found = next((name for name in names if is_defined(name)), None)
-    if found is None:
-        raise InputError(f"no quantity tells the angle of '{quantity[:60]}'; give its value alone")
-    return found

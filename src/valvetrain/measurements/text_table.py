@@ -41,7 +41,7 @@ class TextTable:
     first_line: int
 
 
-def read_text_table(text: str, name: str) -> TextTable:
+def read_text_table(text: str, name: str, most_columns: int = MOST_COLUMNS) -> TextTable:
     """The table of numbers in ``text``; lines of words may stand before it and, marked as comments, in it.
 
     Semicolons, tabs, bars, commas or blanks part the columns; a decimal comma is read where something else does. ``name`` of the file
@@ -67,8 +67,9 @@ def read_text_table(text: str, name: str) -> TextTable:
     for (number, _), row in zip(lines, rows, strict=True):
         if len(row) != width:
             raise InputError(f"line {number} of {name} has {len(row)} numbers, the first row {width}; make the rows alike")
-    if width > MOST_COLUMNS:
-        raise InputError(f"{name} has {width} columns; a table of lifts has at most {MOST_COLUMNS}")
+    if width > most_columns:
+        what = "a table of lifts" if most_columns == MOST_COLUMNS else "a table of channels"
+        raise InputError(f"{name} has {width} columns; {what} has at most {most_columns}")
     values = np.array(rows, dtype=float)
     if not np.all(np.isfinite(values)):
         raise InputError(f"{name} holds a number beyond all bounds in line {lines[int(np.argmin(np.isfinite(values).all(axis=1)))][0]}")
@@ -83,18 +84,22 @@ def _is_row(words: str) -> bool:
 
 
 def _splitter(lines: list[str]) -> Callable[[str], list[float]]:
-    """How rows are cut: by the strongest mark that stands between numbers; a comma is decimal where another mark separates."""
+    return partial(_cut, parting_mark(lines))
+
+
+def parting_mark(lines: list[str]) -> str:
+    """Pattern of what parts the columns: the strongest mark that stands between numbers; a comma is decimal where another one does."""
     sample = lines[:200]
     for mark in (";", "\t", "|"):
         if all(mark in line for line in sample):
-            return partial(_cut, re.escape(mark))
+            return re.escape(mark)
     if all(re.search(r",\s", line) for line in sample):
-        return partial(_cut, r",\s+")
+        return r",\s+"
     if all(re.search(r"[\d.,]\s+[-+.,\d]", line) for line in sample):
-        return partial(_cut, r"\s+")
+        return r"\s+"
     if any("," in line for line in sample) and not _decimal_commas_alone(sample):
-        return partial(_cut, ",")
-    return partial(_cut, r"[;\t|]")
+        return ","
+    return r"[;\t|]"
 
 
 def _row(split: Callable[[str], list[float]], words: str, number: int, name: str) -> list[float]:
@@ -141,7 +146,8 @@ def _name_and_unit(part: str) -> tuple[str, str]:
 
 
 def _is_unit(part: str) -> bool:
-    return part.strip("[]() ").lower() in UNIT_WORDS
+    word = part.strip("[]() ")
+    return word.lower() in UNIT_WORDS or word in _OTHER_UNITS
 
 
 #: Units as headings write them -> how this package writes them.
@@ -150,4 +156,9 @@ UNIT_WORDS = {
     "°cam": "deg", "degcam": "deg", "deg cam": "deg", "°crank": "deg", "deg crank": "deg", "°kw": "deg", "°nw": "deg", "rad": "rad",
     "mm": "mm", "in": "inch", "inch": "inch", "inches": "inch", '"': "inch", "thou": "thou", "mil": "thou", "m": "m", "cm": "cm",
     "um": "um", "µm": "um", "micron": "um", "mm/deg": "mm/deg", "in/deg": "inch/deg",
+}  # fmt: skip
+#: Units of recordings besides.
+_OTHER_UNITS = {
+    "s", "sec", "ms", "us", "µs", "Hz", "rpm", "1/min", "N", "kN", "lbf", "kgf", "V", "mV", "mV/V", "A", "um/m", "µm/m", "ustrain", "1",
+    "m/s", "mm/s", "m/s2", "m/s^2", "g", "Pa", "kPa", "MPa", "bar", "psi", "-", "°C", "degC",
 }  # fmt: skip

@@ -118,6 +118,18 @@ def shown(name: str, value: Number) -> tuple[Number, str]:
     return value / unit_factor(unit), unit
 
 
+def angle_name(quantity: str) -> str:
+    """The quantity that tells at which cam angle a peak lies. Raises :class:`InputError` for one without."""
+    short = quantity
+    for ending in ("_force", "_acceleration", "_velocity", "_displacement", "_lift", "_stress"):
+        short = short.removesuffix(ending)
+    names = (f"{quantity}_cam_angle", f"{short}_cam_angle")
+    found = next((name for name in names if is_defined(name)), None)
+    if found is None:
+        raise InputError(f"no quantity tells the angle of '{quantity[:60]}'; give its value alone")
+    return found
+
+
 @cache
 def _index() -> tuple[dict[str, QuantityRow], tuple[tuple[QuantityRow, re.Pattern[str]], ...]]:
     """Rows by whole name, and templates with their patterns, the one with most fixed letters first."""

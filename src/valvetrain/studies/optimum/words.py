@@ -173,7 +173,7 @@ def confirmed_words(one: Confirmed, found: Optimum) -> str:
         apart = f"{_own_words(one.design, measure, place)} against {_own_words(one.case, measure, place)} of the case"
         if not any(_beyond(trial, measure) for trial in (one.design, one.case)):
             apart += f" ({change(measure, value, before)})"
-        parts.append(f"{measure.label} {apart}, where the search has {told(measure, float(searched.objectives[place]))}")
+        parts.append(f"{measure.label} {apart}, where the search has {_own_words(searched, found.plan.objectives[place].measure, place)}")
     missed = [_missed_words(one, place) for place, miss in enumerate(one.design.missed) if miss > 0]
     bounds = f"It misses: {'; '.join(missed)}." if missed else "All bounds are kept."
     return f"By {one.label}: {'; '.join(parts)}. {bounds}"

@@ -1,0 +1,185 @@
+"""Files of measured cycles: one channel as text (CSV), any number of channels as NetCDF; read by content, not by name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.measurements.content import read_content, text_of
+from valvetrain.measurements.cycles_netcdf import HDF5_MARK, NETCDF_NAME, netcdf_cycles, netcdf_image
+from valvetrain.measurements.measured_cycles import MeasuredCycles
+from valvetrain.solution.atomic import write_bytes, write_text
+from valvetrain.solution.checksum import closing_line
+from valvetrain.units import DIMENSIONS, dimension_of, parse_quantity, unit_factor
+
+#: Larger files are no cycles of a few channels.
+MOST_BYTES = 500_000_000
+#: Most cycles (columns) of a text and most of its rows.
+MOST_CYCLES, MOST_ANGLES = 20_000, 100_000
+_NOUN = "file of measured cycles"
+#: Words behind the mark of a comment that say something.
+_KEYS = ("quantity", "unit", "cam speed", "engine speed", "synthetic", "source", "note")
+
+
+def write_cycles(path: str | Path, cycles: Sequence[MeasuredCycles]) -> Path:
+    """Write measured cycles whole or not at all: text (CSV) for one channel, NetCDF where the name ends in ``.nc``.
+
+    Parameters
+    ----------
+    path : file to write; its folder is made if absent
+    cycles : one MeasuredCycles a channel; a text takes one
+
+    Returns
+    -------
+    Path of the file
+
+    Raises
+    ------
+    InputError : no channel, several for a text, a path that cannot be written
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> angle = np.linspace(0.0, 2 * np.pi, 72, endpoint=False)
+    >>> lifts = MeasuredCycles("valve_lift", "m", angle, 8e-3 + np.outer([1e-3, 2e-3], np.cos(angle)), 150.0, "own rig")
+    >>> file = write_cycles(pathlib.Path(tempfile.mkdtemp(), "lift.csv"), [lifts])
+    >>> read_cycles(file)[0]
+    MeasuredCycles: valve_lift, 2 cycles of 72 angles, 0.006 to 0.01 m
+    """
+    if not cycles:
+        raise InputError("there is no channel to write; give one MeasuredCycles at least", "cycles")
+    if str(path).lower().endswith((".nc", ".netcdf")):
+        image = netcdf_image(cycles)
+        return write_bytes(path, image + closing_line(image))
+    if len(cycles) > 1:
+        raise InputError(f"a text holds one channel, not {len(cycles)}; name the file *.nc, or write one file a channel", str(path))
+    return write_text(path, _text(cycles[0]))
+
+
+def read_cycles(path: str | Path) -> tuple[MeasuredCycles, ...]:
+    """Read measured cycles, of :func:`write_cycles` or of a table somebody made.
+
+    A text begins with comments such as ``# quantity: valve_lift``, ``# unit: mm``, ``# cam speed: 1500 rpm`` (or ``engine speed``, of
+    which it is half), ``# synthetic: no``, ``# source: ...``, ``# note: ...``; then a line of headings, then rows: cam angle in
+    degrees, one value a cycle (empty or ``nan`` where nothing was measured).
+
+    Parameters
+    ----------
+    path : the file; its content decides how it is read
+
+    Returns
+    -------
+    One MeasuredCycles a channel
+
+    Raises
+    ------
+    InputError : a file that is missing, damaged, cut short, of another kind, or does not say its quantity or unit
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> rows = [f"{angle},{8 - angle / 45}" for angle in range(0, 360, 30)]
+    >>> file = pathlib.Path(tempfile.mkdtemp(), "own.txt")
+    >>> _ = file.write_text(chr(10).join(["# quantity: valve_lift", "# unit: mm", "angle,first", *rows]))
+    >>> read_cycles(file)[0].unit
+    'm'
+    """
+    place = Path(path)
+    content = read_content(place, MOST_BYTES, _NOUN)
+    if content.startswith(HDF5_MARK):
+        return netcdf_cycles(place)
+    return (_from_text(text_of(content, place.name), place.name[:80]),)
+
+
+def _text(one: MeasuredCycles) -> str:
+    head = [
+        f"quantity: {one.quantity}", f"unit: {one.unit}", f"cam speed: {one.cam_speed!r} rad/s", f"synthetic: {_yes(one.synthetic)}",
+        *([f"source: {one.source}"] if one.source else []), *(f"note: {note}" for note in one.notes),
+    ]  # fmt: skip
+    lines = [f"# {' '.join(line.split())}" for line in head]
+    names = [f"cycle {place} [{one.unit}]" for place in range(1, len(one.values) + 1)]
+    lines.append(",".join(["cam angle [deg]", *names]))
+    table = np.column_stack([np.degrees(one.cam_angle), one.values.T])
+    lines += [",".join("" if math.isnan(value) else repr(value) for value in row) for row in table.tolist()]
+    return "\n".join(lines) + "\n"
+
+
+def _yes(told: bool) -> str:
+    return "yes" if told else "no"
+
+
+def _from_text(text: str, name: str) -> MeasuredCycles:
+    said: dict[str, list[str]] = {key: [] for key in _KEYS}
+    rows: list[list[float]] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        words = line.strip()
+        if words.startswith("#"):
+            key, _, value = words.lstrip("# ").partition(":")
+            if key.strip().lower().replace("_", " ") in said:
+                said[key.strip().lower().replace("_", " ")].append(value.strip())
+        elif words:
+            row = _row(words, number, name, first=not rows)
+            if row:
+                rows.append(row)
+                _check_row(rows, number, name)
+    if not rows:
+        raise InputError(f"{name} holds no row of numbers; write cam angles in degrees and one value a cycle")
+    for key in ("quantity", "unit"):
+        if not said[key] or (not NETCDF_NAME.fullmatch(said[key][0]) and key == "quantity"):
+            raise InputError(f"{name} does not say its {key}; write a line '# {key}: {'valve_lift' if key == 'quantity' else 'mm'}'")
+    table = np.array(rows)
+    if not np.isfinite(table[:, 0]).all():
+        raise InputError(f"{name} holds a cam angle that is no number; correct it")
+    factor, unit = _si_unit(said["unit"][0], name)
+    source, synthetic = ((said[key] or [""])[0] for key in ("source", "synthetic"))
+    return MeasuredCycles(
+        said["quantity"][0], unit, np.radians(table[:, 0]), np.ascontiguousarray(table[:, 1:].T) * factor, _cam_speed(said, name),
+        source, synthetic.lower() in ("yes", "true", "1"), tuple(said["note"]),
+    )  # fmt: skip
+
+
+def _row(words: str, number: int, name: str, first: bool) -> list[float]:
+    """Numbers of a line; none for the heading."""
+    cells = [cell.strip() for cell in words.split(";" if ";" in words else "\t" if "\t" in words else ",")]
+    try:
+        return [float(cell) if cell else math.nan for cell in cells]
+    except ValueError as error:
+        if first:
+            return []
+        raise InputError(f"line {number} of {name} is no row of numbers: '{words[:40]}'; correct it or mark it with #") from error
+
+
+def _check_row(rows: list[list[float]], number: int, name: str) -> None:
+    if len(rows[-1]) != len(rows[0]) or len(rows[0]) < 2:
+        due = f"the first row {len(rows[0])}" if len(rows[0]) > 1 else "two are the fewest"
+        raise InputError(f"line {number} of {name} has {len(rows[-1])} numbers, {due}; make the rows alike")
+    if len(rows) > MOST_ANGLES or len(rows[0]) > MOST_CYCLES + 1:
+        raise InputError(f"{name} holds more than {MOST_ANGLES} angles or {MOST_CYCLES} cycles; give fewer")
+    if any(math.isinf(value) for value in rows[-1]):
+        raise InputError(f"line {number} of {name} holds a number beyond all bounds; correct it")
+
+
+def _si_unit(unit: str, name: str) -> tuple[float, str]:
+    """Factor to SI and the SI unit of ``unit``."""
+    try:
+        dimension = dimension_of("" if unit == "1" else unit)
+        factor = unit_factor("" if unit == "1" else unit)
+    except InputError as error:
+        raise InputError(f"{error.reason} (in {name})") from error
+    if dimension is None:
+        raise InputError(f"unit '{unit[:40]}' of {name} is none of a measured quantity; use one such as N, mm, MPa, m/s")
+    return factor, DIMENSIONS[dimension].si_unit or "1"
+
+
+def _cam_speed(said: dict[str, list[str]], name: str) -> float:
+    for key, ratio in (("cam speed", 1.0), ("engine speed", 0.5)):
+        if said[key]:
+            found = parse_quantity(said[key][0], "angular speed", f"{key} of {name}")
+            if found < 0:
+                raise InputError(f"{key} of {name} is below zero; give it as it turns")
+            return ratio * found
+    return 0.0

@@ -1,0 +1,122 @@
+"""What becomes of a recording: cycles of every channel, where they were cut, what was found on the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.measurements.cycle_cutting import CycleGrid
+from valvetrain.measurements.lift_alignment import LiftAlignment
+from valvetrain.measurements.measured_cycles import MeasuredCycles
+from valvetrain.measurements.rig_channels import RigQuantity
+from valvetrain.measurements.shaft_angle import ShaftAngle
+
+Array = NDArray[np.float64]
+#: 97.5 % point of Student's distribution for 1, 2, ... degrees of freedom; 1.96 beyond.
+_STUDENT = (
+    12.71,
+    4.303,
+    3.182,
+    2.776,
+    2.571,
+    2.447,
+    2.365,
+    2.306,
+    2.262,
+    2.228,
+    2.201,
+    2.179,
+    2.16,
+    2.145,
+    2.131,
+    2.12,
+    2.11,
+    2.101,
+    2.093,
+)
+
+
+def student(count: int) -> float:
+    """Factor of a 95 % interval of the mean of ``count`` values."""
+    return float("inf") if count < 2 else _STUDENT[count - 2] if count - 2 < len(_STUDENT) else 1.96 + 2.4 / (count - 1)
+
+
+@dataclass(frozen=True, eq=False)
+class RigChannelCycles:
+    """One channel: its ``cycles``, the ``raw`` samples (SI), the highest frequency ``band`` (Hz) that was kept, the spread of its mean.
+
+    ``spread``: half width of the 95 % band of the mean (SI), shape (angles,): scatter of the cycles, and what the uncertainty of the cam
+    angle makes of the slope. ``taken_off``: zero that was taken off in each dwell, empty where none was.
+    """
+
+    cycles: MeasuredCycles
+    raw: RigQuantity
+    band: float
+    spread: Array
+    taken_off: Array
+
+    def peaks(self, sign: float = 1.0) -> tuple[Array, Array]:
+        """Largest value (smallest with ``sign`` -1) of each cycle and its cam angle (rad), both of shape (cycles,)."""
+        place = np.argmax(sign * self.cycles.values, axis=1)
+        return self.cycles.values[np.arange(len(place)), place], self.cycles.cam_angle[place]
+
+
+@dataclass(frozen=True, eq=False)
+class RigResult:
+    """Cycles of a recording.
+
+    Parameters
+    ----------
+    name, form : of the file
+    channels : one RigChannelCycles a quantity, in the order in which they were named
+    shaft : cam angle over time
+    grid : where the cycles lie, outliers among them
+    kept : numbers of the cycles (from 0) that are in ``channels``
+    outliers : number of a cycle and why it was left out (or would have been)
+    offset : cam angle of the case at the mark, rad; ``offset_uncertainty`` its standard uncertainty (rad), 0 where it was stated
+    alignment : how the lift told it, None where it did not
+    synthetic : the recording was computed
+    notes : what was found, assumed and left out, a sentence each
+
+    Made by :func:`valvetrain.rig_cycles`.
+
+    >>> [name for name in RigResult.__dataclass_fields__ if name in ("channels", "offset")]
+    ['channels', 'offset']
+    """
+
+    name: str
+    form: str
+    channels: tuple[RigChannelCycles, ...]
+    shaft: ShaftAngle
+    grid: CycleGrid
+    kept: tuple[int, ...]
+    outliers: tuple[tuple[int, str], ...]
+    offset: float
+    offset_uncertainty: float
+    alignment: LiftAlignment | None
+    synthetic: bool
+    notes: tuple[str, ...]
+
+    @property
+    def cycles(self) -> tuple[MeasuredCycles, ...]:
+        """Cycles of every channel, as a model is compared with them."""
+        return tuple(channel.cycles for channel in self.channels)
+
+    def __repr__(self) -> str:
+        names = ", ".join(channel.cycles.quantity for channel in self.channels)
+        return f"RigResult '{self.name}' ({self.form}): {names}, {len(self.kept)} of {self.grid.cycles} cycles"
+
+
+def mean_spread(values: Array, step: float, angle_uncertainty: float) -> Array:
+    """Half width of the 95 % band of the mean over cycles: scatter over the cycles, and the slope times twice the angle's uncertainty."""
+    count = len(values)
+    mean = np.mean(values, axis=0)
+    slope = (np.roll(mean, -1) - np.roll(mean, 1)) / (2 * step)
+    by_angle = 2 * angle_uncertainty * np.abs(slope)
+    if count < 2:
+        return np.full(values.shape[1], np.inf)
+    scatter = student(count) * np.std(values, axis=0, ddof=1) / np.sqrt(count)
+    spread: Array = np.hypot(scatter, by_angle)
+    return spread

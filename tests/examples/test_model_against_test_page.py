@@ -1,0 +1,53 @@
+"""Examples: the commands of docs/model-against-test.md run as they stand on the sample tests, and say what the page says."""
+
+from __future__ import annotations
+
+import re
+import runpy
+import shlex
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from unit.cli_parts import call
+from valvetrain.measurements.cycles_file import write_cycles
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "model-against-test.md").read_text(encoding="utf-8")
+COMMANDS = [line.strip() for line in PAGE.splitlines() if line.startswith("    valvetrain ")]
+
+
+@cache
+def samples(folder: Path) -> Path:
+    """What the script writes, but for the second table of coils, whose commands differ from those of the first in a number."""
+    script = runpy.run_path(str(ROOT / "scripts" / "sample_test_cycles.py"))
+    folder.mkdir()
+    write_cycles(folder / "spring-force.csv", [script["force_cycles"]()])
+    (folder / "coils-lash-0.csv").write_text(script["coil_table"]("0 mm", 11), encoding="utf-8")
+    (folder / "engine-head.csv").write_text(script["engine_head_table"](), encoding="utf-8")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        (0, ("does not refute finite-element: F = 1.21", "refutes multi-mass: F = 8.64")),
+        (1, ("refutes finite-element: F = 408", "refutes modal-varied: F = 681", "12 of 16 values")),
+        (2, ("refutes wave-rod: F = 32", "refutes multi-mass: F = 33.7", "The test is synthetic")),
+    ],
+)
+def test_the_commands_of_the_page_say_what_it_says(tmp_path_factory, monkeypatch, number, words):
+    monkeypatch.chdir(samples(tmp_path_factory.getbasetemp() / "tests-of-the-page"))
+    assert len(COMMANDS) == 4
+    shown = call(*shlex.split(COMMANDS[number])[1:])
+    assert shown.exit_code == 0, shown.output
+    for part in words:
+        assert part in shown.output, shown.output
+
+
+def test_every_name_of_the_page_exists():
+    import valvetrain
+
+    names = re.search(r"From Python: (.*?)\. How", PAGE, re.DOTALL)
+    assert names and set(re.findall(r"`(\w+)`", names[1])) <= set(valvetrain.__all__)

@@ -1,0 +1,89 @@
+"""Files of measured cycles: what is written is read, what cannot be read is one sentence."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from valvetrain.errors import InputError
+from valvetrain.measurements.cycles_file import read_cycles, write_cycles
+from valvetrain.measurements.measured_cycles import MeasuredCycles
+
+ANGLES = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+
+
+def channel(quantity="valve_lift", unit="m", **more):
+    values = np.outer([1.0, 2.0, 3.0], 1.1 + np.cos(ANGLES))
+    values[1, 3] = np.nan
+    return MeasuredCycles(quantity, unit, ANGLES, values, 157.25, "own rig", True, ("one note", "and another"), **more)
+
+
+@pytest.mark.parametrize("name", ["cycles.csv", "cycles.nc", "cycles"])
+def test_what_is_written_is_read(tmp_path, name):
+    kept = channel()
+    (found,) = read_cycles(write_cycles(tmp_path / name, [kept]))
+    np.testing.assert_array_equal(found.values, kept.values)
+    np.testing.assert_allclose(found.cam_angle, ANGLES, rtol=1e-15, atol=1e-15)
+    for field in ("quantity", "unit", "cam_speed", "source", "synthetic", "notes"):
+        assert getattr(found, field) == getattr(kept, field)
+
+
+def test_several_channels_of_one_quantity_keep_their_own_names(tmp_path):
+    kept = [channel(), channel("spring_force", "N"), channel()]
+    found = read_cycles(write_cycles(tmp_path / "cycles.nc", kept))
+    assert sorted(one.quantity for one in found) == ["spring_force", "valve_lift", "valve_lift"]
+
+
+def test_several_channels_are_no_text(tmp_path):
+    with pytest.raises(InputError, match=r"one channel, not 2; name the file \*\.nc"):
+        write_cycles(tmp_path / "cycles.csv", [channel(), channel()])
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_table_of_ones_own_is_made_si(tmp_path):
+    rows = [f"{angle};{angle / 10};" for angle in range(0, 360, 30)]
+    head = ["# Quantity: valve_lift", "# unit: mm", "# engine speed: 3000 rpm", "angle;one;two"]
+    (tmp_path / "own.txt").write_text("\n".join(head + rows), encoding="utf-8")
+    (found,) = read_cycles(tmp_path / "own.txt")
+    assert found.unit == "m" and found.cam_speed == pytest.approx(50 * np.pi)
+    np.testing.assert_allclose(found.values[0], np.arange(0, 36, 3) * 1e-3)
+    assert np.isnan(found.values[1]).all() and not found.synthetic
+
+
+ROWS = "\n".join(f"{angle},1" for angle in range(0, 360, 30))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("# unit: mm\n" + ROWS, "does not say its quantity"), ("# quantity: valve_lift\n" + ROWS, "does not say its unit"),
+        ("# quantity: a\n# unit: furlong\n" + ROWS, "furlong"),
+        ("# quantity: a\n# unit: N\n" + ROWS + "\n1,2,3", "line 15 .* has 3 numbers"),
+        ("# quantity: a\n# unit: N\n" + ROWS + "\nx,2", "no row of numbers"),
+        ("# quantity: a\n# unit: N\n0,1\n9,inf\n", "beyond all bounds"),
+        ("# quantity: a\n# unit: N\n" + "\n".join(["0,1"] * 9), "must rise"), ("# quantity: a\n# unit: N\n", "no row of numbers"),
+        ("# quantity: a\n# unit: N\n# cam speed: 9\n" + ROWS, "has no unit"), ("", "is empty"), ("a\0b", "no text"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_read_is_one_sentence(tmp_path, text, words):
+    (tmp_path / "own.txt").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        read_cycles(tmp_path / "own.txt")
+
+
+@pytest.mark.parametrize("name", ["cycles.nc", "cycles.csv"])
+def test_a_damaged_file_is_a_sentence_or_says_what_it_said(tmp_path, name):
+    whole = write_cycles(tmp_path / name, [channel()]).read_bytes()
+    random = np.random.default_rng(3)
+    for _ in range(30):
+        cut = whole[: random.integers(1, len(whole))]
+        changed = bytearray(whole)
+        changed[random.integers(len(whole))] ^= 1 << int(random.integers(8))
+        for content in (cut, bytes(changed)):
+            (tmp_path / "x").write_bytes(content)
+            try:
+                (found,) = read_cycles(tmp_path / "x")
+            except InputError:
+                continue
+            assert name.endswith("csv"), "NetCDF tells every damage by its checksum"
+            assert found.values.ndim == 2

@@ -1,0 +1,138 @@
+"""The command rig: tables, pages, files and JSON of a recording and of a gauge; what it asks and refuses."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from unit.cli_parts import call
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+from sample_rig import WRITERS, Rig, record
+
+
+def lift(angle):
+    """The lift of job-t would cost a build; this one is like it."""
+    return 10e-3 * np.clip(1 - ((np.asarray(angle) % (2 * np.pi) - np.pi) / 1.0) ** 2, 0, None) ** 3
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    made = tmp_path_factory.mktemp("rig")
+    records = record(Rig(cycles=6, slipped=3, sampling_rate=20e3), lift, lambda angle: 215 + 26e3 * lift(angle))
+    for name in ("rig.csv", "rig.tdms"):
+        WRITERS[name](made / name, records)
+    return made
+
+
+ANSWERS = ("--angle-of", "crank", "--encoder", "Crank angle", "--zero", "spring_force=215 N")
+
+
+def test_the_command_tells_writes_and_keeps(folder, tmp_path):
+    out = call("rig", str(folder / "rig.csv"), *ANSWERS, "--output", str(tmp_path / "out"), "--write", str(tmp_path / "own.nc"), "--json")
+    assert out.exit_code == 0, out.output
+    data = json.loads(out.stdout)
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names >= {"report.html", "cycles.nc", "spring_force.csv", "valve_lift.csv", "means.csv", "run.json"}
+    assert data["synthetic"] and data["outliers"][0]["cycle"] == 4 and data["kept"] == [1, 2, 3, 5, 6]
+    kept = {one.quantity: one for one in vt.read_cycles(tmp_path / "own.nc")}
+    direct = vt.rig_cycles(folder / "rig.csv", vt.RigAnswers(angle_of="crank", encoder="Crank angle", zero={"spring_force": "215 N"}))
+    for one in direct.cycles:
+        np.testing.assert_array_equal(kept[one.quantity].values, one.values)
+    peak = next(one for one in data["channels"] if one["quantity"] == "spring_force")["figures"][0]["mean"]
+    assert peak == pytest.approx(float(np.mean(direct.channels[0].peaks()[0])), rel=1e-12)
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "Synthetic recording" in page and "left out" in page
+    shown = call("rig", str(folder / "rig.csv"), *ANSWERS, "--output", str(tmp_path / "out2"))
+    assert "Cycle 4" in shown.output and "synthetic" in shown.output
+    read_back = vt.read_cycles(tmp_path / "out" / "spring_force.csv")[0]
+    np.testing.assert_array_equal(read_back.values, kept["spring_force"].values)
+
+
+def test_an_outlier_may_stay(folder):
+    found = vt.rig_cycles(folder / "rig.tdms", vt.RigAnswers(angle_of="crank", keep_outliers=True))
+    assert len(found.kept) == 6 and found.outliers[0][0] == 3
+
+
+def test_all_open_questions_are_one_sentence(tmp_path):
+    (tmp_path / "own.csv").write_text("a;b\n" + "\n".join(f"{place};{place % 7}" for place in range(500)), encoding="utf-8")
+    out = call("rig", str(tmp_path / "own.csv"))
+    assert out.exit_code == 2 and out.output.count("\n") <= 6
+    said = " ".join(out.output.split())
+    for words in ("which channels are measured", "which channel tells the angle", "cam or the crank"):
+        assert words in said
+    more = ("--channel", "spring_force=a", "--pulses", "b", "--angle-of", "cam")
+    said = " ".join(call("rig", str(tmp_path / "own.csv"), *more).output.split())
+    for words in ("how many teeth", "the sampling rate", "the unit of spring_force"):
+        assert words in said
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        ((), "give the recording as a file"), (("none.csv",), "cannot be read"), (("rig.csv", "--bandwidth", "2 kHz"), "without a file"),
+        (("rig.csv", "--unit", "spring_force"), "is no pair"), (("rig.csv", "--unit", "a=N", "--unit", "a=N"), "is given twice"),
+        (("rig.csv", "--angle-of", "x"), "angle_of is cam or crank"), (("rig.csv", "--dwell", "1 deg"), "two ends"),
+        (("rig.csv", "--span", "3, 2 s"), "ends before it begins"),
+        (("rig.csv", "--span", "0.1, 0.101 s", "--angle-of", "cam"), "in the span"),
+        (("rig.csv", "--angle-of", "crank", "--unit", "encoder=mm"), "is no angle"),
+        (("rig.csv", "--angle-of", "crank", "--channel", "spring_force=Force 9"), "has no channel 'Force 9'"),
+        (("rig.csv", "--angle-of", "crank", "--pulses", "Crank wheel", "--teeth", "58"), "teeth"),
+        (("rig.csv", "--angle-of", "crank", "--pulses", "Crank wheel", "--teeth", "60", "--missing", "3"), "no gap of 3 missing teeth"),
+        (("rig.csv", "--angle-of", "crank", "--pulses", "Valve lift", "--teeth", "60"), "pulses"),
+        (("rig.csv", "--angle-of", "crank", "--band", "2 Hz"), "shorter than the filter"), (("rig.csv", "--set", "a=1"), "--case"),
+        (("rig.csv", "--angle-count", "4"), "angle_count is a whole number"), (("rig.csv", "--teeth", "0"), "teeth is a whole number"),
+        (("rig.csv", "--angle-of", "crank", "--zero", "spring_force=1 mm"), "zero of spring_force"),
+        (("rig.csv", "--angle-of", "crank", "--shunt", "spring_force=x, 1 N"), "the shunt of spring_force"),
+        (("--case", "job-t", "--sensor", "colour=3"), "tells nothing of a gauge"),
+        (("--case", "job-t", "--sensor", "order=x"), "order is a number"),
+        (("--case", "job-t", "--sensor", "bandwidth=1 kHz", "--bandwidth", "1 kHz"), "given twice"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_one_sentence(folder, monkeypatch, words, sentence):
+    monkeypatch.chdir(folder)
+    out = call("rig", *words)
+    assert out.exit_code == 2 and sentence in " ".join(out.output.split()), out.output
+
+
+def test_a_gauge_sees_a_case(tmp_path):
+    words = ("--case", "job-t", "--engine-speed", "6000 rpm", "--spring", "multi-mass", "--bandwidth", "400 Hz", "--sampling-rate", "4 kHz")
+    out = call("rig", *words, "--output", str(tmp_path / "seen"), "--json")
+    assert out.exit_code == 0, out.output
+    data = json.loads(out.stdout)
+    assert {one["channel"] for one in data["seen"]} == {"retainer_force", "seat_force"}
+    for one in data["seen"]:
+        assert one["recorded_peaks"][0] <= one["recorded_peak"] <= one["recorded_peaks"][1] < one["true_peak"]
+    assert len(list((tmp_path / "seen").glob("seen-*.csv"))) == 2
+    shown = call("rig", *words, "--output", str(tmp_path / "seen2")).output
+    assert "Butterworth low-pass of order 4 at 0.4 kHz; sampled at 4 kHz" in shown
+
+
+def test_what_a_gauge_sees_does_not_depend_on_the_output_samples():
+    """The finest traces are used: coarse samples of a run change nothing that a gauge sees."""
+    runs = [
+        vt.simulate(vt.load_case("job-t", {"operation.output_step": step}), "6000 rpm", spring_models=["multi-mass"]).solutions[0]
+        for step in ("1 deg", "0.25 deg")
+    ]
+    one, two = (vt.seen_by_sensor(run, vt.Sensor(bandwidth="1 kHz"), ["seat_force"])[0] for run in runs)
+    assert len(runs[0].time) < len(runs[1].time)
+    assert one.seen.peak == pytest.approx(two.seen.peak, rel=2e-4)
+
+
+def test_a_channel_that_a_run_lacks_is_named():
+    (run,) = vt.simulate("job-t", "3000 rpm", spring_models=["massless"]).solutions
+    with pytest.raises(vt.InputError, match="the run has no channel 'lift'"):
+        vt.seen_by_sensor(run, vt.Sensor(), ["lift"])
+
+
+def test_kept_runs_differ_by_what_was_asked_and_found(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for place, more in enumerate(((), ("--band", "500 Hz"))):
+        assert call("rig", str(folder / "rig.tdms"), *ANSWERS, *more, "--output", str(tmp_path / f"out{place}"), "--quiet").exit_code == 0
+    said = call("compare-runs", "out0", "out1").output
+    assert "choices.band" in said and "largest spring force" in said and "choices.digest" not in said
