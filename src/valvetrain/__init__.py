@@ -115,6 +115,8 @@ _HOMES = {
     "map_cases": "studies.batch",
     "study": "studies.points.study",
     "StudyTable": "studies.points.table",
+    "optimise": "studies.optimum.api",
+    "Optimum": "studies.optimum.result",
     "run_up": "studies.run_up",
     "train_modes": "studies.train_modes",
     # results
@@ -243,6 +245,8 @@ if TYPE_CHECKING:
     from valvetrain.studies.film_model import FilmedModel as FilmedModel
     from valvetrain.studies.film_model import film_over_model as film_over_model
     from valvetrain.studies.lift_band import lift_band_study as lift_band_study
+    from valvetrain.studies.optimum.api import optimise as optimise
+    from valvetrain.studies.optimum.result import Optimum as Optimum
     from valvetrain.studies.points.study import study as study
     from valvetrain.studies.points.table import StudyTable as StudyTable
     from valvetrain.studies.refined import refine as refine

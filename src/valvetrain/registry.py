@@ -36,6 +36,7 @@ BUILT_IN["commands"] = {
     "compare": "valvetrain.cli.compare:register",
     "sweep": "valvetrain.cli.sweep:register",
     "study": "valvetrain.cli.study:register",
+    "optimise": "valvetrain.cli.optimise:register",
     "run-up": "valvetrain.cli.run_up:register",
     "static": "valvetrain.cli.static:register",
     "modes": "valvetrain.cli.modes:register",

@@ -22,7 +22,7 @@ derivative retainer_velocity damping damping_ratio mass_damping stiffness_dampin
 force mass active_mass inactive_mass residual_mass holding_torque stem_damping lash offset tilt radius tip_radius follower_radius
 valve_angle valve_inclination cam_angle cam_acceleration nose exchange dynamic_deflection ramp_length fullness smoothing noise band draw
 precompression compression engine_speed wall_time wall_time_per_cycle own_time friction_loss pressed_interval last_step overflow dissipated
-runs_count discard level threshold base y seed pairs time
+runs_count discard level threshold base y seed pairs time missed computed
 first_frame claimed metres_per_pixel missing resolution phase told
 fitted channel cam_speed shared gain
 """.split()
@@ -35,8 +35,11 @@ free_decay synthetic zero_phase keep_outliers periodic
 #: What is done unless it is refused, and factors that change nothing.
 ON = """
 pulls judged compared moves with_tangent page in_legend shaded legend worded seats quadratic needs_mass damped critical_speeds apart
+spare
 """.split()
-ONE = "weight closed_lower closed_upper drive_scale depth factor refinement end_refinement rotation drive_side records".split()
+ONE = """
+weight closed_lower closed_upper drive_scale depth factor refinement end_refinement rotation drive_side records scale seeds
+""".split()
 #: One value everywhere: Hertz (1882) for points, steel (EN 13906-1), ends of a column held in parallel planes, what docs state of flanks,
 #: friction and steps.
 EVERYWHERE: dict[str, float] = {
@@ -56,6 +59,7 @@ APART = {
     (f"{file}.py", "seed"): 1
     for file in (
         "studies/points/samplers/contract", "studies/points/sensitivity", "studies/points/surrogate", "identification/ensemble",
+        "studies/optimum/optimum_file",
         "identification/search", "identification/evolution", "identification/branches", "identification/nested",
     )
 }  # fmt: skip

@@ -56,9 +56,11 @@ SpeedOption = Annotated[
 
 
 def read_folder(text: str) -> Path:
-    """The folder of that name; an empty name, as a variable without a value gives it, is refused with an :class:`InputError`."""
+    """The folder of that name. Raises :class:`InputError` for an empty one, as a variable without a value gives it, and a zero byte."""
     if not text.strip():
         raise InputError("the name of the folder is empty; give one, or leave the option out", "--output")
+    if "\0" in text:
+        raise InputError("the name of the folder holds a zero byte, which no folder can; give another", "--output")
     return Path(text)
 
 

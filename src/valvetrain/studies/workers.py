@@ -162,20 +162,24 @@ class StandingPool:
 
     def map(self, points: Sequence[Any]) -> list[Any]:
         """The results of one batch."""
+        results = dict(self.stream(points))
+        return [results[place] for place in range(len(points))]
+
+    def stream(self, points: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """(place, result) of every point of one batch as it is finished."""
         if self._pool is None:
-            found = []
-            for point in points:
+            for place, point in enumerate(points):
                 look()
-                found.append(self.function(self.shared, point))
-            return found
-        results: dict[int, Any] = {}
+                yield place, self.function(self.shared, point)
+            return
+        left = set(range(len(points)))
         try:
             for place, result in as_they_come({self._pool.submit(_one, point): place for place, point in enumerate(points)}):
-                results[place] = result
+                left.discard(place)
+                yield place, result
         except BrokenProcessPool:
-            left = [place for place in range(len(points)) if place not in results]
-            for number, result in in_processes(self.function, self.shared, [points[place] for place in left], self.count):
-                results[left[number]] = result
+            again = sorted(left)
+            for number, result in in_processes(self.function, self.shared, [points[place] for place in again], self.count):
+                yield again[number], result
             _end(self._pool)
             self.__enter__()
-        return [results[place] for place in range(len(points))]

@@ -15,7 +15,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.quantities.buckling import buckling_quantities
-from valvetrain.quantities.design import closing_quantities, size_quantities
+from valvetrain.quantities.design import design_quantities, size_quantities
 from valvetrain.quantities.statics import rest_quantities
 from valvetrain.solution.gaps import Gaps, reason
 from valvetrain.solution.result import Solution
@@ -109,7 +109,7 @@ def _still(problem: Problem, member: Member, rest: Rest, lift: float, wanted: Wa
     names = ("",) if len(member.springs) == 1 else ("outer_", "inner_")
     published = [value.quantity for value in problem.record.published]
     for name, spring in zip(names, member.springs, strict=True):
-        own = size_quantities(spring) | closing_quantities(spring)
+        own = size_quantities(spring) if not wanted.outputs else design_quantities(spring)
         if not wanted.sizes_alone:
             at_rest = _by_model(problem, spring, wanted.rest_model, lift) if wanted.rest_model else rest.get(spring)
             told = {} if at_rest is None else rest_quantities(at_rest, published) | buckling_quantities(spring, at_rest, lift)
@@ -130,13 +130,14 @@ def _train(problem: Problem, member: Member, engine_speed: float | None, wanted:
     status = COMPLETED
     gaps = Gaps()
     speeds = (engine_speed,) if engine_speed is not None else problem.engine_speeds
-    if engine_speed is not None:
+    if engine_speed is not None or wanted.rigid:
         ready, _ = ready_trains(problem, speeds, gaps)
+    if engine_speed is not None:
         plan = Plan("all", None, True, problem.cycles, problem.cycles_to_settle)
         solution: Solution = train_point((problem, ready, plan), (0, engine_speed))
         status, values = solution.status, dict(solution.quantities)
-        if wanted.rest:
-            values |= rigid_numbers(problem, ready, speeds).get(member.spring_set, {})
+    if wanted.rigid or (wanted.rest and engine_speed is not None):
+        values |= rigid_numbers(problem, ready, speeds).get(member.spring_set, {})
     if wanted.rest and (wanted.rest_model or wanted.sizes_alone):
         values |= _still(problem, member, {}, _train_lift(problem, member), wanted)
     elif wanted.rest and wanted.outputs and not all(name in values for name in wanted.outputs):

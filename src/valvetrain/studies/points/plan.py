@@ -5,9 +5,10 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,13 +17,14 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import library_names, load_case
+from valvetrain.parameters.overrides import REMOVED
 from valvetrain.registry import find
 from valvetrain.solution.definition import definition_of, is_defined
 from valvetrain.studies.points.distributions import SIGMAS, Distribution, LogNormal, Normal, Uniform, Values
 from valvetrain.studies.points.nominal import nominal
 from valvetrain.studies.points.point import Point, Wanted
 from valvetrain.studies.points.samplers.contract import MOST_POINTS, SamplerOptions, SamplerSpec, sampler
-from valvetrain.studies.points.study_file import StudyText, VaryModel
+from valvetrain.studies.points.study_file import FileText, StudyText, VaryModel
 from valvetrain.studies.points.varied import ENGINE_SPEED, Varied
 from valvetrain.studies.points.vary import vary
 from valvetrain.studies.points.versions import versions_digest
@@ -78,11 +80,8 @@ def _told(case: Case) -> str:
 def read_plan(text: StudyText) -> StudyPlan:
     """The plan of a study file. Raises :class:`InputError`, one sentence with file, line and key."""
     model = text.model
-    case = text.guarded(("case",), lambda: _case(text))
-    varied = tuple(text.guarded(("vary", place), lambda one=one: _varied(one, case)) for place, one in enumerate(model.vary))
-    names = [one.name for one in varied]
-    if len(set(names)) < len(names):
-        raise text.located(("vary",), f"'{next(name for name in names if names.count(name) > 1)}' is varied twice; say it once")
+    case = text.guarded(("case",), lambda: case_of_file(model.case, model.changes, text.folder))
+    varied = varied_of_file(text, model.vary, case)
     spec = text.guarded(("points", "sampler"), lambda: sampler(model.points.sampler, ""))
     options = text.guarded(("points",), lambda: spec.read_options(dict(text.sampler_options)))
     if model.kind == "tolerance" and spec.word != "saltelli":
@@ -97,21 +96,31 @@ def read_plan(text: StudyText) -> StudyPlan:
         if word:
             text.guarded((key,), lambda word=word: find("springs", word))
     runs = text.guarded(
-        ("engine_speeds",), lambda: _runs(model.engine_speeds, case, varied, wanted, model.spring_models, model.spring_sets)
+        ("engine_speeds",), lambda: runs_of(model.engine_speeds, case, varied, wanted, model.spring_models, model.spring_sets)
     )
     return StudyPlan(model.title or f"{case.name}: {spec.words}", model.kind, case, varied, spec, options, runs, wanted, model.description)
 
 
-def _case(text: StudyText) -> Case:
-    name = text.model.case
-    changes = {key: value for key, value in text.model.changes.items()}
-    path = text.folder / name
-    return load_case(name if name in library_names() or not path.is_file() else path, changes or None)
+def case_of_file(name: str, changes: Mapping[str, Any], folder: Path) -> Case:
+    """The case of the library or beside the file in ``folder``, with its changes; an empty text removes a key."""
+    path = folder / name
+    made = {key: REMOVED if value == "" else value for key, value in changes.items()}
+    return load_case(name if name in library_names() or not path.is_file() else path, made or None)
 
 
-def _runs(
+def varied_of_file(text: FileText[Any], models: Sequence[VaryModel], case: Case) -> tuple[Varied, ...]:
+    """What a file varies, each quantity once."""
+    varied = tuple(text.guarded(("vary", place), lambda one=one: _varied(one, case)) for place, one in enumerate(models))
+    names = [one.name for one in varied]
+    if len(set(names)) < len(names):
+        raise text.located(("vary",), f"'{next(name for name in names if names.count(name) > 1)}' is varied twice; say it once")
+    return varied
+
+
+def runs_of(
     engine_speeds: Any, case: Case, varied: Sequence[Varied], wanted: Wanted, models: Sequence[str], sets: Sequence[str]
 ) -> tuple[Run, ...]:
+    """Every engine speed with every model and set. Raises :class:`InputError` where a speed or a set is missing."""
     speeds: tuple[float | None, ...]
     if any(one.key == ENGINE_SPEED for one in varied) or not wanted.motion:
         if engine_speeds is not None and wanted.motion:

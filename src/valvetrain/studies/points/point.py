@@ -20,10 +20,19 @@ LIGHT = frozenset((
 #: Quantities of a spring at rest begin with one of these.
 AT_REST = (
     "preload", "installed_", "mode_", "natural_", "stiffness_change_", "solid_", "free_length", "coil_1_2_installed_gap", "buckling_",
-    "rigid_", "largest_pitch",
+    "rigid_", "largest_pitch", "wire_mass", "wire_length", "smallest_i", "largest_index", "largest_outer", "estimated_", "card_",
+    "total_coil", "active_coil", "coil_bind_lift", "formula_buckling",
 )  # fmt: skip
-#: Of these, what follows from the sizes of the spring alone: no static curve is needed.
-BY_SIZE = ("free_length", "solid_height", "largest_pitch", "solid_force", "solid_nominal_shear_stress")
+#: Of these, what follows from the sizes of the spring alone, or from its card: no static curve is needed.
+BY_SIZE = (
+    "free_length", "solid_height", "largest_pitch", "solid_force", "solid_nominal_shear_stress", "solid_compression", "wire_mass",
+    "wire_length", "smallest_index_ratio", "largest_index_ratio", "largest_outer_diameter", "smallest_inner_diameter", "estimated_rate",
+    "estimated_surge_frequency", "total_coil_count", "active_coil_count", "coil_bind_lift", "installed_compression", "installed_height",
+    "formula_buckling_compression", "card_rate", "card_preload", "card_mass", "card_installed_height", "card_open_force", "card_open_lift",
+    "card_solid_height", "card_surge_frequency",
+)  # fmt: skip
+#: What rigid theory says of a train whose parts stand still.
+RIGID = "rigid_"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +59,13 @@ class Wanted:
     @property
     def sizes_alone(self) -> bool:
         """Whether of a spring at rest nothing but its sizes is asked for."""
-        return bool(self.outputs) and all(_bare(name) in BY_SIZE for name in self.outputs if is_at_rest(name))
+        still = [name for name in self.outputs if is_at_rest(name)]
+        return bool(self.outputs) and all(_bare(name) in BY_SIZE or name.startswith(RIGID) for name in still)
+
+    @property
+    def rigid(self) -> bool:
+        """Whether rigid theory is asked for."""
+        return any(name.startswith(RIGID) for name in self.outputs)
 
     @property
     def motion(self) -> bool:

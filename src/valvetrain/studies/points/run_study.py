@@ -59,13 +59,14 @@ def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
     """Estimated cost of a plan, from its request alone; of an adaptive one at its bound."""
     draws = len(plan.sampler.first(plan.varied, plan.options))
     draws = max(draws, int(getattr(plan.options, "count", draws))) if plan.sampler.more.__name__ != "no_more" else draws
-    seconds = [_seconds_of(plan, run) for run in plan.runs]
+    seconds = [seconds_of(plan, run) for run in plan.runs]
     each = sum(seconds) / len(seconds)
     memory = draws * len(plan.runs) * (KEPT + 8.0 * (len(plan.varied) + len(plan.wanted.outputs))) + 3e7 * workers
     return Estimate(draws * len(plan.runs), Cost(draws * sum(seconds) / max(1, workers), memory), each)
 
 
-def _seconds_of(plan: StudyPlan, run: Run) -> float:
+def seconds_of(plan: StudyPlan, run: Run) -> float:
+    """Estimated seconds of one core for one point of ``run``."""
     engine_speed, model, spring_set = run
     speeds: tuple[float, ...] = (engine_speed,) if engine_speed is not None else ()
     if not speeds and plan.wanted.motion:  # the engine speed is varied: the slowest takes longest

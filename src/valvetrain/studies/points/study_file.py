@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Generic, Literal, TypeVar
 
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
@@ -127,10 +127,13 @@ class StudyModel(StrictModel):
     vary: list[VaryModel] = Field(min_length=1, max_length=MOST_VARIED)
 
 
-class StudyText:
-    """A study file read: its ``model``, options of its sampler, folder and text; ``located`` places a problem in it."""
+FileModel = TypeVar("FileModel", bound=StrictModel)
 
-    def __init__(self, text: str, where: str, folder: Path) -> None:
+
+class FileText(Generic[FileModel]):
+    """A TOML file read: its ``model``, folder and text; ``located`` places a problem in it."""
+
+    def __init__(self, text: str, where: str, folder: Path, kind: type[FileModel]) -> None:
         self.text, self.where, self.folder = text, where, folder
         try:
             self.tree: Mapping[str, Any] = tomllib.loads(text)
@@ -139,13 +142,11 @@ class StudyText:
         except ValueError as error:
             raise InputError(f"is not valid TOML: {' '.join(str(error).split())[:160]}; correct it there", where) from None
         try:
-            self.model = StudyModel.model_validate(dict(self.tree))
-            for place, one in enumerate(self.model.vary):
-                self.guarded(("vary", place), lambda one=one: one.way)
+            self.model = kind.model_validate(dict(self.tree))
         except ValidationError as error:
             raise self.located(*first_problem(error)) from None
-        points = self.tree.get("points", {})
-        self.sampler_options = {key: value for key, value in points.items() if key != "sampler"}
+        for place, one in enumerate(getattr(self.model, "vary", ())):
+            self.guarded(("vary", place), lambda one=one: one.way)
 
     def located(self, path: tuple[str | int, ...], reason: str) -> InputError:
         """The refusal of what stands under ``path``, with its line."""
@@ -166,16 +167,29 @@ class StudyText:
             raise self.located((*path, *context.get("path", ())), str(context.get("reason", error))) from None
 
 
+class StudyText(FileText[StudyModel]):
+    """A study file read, with the options of its sampler."""
+
+    def __init__(self, text: str, where: str, folder: Path) -> None:
+        super().__init__(text, where, folder, StudyModel)
+        points = self.tree.get("points", {})
+        self.sampler_options = {key: value for key, value in points.items() if key != "sampler"}
+
+
 def read_study_file(path: Path) -> StudyText:
     """The study file at ``path``. Raises :class:`InputError`, one sentence with file, line and key."""
+    return StudyText(text_of_file(path, "study file"), path.name[:60], path.parent)
+
+
+def text_of_file(path: Path, what: str) -> str:
+    """Text of the TOML file at ``path``, which messages call ``what``. Raises :class:`InputError`, one sentence."""
     try:
-        text = bounded_bytes(path, "study file").decode("utf-8-sig")
+        return bounded_bytes(path, what).decode("utf-8-sig")
     except InputError as error:
         raise InputError(error.reason, path.name[:60]) from None
     except UnicodeDecodeError:
-        raise InputError("is no text file; a study file is TOML in UTF-8", path.name[:60]) from None
+        raise InputError(f"is no text file; a {what} is TOML in UTF-8", path.name[:60]) from None
     except FileNotFoundError:
-        raise InputError(f"there is no file '{str(path)[:120]}'; check the path (a study file ends in .toml)") from None
+        raise InputError(f"there is no file '{str(path)[:120]}'; check the path (a {what} ends in .toml)") from None
     except (OSError, ValueError) as error:
         raise InputError(f"the file cannot be read ({getattr(error, 'strerror', None) or 'bad path'}); check it", path.name[:60]) from None
-    return StudyText(text, path.name[:60], path.parent)

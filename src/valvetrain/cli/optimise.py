@@ -1,0 +1,132 @@
+"""``valvetrain optimise``: searches of springs and lift laws, from an optimisation file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from valvetrain.cli.options import JsonOption, LimitOption, OpenOption, QuietOption, WorkersOption, read_folder, read_workers
+from valvetrain.cli.study_command import show_page
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from valvetrain.studies.optimum.plan import OptimumPlan
+    from valvetrain.studies.optimum.result import Optimum
+
+#: Where searches are kept whose folder is not given, by the name of their file.
+HOME = Path("runs/optimise")
+#: Finished points, below the folder of a search.
+POINTS = "points"
+ANSWER = "optimum.json"
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("optimise")(optimise)
+
+
+def optimise(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Optimisation file (docs/optimisation.md): ranges, objectives, bounds.")],
+    output: Annotated[Path | None, typer.Option(
+        "--output", metavar="FOLDER", parser=read_folder, show_default=False,
+        help="Folder of points and results; points that it holds are not computed again (default: runs/optimise/FILE).",
+    )] = None,
+    dask: Annotated[str, typer.Option(
+        "--dask", metavar="CLUSTER", show_default=False,
+        help="Compute on a Dask cluster: 'local', the address of a scheduler, or slurm, pbs, sge, lsf, htcondor by dask-jobqueue.",
+    )] = "",
+    workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False, as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:  # fmt: skip
+    """The best springs and lift laws within bounds on space, coil bind, stress, float and clash. Goes on where it was stopped."""
+    from valvetrain.cli.limits import WORTH_SAYING
+    from valvetrain.cli.outcome import tell
+    from valvetrain.cli.progress import announce_compilation
+    from valvetrain.studies.cost import read_limits, refuse_cost
+    from valvetrain.studies.optimum.optimum_file import read_optimum_file
+    from valvetrain.studies.optimum.plan import read_optimum
+    from valvetrain.studies.optimum.run_search import FEWER, estimate_search
+    from valvetrain.studies.run_store import safe_name
+
+    limits, count = read_limits(limit), read_workers(workers)
+    plan = read_optimum(read_optimum_file(file))
+    folder = output or HOME / safe_name(file.stem)
+    estimate = estimate_search(plan, count)
+    told = refuse_cost(estimate.cost, limits, fewer=FEWER)
+    if estimate.cost.seconds > WORTH_SAYING:
+        tell(f"{estimate.trials} trials, {told} at most; finished points are kept in '{folder / POINTS}'")
+    moves = any(one.wanted.motion for one in plan.plans.values())
+    if moves or any(not one.wanted.sizes_alone for one in plan.plans.values()):
+        announce_compilation("statics", *(["transient"] if moves else []), *(["train"] if plan.case.train is not None else []))
+    _answer(_Request(plan, folder, count, dask, open_page), limits)
+
+
+@dataclass(frozen=True)
+class _Request:
+    plan: OptimumPlan
+    folder: Path
+    workers: int
+    dask: str
+    open_page: bool
+
+
+def _answer(request: _Request, limits: Any) -> None:
+    from valvetrain.cli.guard import interrupted
+    from valvetrain.cli.outcome import deliver
+    from valvetrain.cli.progress import progress_bar
+    from valvetrain.studies.optimum.run_search import SearchInterrupted, run_search
+
+    try:
+        with progress_bar(request.plan.title) as report:
+            found = run_search(request.plan, request.workers, request.dask, request.folder / POINTS, limits, report)
+    except SearchInterrupted as cut:
+        done = len(cut.optimum.trials) - 1
+        _written(request, cut.optimum)
+        words = f"{done} trials are told in '{request.folder}'; start the command again to go on"
+        raise typer.Exit(interrupted(f"interrupted: {words}")) from None
+    deliver(_written(request, found))
+
+
+def _written(request: _Request, found: Optimum) -> Any:
+    """The files of a search, and its answer."""
+    from valvetrain.cli.outcome import Outcome, plain, to_json
+    from valvetrain.cli.progress import busy
+    from valvetrain.report.optimum_files import optimum_json, write_optimum
+    from valvetrain.solution.atomic import write_text
+    from valvetrain.solution.gaps import Gaps
+    from valvetrain.studies.optimum.words import answer
+
+    gaps = Gaps()
+    with busy("writing files"):
+        data = optimum_json(found) | {"command": "optimise", "folder": str(request.folder)}
+        files, page = write_optimum(found, request.folder, gaps)
+        data["files"] = [str(path) for path in files]
+        data["page"] = None if page is None else str(page)
+        gaps.part(f"file '{ANSWER}'", None, lambda: write_text(request.folder / ANSWER, to_json(plain(data)) + "\n"))
+    if page is not None and request.open_page:
+        show_page(page)
+    failures = () if found.best is not None or not found.finished else (answer(found),)
+    return Outcome(data, lambda console: _show(console, found, request.folder), (*failures, *gaps.sentences))
+
+
+def _show(console: Console, found: Optimum, folder: Path) -> None:
+    from valvetrain.cli.tables import plain_table
+    from valvetrain.report.optimum_files import BEST
+    from valvetrain.report.optimum_page import ANSWER_HEADS, answer_rows
+    from valvetrain.studies.optimum.words import sentences
+
+    console.print(found.plan.title)
+    console.print()
+    if found.best is not None:
+        console.print(plain_table(ANSWER_HEADS, answer_rows(found), right=(1, 2, 4)))
+        console.print()
+        for sentence in sentences(found):
+            console.print(sentence, soft_wrap=True)
+    console.print(f"{len(found.trials)} trials, {found.computed} points computed in {found.seconds:.0f} s", soft_wrap=True)
+    if found.best is not None:
+        console.print(f"run the best  valvetrain run {folder / BEST}", soft_wrap=True)
+    console.print(f"results  {folder}", soft_wrap=True)

@@ -1,0 +1,254 @@
+"""``valvetrain optimise``: its answer and files, and that a search that is killed or stopped goes on where it was, with the same bits."""
+
+from __future__ import annotations
+
+import csv
+import json
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
+from valvetrain.studies.optimum.run_search import SearchInterrupted
+from valvetrain.studies.optimum.words import sentences
+
+#: Short runs of the chain: a limit speed, a bound at rest that is a share of the case, one trial in a few that cannot be built.
+SEARCH = """
+title = "Higher limit"
+case = "gu2021-beehive"
+changes = {{ "operation.cycles" = 1 }}
+engine_speeds = "8000 rpm"
+spring_models = ["multi-mass"]
+[[objective]]
+limit_speed = {{ quantity = "peak_spring_force", at_most = "860 N", engine_speeds = "6000:9000:1500 rpm", resolution = "400 rpm" }}
+direction = "maximise"
+label = "limit speed"
+[[constraint]]
+quantity = "largest_outer_diameter"
+at_most = "1.0 x case"
+[[constraint]]
+quantity = "coil_bind_clearance"
+at_least = "1 mm"
+[[vary]]
+key = "spring.wire_diameter"
+low = "3.4 mm"
+high = "4.0 mm"
+[[vary]]
+key = "spring.precompression"
+low = "6 mm"
+high = "24 mm"
+[search]
+trials = {trials}
+per_round = 4
+local = 0.25
+"""
+#: Sizes alone: a search in a second.
+LIGHT = """
+title = "Lightest"
+case = "job-c"
+objective = [{ quantity = "wire_mass", direction = "minimise" }]
+constraint = [{ quantity = "estimated_rate", at_least = "1.1 x case" }, { quantity = "smallest_index_ratio", at_least = 5, at_most = 9 }]
+vary = [
+  { key = "spring.wire_diameter", low = "3 mm", high = "4.6 mm", label = "wire" },
+  { key = "spring.mean_diameter", values = "20, 18, 24, 22 mm", label = "coil" },
+]
+search = { trials = 20, per_round = 5, seeds = 2 }
+"""
+
+
+@cache
+def light() -> vt.Optimum:
+    return vt.optimise(LIGHT, workers=1)
+
+
+def same(one: vt.Optimum, rows: list[dict]) -> None:
+    """The trials of an optimum and of the JSON of another, to the last bit."""
+    assert len(one.trials) == len(rows)
+    for trial, row in zip(one.trials, rows, strict=True):
+        for name in ("values", "objectives", "constraints"):
+            told = np.array([np.nan if value is None else value for value in row[name]])
+            assert np.array_equal(getattr(trial, name), told, equal_nan=True), (trial.number, name)
+        assert row["state"] == trial.state and row["failure"] == trial.failure
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    """The light search by the command, once: its folder and its JSON."""
+    folder = tmp_path_factory.mktemp("light")
+    (folder / "light.toml").write_text(LIGHT)
+    answer = call("optimise", str(folder / "light.toml"), "--workers", "1", "--json", "--output", str(folder / "out"))
+    assert answer.exit_code == 0, answer.stderr
+    return folder / "out", json.loads(answer.stdout)
+
+
+def test_the_answer_is_one_json_object_and_the_files_hold_the_same(kept):
+    (folder, data), found = kept, light()
+    same(found, data["rows"])
+    assert data["trials"] == 41 and data["of_case"]["number"] == 0 and data["feasible_trials"] == found.feasible
+    best = data["designs"][0]
+    assert best["number"] == found.best.trial.number and len(best["steps"]) >= 2 and set(data["best_by_seed"]) == {"1", "2"}
+    rows = list(csv.reader((folder / "trials.csv").open()))
+    assert len(rows) == 42 and rows[0][2:5] == ["spring.wire_diameter [m]", "spring.mean_diameter [m]", "objective 1: wire mass [kg]"]
+    assert float(rows[1 + best["number"]][4]) == best["objectives"][0]
+    page = (folder / "report.html").read_text()
+    assert all(one in page for one in data["sentences"][:2]) and "What small steps do" in page
+    assert json.loads((folder / "optimum.json").read_text())["designs"] == data["designs"]
+
+
+def test_the_answer_for_people_says_the_same(kept):
+    folder, _ = kept
+    text = call("optimise", str(folder.parent / "light.toml"), "--workers", "1", "--output", str(folder)).stdout
+    assert "The least that keeps every bound: wire mass" in text and "The case itself misses: estimated rate at least" in text
+    assert f"{light().feasible} of 41 trials keep every bound" in text and "2 searches from different seeds end at" in text
+    assert "41 trials, 0 points computed" in text
+
+
+def test_the_case_file_of_the_best_has_its_numbers_to_the_last_bit(kept):
+    folder, _ = kept
+    best, case = light().best.trial, vt.load_case(folder / "best.toml")
+    assert not case.published and not case.study
+    outputs = vt.study(f"""
+case = "{(folder / "best.toml").as_posix()}"
+outputs = ["wire_mass", "estimated_rate", "smallest_index_ratio"]
+points = {{ sampler = "list" }}
+vary = [{{ key = "spring.precompression", values = "7 mm" }}]
+""", workers=1)  # fmt: skip
+    assert outputs.values[0].tolist() == [best.objectives[0], best.constraints[0], best.constraints[1]]
+
+
+def test_optunas_own_reader_opens_the_study(kept):
+    import optuna
+
+    path, found = kept[0] / "optuna.db", light()
+    (summary,) = optuna.get_all_study_summaries(f"sqlite:///{path}")
+    study = optuna.load_study(study_name=summary.study_name, storage=f"sqlite:///{path}")
+    assert len(study.trials) == 41 and study.best_trial.user_attrs["number"] == found.best.trial.number
+    assert study.best_trial.params["wire [mm]"] == pytest.approx(1e3 * found.best.trial.values[0])
+    states = {"feasible": "COMPLETE", "infeasible": "COMPLETE", "refused": "FAIL"}
+    assert [one.state.name for one in study.trials] == [states[one.state] for one in found.trials]
+
+
+@pytest.fixture
+def file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "search.toml"
+    path.write_text(LIGHT)
+    return path
+
+
+def test_a_search_without_a_design_names_the_bound_that_is_missed_by_least(file):
+    text = LIGHT.replace(', { quantity = "smallest_index_ratio", at_least = 5, at_most = 9 }', "").replace("seeds = 2", "local = 0.0")
+    file.write_text(text.replace("1.1 x case", "400 N/mm"))
+    answer = call("optimise", str(file), "--workers", "1")
+    assert answer.exit_code == 1 and "No trial keeps every bound" in answer.stderr and "estimated rate at least 400 N/mm" in answer.stderr
+    assert (file.parent / "runs" / "optimise" / "search" / "report.html").exists()
+
+
+def test_a_search_beyond_the_bound_is_refused_before_it_begins(file):
+    file.write_text(SEARCH.format(trials=15000))
+    answer = call("optimise", str(file))
+    assert answer.exit_code == 2 and "--limit" in sentence(answer)
+    assert not (file.parent / "runs").exists()
+
+
+def points_kept(folder: Path) -> int:
+    """Whole lines of the journals, read from outside."""
+    return sum(path.read_bytes().count(b"\n") for path in folder.glob("*/journal.jsonl"))
+
+
+def test_a_search_that_is_killed_goes_on_with_the_same_bits_and_computes_nothing_twice(tmp_path):
+    """Killed with one worker, ended with two, beside one that nobody disturbed."""
+    text = SEARCH.format(trials=12)
+    file, folder = tmp_path / "search.toml", tmp_path / "out"
+    file.write_text(text)
+    command = [sys.executable, *MODULE, "optimise", str(file), "--output", str(folder), "--json", "--workers"]
+    with subprocess.Popen([*command, "1"], cwd=tmp_path, env=process_environment(), stdout=subprocess.DEVNULL) as began:
+        wait_until(lambda: points_kept(folder / "points") >= 12 or began.poll() is not None, "12 points")
+        began.kill()
+    assert began.returncode == -signal.SIGKILL
+    ended = subprocess.run([*command, "2"], cwd=tmp_path, env=process_environment(), capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr
+    data = json.loads(ended.stdout)
+    whole = vt.optimise(text, workers=1)
+    same(whole, data["rows"])
+    assert 0 < data["computed_now"] <= whole.computed - 12
+    states = {one.state for one in whole.trials}
+    assert {"refused", "feasible", "infeasible"} <= states
+    for one in whole.trials:  # what cannot be built has no number
+        assert bool(one.failure) == (one.state == "refused") and (not one.failure or not np.any(np.isfinite(one.objectives)))
+    best = whole.best.trial
+    (bracket,) = best.measured.limits[whole.plan.objectives[0].measure]
+    assert best.objectives[0] == bracket.value and best.objectives[0] >= whole.case.objectives[0]
+
+
+def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkeypatch):
+    """By a signal after a few rounds: trials in the exception; by the command, all files of them and the exit code of Ctrl-C."""
+
+    def stop(share: float, words: str) -> None:
+        if "of 40 trials" in words and int(words.split()[0]) >= 25:
+            raise KeyboardInterrupt
+
+    with pytest.raises(SearchInterrupted) as cut:
+        vt.optimise(LIGHT, workers=1, output=tmp_path / "out" / "points", progress=stop)
+    held = cut.value.optimum
+    assert not held.finished and 25 <= len(held.trials) < 41 and "stopped before its end" in repr(held)
+    assert all(np.array_equal(one.values, two.values) for one, two in zip(held.trials, light().trials, strict=False))
+    again = vt.optimise(LIGHT, workers=1, output=tmp_path / "out" / "points")
+    assert again.computed <= light().computed - 20
+    same(again, [_row(one) for one in light().trials])
+
+    def interrupted(*_: object) -> None:
+        raise SearchInterrupted(held)
+
+    monkeypatch.setattr("valvetrain.studies.optimum.run_search.run_search", interrupted)
+    (tmp_path / "light.toml").write_text(LIGHT)
+    answer = call("optimise", str(tmp_path / "light.toml"), "--output", str(tmp_path / "out"))
+    assert answer.exit_code == 130 and "start the command again to go on" in answer.stderr
+    assert {"trials.csv", "optuna.db", "report.html", "optimum.json"} <= {path.name for path in (tmp_path / "out").iterdir()}
+
+
+def _row(one) -> dict:
+    return {name: getattr(one, name).tolist() for name in ("values", "objectives", "constraints")} | {
+        "state": one.state, "failure": one.failure
+    }  # fmt: skip
+
+
+def test_seeds_and_rounds_alone_decide_which_designs_are_looked_at():
+    first, again, other = light(), vt.optimise(LIGHT, workers=2), vt.optimise(LIGHT.replace("seeds = 2", "seed = 7"), workers=1)
+    assert all(np.array_equal(one.values, two.values) for one, two in zip(first.trials, again.trials, strict=True))
+    assert not all(np.array_equal(one.values, two.values) for one, two in zip(first.trials[1:], other.trials[1:], strict=False))
+    designs = [one.values.tobytes() for one in first.trials]
+    assert first.computed <= len(set(designs)) + 1 + len(first.best.steps)  # a design that comes twice is computed once
+
+
+def test_a_best_whose_gain_a_small_step_undoes_is_called_narrow():
+    """Steps of the smooth mass leave most of the gain; one that led back to the case would not."""
+    found = vt.optimise(LIGHT.replace("1.1 x case", "0.9 x case").replace("seeds = 2", "local = 0.4"), workers=1)
+    assert found.case.feasible and not any("It is narrow" in words for words in sentences(found))
+    back = replace(found.best.steps[0], objectives=0.9 * found.case.objectives + 0.1 * found.best.trial.objectives)
+    narrow = replace(found, designs=(replace(found.best, steps=(*found.best.steps[1:], back)),))
+    (told,) = [words for words in sentences(narrow) if "It is narrow" in words]
+    assert told.endswith(f"so count on {1e3 * float(back.objectives[0]):.5g} g.")
+
+
+def test_a_library_that_is_not_installed_is_said_in_one_sentence(monkeypatch):
+    monkeypatch.setitem(sys.modules, "optuna", None)
+    with pytest.raises(vt.ValvetrainError, match=r"pip install 'valvetrain\[studies\]'"):
+        vt.optimise(LIGHT, workers=1)
+
+
+def test_another_model_says_what_it_makes_of_the_best():
+    text = SEARCH.format(trials=8).replace("[search]", '[[confirm]]\nspring_model = "massless"\nlabel = "no surge"\n[search]')
+    found = vt.optimise(text.replace("6000:9000:1500", "6000:9000:3000"), workers=1)
+    (one,) = found.best.confirmed
+    told = [words for words in sentences(found) if words.startswith("By no surge: limit speed")]
+    assert one.label == "no surge" and len(told) == 1 and one.case.number == 0
+    # a spring without surge has its static force at any speed, which the case keeps up to the highest one searched
+    assert one.case.objectives[0] == pytest.approx(9000 * np.pi / 30) and found.case.objectives[0] < one.case.objectives[0]
