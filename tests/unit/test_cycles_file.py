@@ -28,6 +28,11 @@ def test_what_is_written_is_read(tmp_path, name):
         assert getattr(found, field) == getattr(kept, field)
 
 
+def test_a_speed_that_numpy_computed_is_written_as_a_number(tmp_path):
+    kept = MeasuredCycles("valve_lift", "m", ANGLES, np.ones((2, len(ANGLES))), np.float64(157.25))
+    assert read_cycles(write_cycles(tmp_path / "cycles.csv", [kept]))[0].cam_speed == 157.25
+
+
 def test_several_channels_of_one_quantity_keep_their_own_names(tmp_path):
     kept = [channel(), channel("spring_force", "N"), channel()]
     found = read_cycles(write_cycles(tmp_path / "cycles.nc", kept))

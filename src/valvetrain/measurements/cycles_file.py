@@ -97,7 +97,7 @@ def read_cycles(path: str | Path) -> tuple[MeasuredCycles, ...]:
 
 def _text(one: MeasuredCycles) -> str:
     head = [
-        f"quantity: {one.quantity}", f"unit: {one.unit}", f"cam speed: {one.cam_speed!r} rad/s", f"synthetic: {_yes(one.synthetic)}",
+        f"quantity: {one.quantity}", f"unit: {one.unit}", f"cam speed: {float(one.cam_speed)!r} rad/s", f"synthetic: {_yes(one.synthetic)}",
         *([f"source: {one.source}"] if one.source else []), *(f"note: {note}" for note in one.notes),
     ]  # fmt: skip
     lines = [f"# {' '.join(line.split())}" for line in head]
