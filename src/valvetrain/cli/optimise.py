@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.options import JsonOption, LimitOption, OpenOption, QuietOption, WorkersOption, read_folder, read_workers
-from valvetrain.cli.study_command import show_page
+from valvetrain.cli.options import DaskOption, JsonOption, LimitOption, OpenOption, QuietOption, WorkersOption, points_folder, read_workers
+from valvetrain.cli.study_command import keep_points
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -31,14 +32,7 @@ def register(app: typer.Typer) -> None:
 
 def optimise(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Optimisation file (docs/optimisation.md): ranges, objectives, bounds.")],
-    output: Annotated[Path | None, typer.Option(
-        "--output", metavar="FOLDER", parser=read_folder, show_default=False,
-        help="Folder of points and results; points that it holds are not computed again (default: runs/optimise/FILE).",
-    )] = None,
-    dask: Annotated[str, typer.Option(
-        "--dask", metavar="CLUSTER", show_default=False,
-        help="Compute on a Dask cluster: 'local', the address of a scheduler, or slurm, pbs, sge, lsf, htcondor by dask-jobqueue.",
-    )] = "",
+    output: Annotated[Path | None, points_folder("runs/optimise/FILE")] = None, dask: DaskOption = "",
     workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False, as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:  # fmt: skip
@@ -93,22 +87,13 @@ def _answer(request: _Request, limits: Any) -> None:
 
 def _written(request: _Request, found: Optimum) -> Any:
     """The files of a search, and its answer."""
-    from valvetrain.cli.outcome import Outcome, plain, to_json
-    from valvetrain.cli.progress import busy
+    from valvetrain.cli.outcome import Outcome
     from valvetrain.report.optimum_files import optimum_json, write_optimum
-    from valvetrain.solution.atomic import write_text
     from valvetrain.solution.gaps import Gaps
     from valvetrain.studies.optimum.words import answer
 
     gaps = Gaps()
-    with busy("writing files"):
-        data = optimum_json(found) | {"command": "optimise", "folder": str(request.folder)}
-        files, page = write_optimum(found, request.folder, gaps)
-        data["files"] = [str(path) for path in files]
-        data["page"] = None if page is None else str(page)
-        gaps.part(f"file '{ANSWER}'", None, lambda: write_text(request.folder / ANSWER, to_json(plain(data)) + "\n"))
-    if page is not None and request.open_page:
-        show_page(page)
+    data = keep_points("optimise", optimum_json(found), request, partial(write_optimum, found, request.folder, gaps), ANSWER, gaps)
     failures = () if found.best is not None or not found.finished else (answer(found),)
     return Outcome(data, lambda console: _show(console, found, request.folder), (*failures, *gaps.sentences))
 

@@ -98,6 +98,21 @@ SpringSetOption = Annotated[
     list[str] | None,
     typer.Option("--spring-set", metavar="SETS", help="Spring sets of a train, such as stock,performance; repeatable.", show_default=False),
 ]
+DaskOption = Annotated[
+    str,
+    typer.Option(
+        "--dask", metavar="CLUSTER", show_default=False,
+        help="Compute on a Dask cluster: 'local', the address of a scheduler, or slurm, pbs, sge, lsf, htcondor by dask-jobqueue.",
+    ),
+]  # fmt: skip
+
+
+def points_folder(default: str) -> Any:
+    """The option of a folder that keeps finished points."""
+    words = f"Folder of points and results; points that it holds are not computed again (default: {default})."
+    return typer.Option("--output", metavar="FOLDER", parser=read_folder, show_default=False, help=words)
+
+
 ReportOption = Annotated[bool, typer.Option("--report/--no-report", help="Write the report page.")]
 FiguresOption = Annotated[bool, typer.Option("--figures", help="Write every figure as an SVG file too.")]
 OpenOption = Annotated[bool, typer.Option("--open", help="Open the report page in a browser.")]

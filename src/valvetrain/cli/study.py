@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.options import JsonOption, LimitOption, OpenOption, QuietOption, WorkersOption, read_folder, read_workers
-from valvetrain.cli.study_command import show_page
+from valvetrain.cli.options import DaskOption, JsonOption, LimitOption, OpenOption, QuietOption, WorkersOption, points_folder, read_workers
+from valvetrain.cli.study_command import keep_points
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -31,14 +32,7 @@ def register(app: typer.Typer) -> None:
 
 def study(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Study file (docs/studies.md): a case, what is varied, what is asked.")],
-    output: Annotated[Path | None, typer.Option(
-        "--output", metavar="FOLDER", parser=read_folder, show_default=False,
-        help="Folder of points and results; points that it holds are not computed again (default: runs/studies/FILE).",
-    )] = None,
-    dask: Annotated[str, typer.Option(
-        "--dask", metavar="CLUSTER", show_default=False,
-        help="Compute on a Dask cluster: 'local', the address of a scheduler, or slurm, pbs, sge, lsf, htcondor by dask-jobqueue.",
-    )] = "",
+    output: Annotated[Path | None, points_folder("runs/studies/FILE")] = None, dask: DaskOption = "",
     workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False, as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:  # fmt: skip
@@ -91,21 +85,12 @@ def _answer(request: _Request, limits: Any) -> None:
 
 def _written(request: _Request, table: StudyTable) -> Any:
     """The files of a finished study, and its answer."""
-    from valvetrain.cli.outcome import Outcome, plain, to_json
-    from valvetrain.cli.progress import busy
+    from valvetrain.cli.outcome import Outcome
     from valvetrain.report.points_files import points_json, write_points
-    from valvetrain.solution.atomic import write_text
     from valvetrain.solution.gaps import Gaps
 
     gaps = Gaps()
-    with busy("writing files"):
-        data = points_json(table) | {"command": "study", "folder": str(request.folder)}
-        files, page = write_points(table, request.folder, gaps)
-        data["files"] = [str(path) for path in files]
-        data["page"] = None if page is None else str(page)
-        gaps.part(f"file '{ANSWER}'", None, lambda: write_text(request.folder / ANSWER, to_json(plain(data)) + "\n"))
-    if page is not None and request.open_page:
-        show_page(page)
+    data = keep_points("study", points_json(table), request, partial(write_points, table, request.folder, gaps), ANSWER, gaps)
     failures = _failures(table)
     return Outcome(data, lambda console: _show(console, table, request.folder), (*failures, *gaps.sentences))
 
