@@ -114,6 +114,12 @@ def measured_job():
     return case.replace({"lift_law": type(case.lift_law)("measured", values)})
 
 
+def level_force():
+    """Two cycles of a force, for a model to be compared with."""
+    angles = np.linspace(0.0, 2 * np.pi, 36, endpoint=False)
+    return vt.MeasuredCycles("spring_force", "N", angles, np.array([np.full(36, 500.0), np.full(36, 501.0)]), 1500 * RPM)
+
+
 REQUESTS = {
     "simulate": lambda limit: vt.simulate("job-t", "2000 rpm", limit=limit),
     "compare": lambda limit: vt.compare("job-t", ["massless", "wave-rod"], "2000 rpm", limit=limit),
@@ -122,6 +128,7 @@ REQUESTS = {
     "static_curve": lambda limit: vt.static_curve("job-t", limit=limit),
     "refine": lambda limit: vt.refine("job-t", "2000 rpm", limit=limit),
     "run_up": lambda limit: vt.run_up("tdi-pushrod", "1000 rpm", "6000 rpm", "20 s", limit=limit),
+    "compare_with_test": lambda limit: vt.compare_with_test("job-t", level_force(), limit=limit),
     "lift_band_study": lambda limit: vt.lift_band_study(measured_job(), "2000 rpm", limit=limit),
 }
 
@@ -156,7 +163,7 @@ def test_programs_have_the_bounds_of_the_command_line(name, monkeypatch):
 
 
 #: Bounds of requests that are files are tried where their files are.
-OF_FILES = {"study", "identify"}
+OF_FILES = {"study", "identify", "optimise"}
 
 
 def test_every_public_function_with_a_bound_is_tried_here():

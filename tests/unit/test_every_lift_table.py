@@ -144,8 +144,9 @@ def test_a_table_that_contradicts_itself_is_refused_at_its_key(kind, text, key, 
 
 @pytest.mark.parametrize(("unit", "of", "length", "factor"), [("deg", "cam", "mm", 1.0), ("rad", "crank", "in", 2.0)])
 def test_a_table_in_a_file_is_that_of_its_units(tmp_path, unit, of, length, factor):
-    angles = [value * factor * (DEG if unit == "rad" else 1.0) for value in (50, 80, 110, 140, 170)]
-    lifts = [value * (1.0 if length == "mm" else 1e-3 / INCH) for value in (0, 3, 8, 3, 0)]
+    at, heights = (20, 35, 50, 80, 110, 140, 170, 185, 200), (0, 0, 0, 3, 8, 3, 0, 0, 0)  # the event is kept, from rest to rest
+    angles = [value * factor * (DEG if unit == "rad" else 1.0) for value in at]
+    lifts = [value * (1.0 if length == "mm" else 1e-3 / INCH) for value in heights]
     (tmp_path / "lift.csv").write_text("# a table\n" + "".join(f"{a!r}, {b!r}\n" for a, b in zip(angles, lifts, strict=True)))
     text = f'kind = "table"\nfile = "lift.csv"\nangle_unit = "{unit}"\nangle_of = "{of}"\nlift_unit = "{length}"\n'
     found = read_lift_model(tomllib.loads(text)).values(Path(tmp_path))
@@ -165,9 +166,17 @@ def test_a_table_without_room_for_its_jumps_is_a_smooth_spline():
         assert made.lift(np.array(made.cam_angles)) == pytest.approx(lifts, abs=within)
 
 
-@pytest.mark.parametrize("row", ["110, nan", "inf, 8", "110", "110, eight", "; 8"])
-def test_a_row_of_a_file_that_is_no_pair_of_numbers_is_refused_by_its_number(tmp_path, row):
-    (tmp_path / "lift.csv").write_text(f"angle, lift\n50, 0\n80, 3\n{row}\n140, 3\n170, 0\n")
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        ("110, nan", "is no row of numbers"), ("inf, 8", "is no row of numbers"), ("110, eight", "is no row of numbers"),
+        ("110", "has 1 numbers, the first row 2"), ("; 8", "has 1 numbers, the first row 2"),
+        ("110, 8, 1", "has 3 numbers, the first row 2"),
+    ],
+)  # fmt: skip
+def test_a_row_of_a_file_that_is_no_pair_of_numbers_is_refused_by_its_number(tmp_path, row, words):
+    rest = "\n".join(f"{angle}, 0" for angle in range(170, 260, 10))
+    (tmp_path / "lift.csv").write_text(f"angle, lift\n50, 0\n80, 3\n{row}\n140, 3\n{rest}\n")
     text = 'kind = "table"\nfile = "lift.csv"\nangle_unit = "deg"\nangle_of = "cam"\nlift_unit = "mm"\n'
-    with pytest.raises(Exception, match=r"line 4 of lift\.csv is no pair of angle and lift"):
+    with pytest.raises(Exception, match=rf"line 4 of lift\.csv {words}"):
         read_lift_model(tomllib.loads(text)).values(Path(tmp_path))

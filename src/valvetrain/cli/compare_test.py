@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -22,15 +21,17 @@ from valvetrain.cli.options import (
     SpringOption,
     SpringSetOption,
     WorkersOption,
+    asks,
     read_models,
     read_words,
     read_workers,
+    take_folder,
 )
+from valvetrain.cli.study_command import Kept, keep_run, show_page
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from valvetrain.parameters.case import Case
     from valvetrain.studies.compare_test import ModelAgainstTest
 
 
@@ -39,20 +40,16 @@ def register(app: typer.Typer) -> None:
     app.command("compare-test")(compare_test)
 
 
-def _text(flag: str, metavar: str, words: str) -> Any:
-    return typer.Option(flag, metavar=metavar, help=words, show_default=False)
-
-
 def compare_test(
     case: CaseArgument,
     test: Annotated[Path, typer.Option("--test", metavar="FILE", help="Measured cycles, or a table of values with scatter or repeats.")],
-    quantity: Annotated[str, _text("--quantity", "NAME", "The model's curve, where the file calls it otherwise.")] = "",
-    channel: Annotated[int, _text("--channel", "N", "Which channel of a file of several, from 1.")] = 0,
-    engine_speed: Annotated[str | None, _text("--engine-speed", "SPEED", "Crank speed where the test does not tell it.")] = None,
+    quantity: Annotated[str, asks("--quantity", "NAME", "The model's curve, where the file calls it otherwise.")] = "",
+    channel: Annotated[int, asks("--channel", "N", "Which channel of a file of several, from 1.")] = 0,
+    engine_speed: Annotated[str | None, asks("--engine-speed", "SPEED", "Crank speed where the test does not tell it.")] = None,
     spring: SpringOption = None, spring_set: SpringSetOption = None,
-    bandwidth: Annotated[str | None, _text("--bandwidth", "FREQUENCY", "See the model through a gauge of '10 kHz'.")] = None,
-    sensor: Annotated[str | None, _text("--sensor", "KEY=VALUE", "More of the gauge: 'natural_frequency=40 kHz, order=2'.")] = None,
-    shared: Annotated[str, _text("--shared", "AMOUNTS", "Errors that all cycles share: '2 N, 0.5 %, 0.1 deg'.")] = "",
+    bandwidth: Annotated[str | None, asks("--bandwidth", "FREQUENCY", "See the model through a gauge of '10 kHz'.")] = None,
+    sensor: Annotated[str | None, asks("--sensor", "KEY=VALUE", "More of the gauge: 'natural_frequency=40 kHz, order=2'.")] = None,
+    shared: Annotated[str, asks("--shared", "AMOUNTS", "Errors that all cycles share: '2 N, 0.5 %, 0.1 deg'.")] = "",
     fitted: Annotated[int, typer.Option("--fitted", metavar="N", help="Parameters of the model that were found from this test.")] = 0,
     level: Annotated[float, typer.Option("--level", metavar="SHARE", help="Share of adequate models that the test may refute.")] = 0.05,
     settings: SetOption = None, elements_per_coil: ElementsOption = None, output: OutputOption = None, workers: WorkersOption = None,
@@ -64,9 +61,8 @@ def compare_test(
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.cli.rig_seen import read_sensor
     from valvetrain.studies.compare_test import compare_with_test
-    from valvetrain.studies.run_store import check_folder
 
-    check_folder(output or Path("runs"), kept=output is None)
+    take_folder(output)
     gauge = read_sensor(bandwidth, sensor, None) if bandwidth or sensor else None
     chosen = choose_case(case, settings, elements_per_coil)
     announce_compilation(*(("train",) if chosen.train is not None else ("statics", "transient")))
@@ -76,24 +72,12 @@ def compare_test(
             spring_sets=read_words(spring_set), sensor=gauge, fitted=fitted, shared=shared, level=level, workers=read_workers(workers),
             progress=report, limit=", ".join(limit or ()), implausible=implausible,
         )  # fmt: skip
-    _answer(found, _Kept(chosen, folder_of(case), output, datetime.now(UTC).replace(microsecond=0)), str(test), open_page)
+    _answer(found, Kept("compare-test", chosen, output, datetime.now(UTC).replace(microsecond=0), folder_of(case)), str(test), open_page)
 
 
-@dataclass(frozen=True)
-class _Kept:
-    """What the kept folder needs to know."""
-
-    case: Case
-    folder: Path
-    output: Path | None
-    created_at: datetime
-    command: str = "compare-test"
-
-
-def _answer(found: ModelAgainstTest, request: _Kept, test: str, open_page: bool) -> None:
+def _answer(found: ModelAgainstTest, request: Kept, test: str, open_page: bool) -> None:
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy
-    from valvetrain.cli.study_command import keep_run
     from valvetrain.report.compare_test_files import compare_test_json, write_compare_test
     from valvetrain.report.compare_test_page import compare_test_page
     from valvetrain.report.page import render
@@ -113,9 +97,7 @@ def _answer(found: ModelAgainstTest, request: _Kept, test: str, open_page: bool)
         origin = found.study.solutions[0].provenance if found.study.solutions else None
         folder, files = keep_run(request, found.study.record.text, {"test": test}, data, fill, origin)
     if open_page and pages:
-        import webbrowser
-
-        webbrowser.open(pages[0].resolve().as_uri())
+        show_page(pages[0])
     data |= {"folder": str(folder), "files": files, "page": str(pages[0]) if pages else None}
     deliver(Outcome(data, lambda console: _show(console, found, folder), found.failures))
 

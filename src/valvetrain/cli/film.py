@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.options import JsonOption, OpenOption, OutputOption, QuietOption, read_count
+from valvetrain.cli.options import JsonOption, OpenOption, OutputOption, QuietOption, asks, read_count, take_folder
+from valvetrain.cli.study_command import Kept, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -26,33 +27,29 @@ def register(app: typer.Typer) -> None:
     app.command("film")(film)
 
 
-def _text(flag: str, metavar: str, words: str) -> Any:
-    return typer.Option(flag, metavar=metavar, help=words, show_default=False)
-
-
 def film(
     film: Annotated[Path, typer.Argument(metavar="FILE_OR_FOLDER", help="A video, or a folder of its frames as pictures.")],
-    frame_rate: Annotated[str | None, _text("--frame-rate", "RATE", "Frames a second of the camera: '2000 1/s'.")] = None,
-    line: Annotated[str | None, _text("--line", "X, Y, X, Y", "Ends of the line along the spring (default: found).")] = None,
-    line_width: Annotated[float | None, _text("--line-width", "PX", "Width over which grey levels are averaged (5).")] = None,
-    coils: Annotated[int | None, _text("--coils", "N", "Highlights on the line (default: counted).")] = None,
-    seat: Annotated[str, _text("--seat", "start|end", "End of the line at the fixed seat (default: found).")] = "",
-    scale: Annotated[str | None, _text("--scale", "X, Y, X, Y, LENGTH", "Two points and their distance.")] = None,
-    marker: Annotated[str | None, _text("--marker", "X, Y", "Spot whose brightness marks each turn of the cam.")] = None,
-    marker_radius: Annotated[float | None, _text("--marker-radius", "PX", "Radius of that spot (3).")] = None,
-    marker_angle: Annotated[str | None, _text("--marker-angle", "ANGLE", "Cam angle at which the mark passes.")] = None,
-    cam_speed: Annotated[str | None, _text("--cam-speed", "SPEED", "Speed of the cam, such as '1034 rpm'.")] = None,
-    first_angle: Annotated[str | None, _text("--first-angle", "ANGLE", "Cam angle of the first frame, with --cam-speed.")] = None,
-    lift_table: Annotated[Path | None, _text("--lift", "FILE", "Table of lifts that says what its columns are: tells the phase.")] = None,
-    dwell: Annotated[str | None, _text("--dwell", "FIRST:LAST", "Cam angles of the closed valve: '170:350 deg' (default: found).")] = None,
+    frame_rate: Annotated[str | None, asks("--frame-rate", "RATE", "Frames a second of the camera: '2000 1/s'.")] = None,
+    line: Annotated[str | None, asks("--line", "X, Y, X, Y", "Ends of the line along the spring (default: found).")] = None,
+    line_width: Annotated[float | None, asks("--line-width", "PX", "Width over which grey levels are averaged (5).")] = None,
+    coils: Annotated[int | None, asks("--coils", "N", "Highlights on the line (default: counted).")] = None,
+    seat: Annotated[str, asks("--seat", "start|end", "End of the line at the fixed seat (default: found).")] = "",
+    scale: Annotated[str | None, asks("--scale", "X, Y, X, Y, LENGTH", "Two points and their distance.")] = None,
+    marker: Annotated[str | None, asks("--marker", "X, Y", "Spot whose brightness marks each turn of the cam.")] = None,
+    marker_radius: Annotated[float | None, asks("--marker-radius", "PX", "Radius of that spot (3).")] = None,
+    marker_angle: Annotated[str | None, asks("--marker-angle", "ANGLE", "Cam angle at which the mark passes.")] = None,
+    cam_speed: Annotated[str | None, asks("--cam-speed", "SPEED", "Speed of the cam, such as '1034 rpm'.")] = None,
+    first_angle: Annotated[str | None, asks("--first-angle", "ANGLE", "Cam angle of the first frame, with --cam-speed.")] = None,
+    lift_table: Annotated[Path | None, asks("--lift", "FILE", "Table of lifts that says what its columns are: tells the phase.")] = None,
+    dwell: Annotated[str | None, asks("--dwell", "FIRST:LAST", "Cam angles of the closed valve: '170:350 deg' (default: found).")] = None,
     free_decay: Annotated[bool, typer.Option("--free-decay", help="The cam stands: the spring was struck and rings.")] = False,
     first_frame: Annotated[int, typer.Option("--first-frame", metavar="N", help="First frame that is used, counted from 0.")] = 0,
-    last_frame: Annotated[int | None, _text("--last-frame", "N", "Last frame that is used.")] = None,
-    exposure: Annotated[str | None, _text("--exposure", "TIME", "Exposure of a frame: what motion blur takes.")] = None,
-    case: Annotated[str | None, _text("--case", "CASE", "Case that is run at this speed beside it; its lift tells the phase.")] = None,
-    spring: Annotated[str, _text("--spring", "MODEL", "Spring model of that run.")] = "",
-    filmed_spring: Annotated[str, _text("--filmed-spring", "NAME", "Which of nested springs is seen (default: the outer).")] = "",
-    first_turn: Annotated[float | None, _text("--first-turn", "TURNS", "Turn of the wire that coil 1 is (default: found).")] = None,
+    last_frame: Annotated[int | None, asks("--last-frame", "N", "Last frame that is used.")] = None,
+    exposure: Annotated[str | None, asks("--exposure", "TIME", "Exposure of a frame: what motion blur takes.")] = None,
+    case: Annotated[str | None, asks("--case", "CASE", "Case that is run at this speed beside it; its lift tells the phase.")] = None,
+    spring: Annotated[str, asks("--spring", "MODEL", "Spring model of that run.")] = "",
+    filmed_spring: Annotated[str, asks("--filmed-spring", "NAME", "Which of nested springs is seen (default: the outer).")] = "",
+    first_turn: Annotated[float | None, asks("--first-turn", "TURNS", "Turn of the wire that coil 1 is (default: found).")] = None,
     curve_angles: Annotated[int, typer.Option("--angles", metavar="N", help="Cam angles of the written curves.")] = 360,
     synthetic: Annotated[bool, typer.Option("--synthetic", help="The film was computed: every result says so.")] = False,
     output: OutputOption = None, open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
@@ -60,9 +57,8 @@ def film(
     """A film of a valve spring: motion of its coils over the cam angle, peaks, surge lines with damping, a model beside them."""
     from valvetrain.measurements.film.setup import FilmSetup
     from valvetrain.registry import find
-    from valvetrain.studies.run_store import check_folder
 
-    check_folder(output or Path("runs"), kept=output is None)
+    take_folder(output)
     read_count(curve_angles, 24, 36_000, "--angles")
     if case is None and (spring or filmed_spring or first_turn is not None):
         raise InputError("a model is run with a case; name it with --case", "--case")
@@ -116,17 +112,6 @@ class _Name:
     """What is kept under a name without being a case."""
 
     name: str
-
-
-@dataclass(frozen=True)
-class _Kept:
-    """What the kept folder needs to know."""
-
-    case: Any
-    output: Path | None
-    created_at: datetime
-    command: str = "film"
-    folder: Path = Path()
 
 
 def _numbers(text: str, count: int, flag: str) -> tuple[float, ...]:
@@ -183,7 +168,6 @@ def _window(text: str | None) -> tuple[float, float] | None:
 def _answer(request: _Request) -> None:
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy
-    from valvetrain.cli.study_command import keep_run
     from valvetrain.measurements.film.motion import coil_motion
     from valvetrain.parameters.loading import load_case
     from valvetrain.report.film_files import film_json, write_film
@@ -208,11 +192,9 @@ def _answer(request: _Request) -> None:
     kept = vars(request) | vars(request.setup)
     choices = {key: str(value) for key, value in kept.items() if key not in ("setup", "output", "created_at", "open_page")}
     with busy("writing files"):
-        folder, files = keep_run(_Kept(case or _Name(name), request.output, request.created_at), text, choices, data, fill)
+        folder, files = keep_run(Kept("film", case or _Name(name), request.output, request.created_at), text, choices, data, fill)
     if request.open_page:
-        import webbrowser
-
-        webbrowser.open(pages[0].resolve().as_uri())
+        show_page(pages[0])
     data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
     deliver(Outcome(data, lambda console: _show(console, motion, model, folder)))
 

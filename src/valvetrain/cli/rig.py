@@ -18,9 +18,12 @@ from valvetrain.cli.options import (
     SetOption,
     SpeedOption,
     SpringOption,
+    asks,
     read_engine_speeds,
     read_models,
+    take_folder,
 )
+from valvetrain.cli.study_command import Kept, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -37,43 +40,38 @@ def register(app: typer.Typer) -> None:
     app.command("rig")(rig)
 
 
-def _text(flag: str, metavar: str, words: str) -> Any:
-    return typer.Option(flag, metavar=metavar, help=words, show_default=False)
-
-
 def rig(
     file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="Recording: text, MDF, TDMS, MAT, HDF5, NetCDF, UFF58.")] = None,
-    channel: Annotated[list[str] | None, _text("--channel", "QUANTITY=NAME", "Channel of it: 'spring_force=Force 1'. Repeatable.")] = None,
-    encoder: Annotated[str, _text("--encoder", "NAME", "Channel of an encoder's angle.")] = "",
-    pulses: Annotated[str, _text("--pulses", "NAME", "Channel of a toothed wheel or encoder track; needs --teeth.")] = "",
-    index: Annotated[str, _text("--index", "NAME", "Channel that marks a place of that wheel.")] = "",
-    once: Annotated[str, _text("--once", "NAME", "Channel of one pulse a turn.")] = "",
-    angle_of: Annotated[str, _text("--angle-of", "cam|crank", "Shaft on which encoder, wheel or pulse sit.")] = "",
-    teeth: Annotated[int | None, _text("--teeth", "N", "Teeth in one turn, with those that are missing.")] = None,
+    channel: Annotated[list[str] | None, asks("--channel", "QUANTITY=NAME", "Channel of it: 'spring_force=Force 1'. Repeatable.")] = None,
+    encoder: Annotated[str, asks("--encoder", "NAME", "Channel of an encoder's angle.")] = "",
+    pulses: Annotated[str, asks("--pulses", "NAME", "Channel of a toothed wheel or encoder track; needs --teeth.")] = "",
+    index: Annotated[str, asks("--index", "NAME", "Channel that marks a place of that wheel.")] = "",
+    once: Annotated[str, asks("--once", "NAME", "Channel of one pulse a turn.")] = "",
+    angle_of: Annotated[str, asks("--angle-of", "cam|crank", "Shaft on which encoder, wheel or pulse sit.")] = "",
+    teeth: Annotated[int | None, asks("--teeth", "N", "Teeth in one turn, with those that are missing.")] = None,
     missing: Annotated[int, typer.Option("--missing", metavar="N", help="Teeth cut away side by side: the mark.")] = 0,
-    unit: Annotated[list[str] | None, _text("--unit", "QUANTITY=UNIT", "Unit of a channel: 'spring_force=kN'. Repeatable.")] = None,
-    calibration: Annotated[list[str] | None, _text("--calibration", "QUANTITY=VALUE", "What one unit of it stands for: '2.5 N'.")] = None,
-    shunt: Annotated[list[str] | None, _text("--shunt", "QUANTITY=STEP, LOAD", "Step of the channel with the shunt, its load.")] = None,
-    zero: Annotated[list[str] | None, _text("--zero", "QUANTITY=VALUE", "What a quantity is in the dwell: 'spring_force=240 N'.")] = None,
-    dwell: Annotated[str | None, _text("--dwell", "ANGLES", "First and last cam angle of the dwell: '-30, 30 deg'.")] = None,
-    band: Annotated[str | None, _text("--band", "FREQUENCY", "Highest frequency that is kept: '20 kHz'.")] = None,
-    angle_count: Annotated[int | None, _text("--angle-count", "N", "Points of a cam turn (default: as the band needs).")] = None,
-    sampling_rate: Annotated[str | None, _text("--sampling-rate", "FREQUENCY", "Where the file has no times: '100 kHz'.")] = None,
-    span: Annotated[str | None, _text("--span", "TIMES", "First and last time that are used: '2, 5 s'.")] = None,
+    unit: Annotated[list[str] | None, asks("--unit", "QUANTITY=UNIT", "Unit of a channel: 'spring_force=kN'. Repeatable.")] = None,
+    calibration: Annotated[list[str] | None, asks("--calibration", "QUANTITY=VALUE", "What one unit of it stands for: '2.5 N'.")] = None,
+    shunt: Annotated[list[str] | None, asks("--shunt", "QUANTITY=STEP, LOAD", "Step of the channel with the shunt, its load.")] = None,
+    zero: Annotated[list[str] | None, asks("--zero", "QUANTITY=VALUE", "What a quantity is in the dwell: 'spring_force=240 N'.")] = None,
+    dwell: Annotated[str | None, asks("--dwell", "ANGLES", "First and last cam angle of the dwell: '-30, 30 deg'.")] = None,
+    band: Annotated[str | None, asks("--band", "FREQUENCY", "Highest frequency that is kept: '20 kHz'.")] = None,
+    angle_count: Annotated[int | None, asks("--angle-count", "N", "Points of a cam turn (default: as the band needs).")] = None,
+    sampling_rate: Annotated[str | None, asks("--sampling-rate", "FREQUENCY", "Where the file has no times: '100 kHz'.")] = None,
+    span: Annotated[str | None, asks("--span", "TIMES", "First and last time that are used: '2, 5 s'.")] = None,
     keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Keep cycles that differ from all others.")] = False,
-    case: Annotated[str | None, _text("--case", "CASE", "Case whose lift tells what cam angle the mark is.")] = None,
+    case: Annotated[str | None, asks("--case", "CASE", "Case whose lift tells what cam angle the mark is.")] = None,
     settings: SetOption = None,
-    offset: Annotated[str | None, _text("--offset", "ANGLE", "Cam angle of the case at the mark, instead of by the lift.")] = None,
+    offset: Annotated[str | None, asks("--offset", "ANGLE", "Cam angle of the case at the mark, instead of by the lift.")] = None,
     engine_speed: SpeedOption = None, spring: SpringOption = None,
-    bandwidth: Annotated[str | None, _text("--bandwidth", "FREQUENCY", "Without a file: forces of the case as it records them.")] = None,
-    sensor: Annotated[str | None, _text("--sensor", "WORDS", "The gauge: 'natural_frequency=60 kHz, damping_ratio=0.02, order=2'.")] = None,
-    write: Annotated[Path | None, _text("--write", "FILE", "Write the cycles too: NetCDF (.nc), or text for one channel.")] = None,
+    bandwidth: Annotated[str | None, asks("--bandwidth", "FREQUENCY", "Without a file: forces of the case as it records them.")] = None,
+    sensor: Annotated[str | None, asks("--sensor", "WORDS", "The gauge: 'natural_frequency=60 kHz, damping_ratio=0.02, order=2'.")] = None,
+    write: Annotated[Path | None, asks("--write", "FILE", "Write the cycles too: NetCDF (.nc), or text for one channel.")] = None,
     output: OutputOption = None, open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """Recordings of a test rig as cycles over the cam angle, laid on a case by the lift; or what a gauge sees of a case."""
-    from valvetrain.studies.run_store import check_folder
 
-    check_folder(output or Path("runs"), kept=output is None)
+    take_folder(output)
     asked = _Asked(output, open_page, datetime.now(UTC).replace(microsecond=0))
     if file is None:
         from valvetrain.cli.rig_seen import seen
@@ -131,17 +129,6 @@ class _Named:
 
 
 @dataclass(frozen=True)
-class _Kept:
-    """What the kept folder needs to know."""
-
-    case: Any
-    output: Path | None
-    created_at: datetime
-    command: str = "rig"
-    folder: Path = Path()
-
-
-@dataclass(frozen=True)
 class _Asked:
     """Where an answer goes."""
 
@@ -154,7 +141,6 @@ class _Asked:
     ) -> None:
         """Keep the folder (page, files, run.json) and tell."""
         from valvetrain.cli.outcome import Outcome, deliver
-        from valvetrain.cli.study_command import keep_run
         from valvetrain.report.page import render
         from valvetrain.solution.atomic import write_text
 
@@ -164,11 +150,9 @@ class _Asked:
             pages.append(write_text(folder / "report.html", render(page)))
             return [*write(folder), *pages]
 
-        folder, files = keep_run(_Kept(_Named(name), self.output, self.created_at, folder=home), text, choices, data, fill)
+        folder, files = keep_run(Kept("rig", _Named(name), self.output, self.created_at, folder=home), text, choices, data, fill)
         if self.open_page:
-            import webbrowser
-
-            webbrowser.open(pages[0].resolve().as_uri())
+            show_page(pages[0])
         data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
 
         def told(console: Console) -> None:

@@ -17,17 +17,19 @@ from valvetrain.cli.options import (
     SpeedOption,
     SpringOption,
     WorkersOption,
+    asks,
     read_engine_speeds,
     read_models,
     read_workers,
+    take_folder,
 )
+from valvetrain.cli.study_command import Kept, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.measurements.spring_scan.result import ScannedSpring
-    from valvetrain.parameters.case import Case
     from valvetrain.studies.scan_against_design import ScanComparison
 
 
@@ -36,18 +38,14 @@ def register(app: typer.Typer) -> None:
     app.command("scan")(scan)
 
 
-def _text(flag: str, metavar: str, words: str) -> Any:
-    return typer.Option(flag, metavar=metavar, help=words, show_default=False)
-
-
 def scan(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Point cloud or mesh: PLY, STL, OBJ or text with x, y, z; read by content.")],
-    unit: Annotated[str, _text("--unit", "UNIT", "Unit of the coordinates, such as mm, m or inch, where the file does not tell.")] = "",
-    material: Annotated[str, _text("--material", "NAME", "Wire by name (default: the design's, else EN 10270-2 VDSiCr).")] = "",
+    unit: Annotated[str, asks("--unit", "UNIT", "Unit of the coordinates, such as mm, m or inch, where the file does not tell.")] = "",
+    material: Annotated[str, asks("--material", "NAME", "Wire by name (default: the design's, else EN 10270-2 VDSiCr).")] = "",
     name: Annotated[str, typer.Option("--name", metavar="NAME", help="Word for the spring.")] = "spring",
     turn_over: Annotated[bool, typer.Option("--turn-over", help="Take the other end for the lower one.")] = False,
     points: Annotated[int, typer.Option("--points", metavar="N", help="Most points that are fitted: an even draw.")] = 100_000,
-    design: Annotated[str | None, _text("--design", "CASE", "Case of the design: curves, statics, modes, runs beside it.")] = None,
+    design: Annotated[str | None, asks("--design", "CASE", "Case of the design: curves, statics, modes, runs beside it.")] = None,
     engine_speed: SpeedOption = None, spring: SpringOption = None,
     output: OutputOption = None, workers: WorkersOption = None, open_page: OpenOption = False, as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -57,9 +55,8 @@ def scan(
     from valvetrain.measurements.spring_scan.api import spring_from_scan
     from valvetrain.parameters.loading import load_case
     from valvetrain.parameters.materials import material_by_name
-    from valvetrain.studies.run_store import check_folder
 
-    check_folder(output or Path("runs"), kept=output is None)
+    take_folder(output)
     if design is None and (engine_speed is not None or spring):
         raise InputError("speeds are run with the lift of a design; name its case with --design", "--design")
     if design is not None and turn_over:
@@ -93,22 +90,10 @@ class _Asked:
     open_page: bool
 
 
-@dataclass(frozen=True)
-class _Kept:
-    """What the kept folder needs to know."""
-
-    case: Case
-    output: Path | None
-    created_at: datetime
-    command: str = "scan"
-    folder: Path = Path()
-
-
 def _deliver(asked: _Asked, found: ScannedSpring, compared: ScanComparison | None) -> None:
     """Keep the folder (page, spring, curves, run.json) and tell."""
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy
-    from valvetrain.cli.study_command import keep_run
     from valvetrain.parameters.loading import parse_case
     from valvetrain.report.page import render
     from valvetrain.report.scan_files import scan_text, write_scan
@@ -124,12 +109,10 @@ def _deliver(asked: _Asked, found: ScannedSpring, compared: ScanComparison | Non
         return [*write_scan(found, folder, text), *pages]
 
     with busy("writing files"):
-        kept = _Kept(parse_case(text, "scan"), asked.output, asked.created_at)
+        kept = Kept("scan", parse_case(text, "scan"), asked.output, asked.created_at)
         folder, files = keep_run(kept, text, {"name": asked.name}, data, fill)
     if asked.open_page:
-        import webbrowser
-
-        webbrowser.open(pages[0].resolve().as_uri())
+        show_page(pages[0])
     data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
     deliver(Outcome(data, lambda console: _show(console, found, compared, folder, pages[0]), () if compared is None else compared.failures))
 

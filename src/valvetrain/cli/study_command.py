@@ -82,7 +82,7 @@ class Kept:
     """A request that is no study of runs, for its kept folder."""
 
     command: str
-    case: Case
+    case: Named
     output: Path | None
     created_at: datetime
     folder: Path = Path()

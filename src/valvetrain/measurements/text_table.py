@@ -88,15 +88,11 @@ def _splitter(lines: list[str]) -> Callable[[str], list[float]]:
 
 
 def parting_mark(lines: list[str]) -> str:
-    """Pattern of what parts the columns: the strongest mark that stands between numbers; a comma is decimal where another one does."""
+    """Pattern of what parts the columns: the strongest mark that stands in most lines; a comma is decimal where another one is."""
     sample = lines[:200]
-    for mark in (";", "\t", "|"):
-        if all(mark in line for line in sample):
-            return re.escape(mark)
-    if all(re.search(r",\s", line) for line in sample):
-        return r",\s+"
-    if all(re.search(r"[\d.,]\s+[-+.,\d]", line) for line in sample):
-        return r"\s+"
+    for pattern, mark in ((";", ";"), ("\t", "\t"), (r"\|", r"\|"), (r",\s", r",\s+"), (r"[\d.,]\s+[-+.,\d]", r"\s+")):
+        if 2 * sum(re.search(pattern, line) is not None for line in sample) > len(sample):
+            return mark
     if any("," in line for line in sample) and not _decimal_commas_alone(sample):
         return ","
     return r"[;\t|]"

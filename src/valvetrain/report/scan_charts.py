@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.measurements.spring_scan.result import ScannedSpring
-from valvetrain.parameters.case import Case
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, stems, thin
@@ -15,6 +14,7 @@ from valvetrain.solution.study import Study
 from valvetrain.studies.scan_against_design import ScanComparison
 
 Array = NDArray[np.float64]
+SCANNED = "3-D scan"
 SCAN, DESIGN = theme.SERIES[0], theme.SERIES[1]
 #: Points shown of the cloud and of the section, and bars of the residuals.
 CLOUD, SECTION, BARS = 1500, 1200, 48
@@ -178,8 +178,9 @@ def residual_chart(scan: ScannedSpring) -> Chart:
 def force_chart(found: ScanComparison) -> Chart | None:
     """Force and rate of both over the height between the seats."""
     panels: list[list[Layer]] = [[], []]
-    for case, study, word, colour, dash in _both(found.cases, found.rest):
-        curve, spring = study.rest[0].curve, case.springs[0]
+    design, scan = (case.springs[0] for case in found.cases)
+    for study, word, colour, dash in _both(found.rest):
+        curve, spring = study.rest[0].curve, scan if word == SCANNED else design
         if curve is None or not len(curve.compression):
             return None
         assert spring.installed_height is not None
@@ -196,7 +197,7 @@ def motion_chart(found: ScanComparison, engine_speed: float, model: str) -> Char
     """Spring force of both over the cam angle at one speed by one model."""
     assert found.runs is not None
     layers: list[Layer] = []
-    for _, study, word, colour, dash in _both(found.cases, found.runs):
+    for study, word, colour, dash in _both(found.runs):
         runs = [one for one in study.solutions if one.engine_speed == engine_speed and one.label == model and one.has("seat_force")]
         if not runs:
             return None
@@ -208,6 +209,6 @@ def motion_chart(found: ScanComparison, engine_speed: float, model: str) -> Char
     return Chart(f"scan-motion-{round(engine_speed * 1000)}-{model}", title, "", (panel,), 1, 380)
 
 
-def _both(cases: tuple[Case, Case], studies: tuple[Study, Study]) -> list[tuple[Case, Study, str, str, str]]:
+def _both(studies: tuple[Study, Study]) -> list[tuple[Study, str, str, str]]:
     """Scan and design, the dashed one last, so that it is seen on the other."""
-    return [(cases[1], studies[1], "3-D scan", SCAN, "solid"), (cases[0], studies[0], "design", DESIGN, "dash")]
+    return [(studies[1], SCANNED, SCAN, "solid"), (studies[0], "design", DESIGN, "dash")]
