@@ -127,3 +127,11 @@ def test_what_is_no_gauge_is_one_sentence(given, words):
 def test_what_is_no_trace_is_one_sentence(time, values, words):
     with pytest.raises(InputError, match=words):
         Sensor(bandwidth="20 kHz").response(np.array(time, dtype=float), np.array(values, dtype=float))
+
+
+@pytest.mark.parametrize(("order", "sum_of_damping"), [(1, 1.0), (2, 2.0**0.5), (4, 2.613125929752753)])
+def test_a_causal_gauge_is_late_by_the_delay_of_its_filter(order, sum_of_damping):
+    """A ramp is late by the first coefficient of the Butterworth polynomial over 2 pi times the bandwidth: 0.46 ms of order 4 at 900 Hz."""
+    time = np.linspace(0.0, 0.05, 50_001)
+    seen = Sensor(bandwidth=900.0, order=order).seen(time, 1000.0 * time)
+    assert time[-1] - seen.values[-1] / 1000.0 == pytest.approx(sum_of_damping / (2 * np.pi * 900.0), rel=1e-6)
