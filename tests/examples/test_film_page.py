@@ -17,15 +17,13 @@ PAGE = (Path(__file__).parents[2] / "docs" / "film.md").read_text(encoding="utf-
 
 
 def test_every_command_of_the_page_runs(tmp_path, monkeypatch):
-    """The one with a case is read to its end and meets a run that is replaced; tests/limits runs the case itself."""
+    """On short films of other scenes; the case of the first is run and laid beside."""
     monkeypatch.chdir(tmp_path)
     scene, share = made.drawn.Scene(), np.linspace(0.0, 0.9, 7)
     decay, _ = made.drawn.draw(scene, made.drawn.decaying(2.0 + 34.0 * share, share, (1.2,), 420.0, 0.012), 70)
     train, _ = made.drawn.draw(scene, made.turning, 170, made.cam_marks(170))
     made.drawn.write_frames(tmp_path / "decay", decay)
     made.drawn.write_frames(tmp_path / "train", train)
-    monkeypatch.setattr("valvetrain.cli.film._model", lambda request, motion, case: None)
-    monkeypatch.setattr("valvetrain.cli.film._lift", lambda request: made.lift if request.case_name else None)
     commands = [line.strip() for line in PAGE.splitlines() if line.startswith("    valvetrain ")]
     assert len(commands) == 3
     for command, words in zip(commands, ("the lift the zero", "by the marker", "cam: does not turn"), strict=True):

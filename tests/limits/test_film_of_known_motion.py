@@ -103,6 +103,8 @@ def test_the_vaz_spring_filmed_at_2000_frames_a_second():
     assert np.sqrt(np.mean(off**2)) < 0.1
     first = motion.surge.lines[0]
     assert abs(first.decay_rate - 25.0) < 1.96 * 2 * np.pi * first.natural_frequency * first.damping_spread + 0.05 * 25.0
+    by_default = vt.film_over_model(motion, "vaz-ohc")  # the first variant of the case is a spring without coils
+    assert by_default.model == "finite-element" and by_default.apart.max() < 0.5e-3
     model = vt.film_over_model(motion, "vaz-ohc", "modal-uniform")
     assert model.turns[0] == pytest.approx(0.6, abs=0.31) and model.turns[2] == pytest.approx(2.6, abs=0.05)
     assert model.apart.max() < 0.05e-3 and model.shift == 0.0

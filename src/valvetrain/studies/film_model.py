@@ -77,7 +77,7 @@ def film_over_model(
     ----------
     motion : from :func:`coil_motion`, of a turning cam
     case : Case, name of a library case, or path of a case file
-    spring_model : word of the spring model; the case's own or the usual one where empty
+    spring_model : word of the spring model; where empty the usual one of a spring alone, of a train finite elements or, of cards, the chain
     spring : name of the filmed spring; the first (outer) one where empty
     first_turn : coil number (turns from the lower tip) of the film's first coil; found by least squares of the motion where not told
 
@@ -124,7 +124,11 @@ def film_over_model(
 
 
 def _run(case: Case, engine_speed: float, spring_model: str) -> Solution:
-    run = simulate(case, [engine_speed], spring_models=[spring_model] if spring_model else ()).solutions[0]
+    models, sets = ((spring_model,) if spring_model else ()), tuple[str, ...]()
+    if not models and case.train is not None:  # the variants of a train may begin with springs that have no coils
+        wires = [name for name, springs in case.train.springs.items() if all(one.wire is not None for one in springs)]
+        models, sets = (("finite-element",), tuple(wires[:1])) if wires else (("multi-mass",), ())
+    run = simulate(case, [engine_speed], spring_models=models, spring_sets=sets).solutions[0]
     if not run.status.completed:
         raise InputError(f"case '{case.name}' did not run at the speed of the film: {run.status.message}", "--case")
     return run
