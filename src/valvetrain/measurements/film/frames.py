@@ -39,7 +39,8 @@ def opencv() -> Any:
     except ImportError as error:
         words = "a film is read with OpenCV; install the extra 'film' (pip install 'valvetrain[film]')"
         raise InputError(words) from error
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    if hasattr(cv2.utils, "logging"):  # not in every version; the variable above says the same to an OpenCV that is loaded here
+        cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     return cv2
 
 

@@ -188,7 +188,7 @@ def text_of_file(path: Path, what: str) -> str:
     except InputError as error:
         raise InputError(error.reason, path.name[:60]) from None
     except UnicodeDecodeError:
-        raise InputError(f"is no text file; it is TOML in UTF-8", path.name[:60]) from None
+        raise InputError("is no text file; it is TOML in UTF-8", path.name[:60]) from None
     except FileNotFoundError:
         raise InputError(f"there is no file '{str(path)[:120]}'; check the path (a {what} ends in .toml)") from None
     except (OSError, ValueError) as error:
