@@ -1,0 +1,53 @@
+"""Unit: the search for a train at rest finds it however slowly it comes nearer, and ends where it comes no nearer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from valvetrain.system import train_rest
+from valvetrain.system.build import build
+
+
+def searched(monkeypatch, **changes):
+    """Largest force left (N) and times the forces were asked for, of the finger follower on massless springs with ``changes``."""
+    case = vt.load_case("vaz-ohc", {key.replace("__", "."): value for key, value in changes.items()})
+    problem = build(case, spring_models=("massless",), spring_sets=("nested-cards",))
+    system, forces, asked = problem.members[0].system({}, problem.built), train_rest.generalised_forces, []
+
+    def counted(*given):
+        asked.append(0)
+        return forces(*given)
+
+    monkeypatch.setattr(train_rest, "generalised_forces", counted)
+    rest = train_rest.static_equilibrium(system, 0.0)
+    monkeypatch.undo()
+    return float(np.max(np.abs(forces(system, rest, 0.0, system.spring_force)))), len(asked)
+
+
+def test_the_usual_train_is_found_in_a_few_steps(monkeypatch):
+    left, asked = searched(monkeypatch)
+    assert left < 1e-7 and asked < 150
+
+
+def test_a_heavy_valve_that_sinks_by_small_steps_is_found(monkeypatch):
+    left, asked = searched(monkeypatch, train__valve__mass="125 kg")
+    assert left < 1e-6 and asked > 300
+
+
+def test_contacts_too_hard_for_the_tangent_end_the_search(monkeypatch):
+    """Each step came no nearer, and all 200 of them were taken: 1200 sums of forces, of finite elements tens of seconds."""
+    left, asked = searched(monkeypatch, train__contacts__cam__contact_stiffness="2147483648 N/mm")
+    assert left > 1.0 and asked < 450
+
+
+@pytest.mark.parametrize("lift", [0.0, 5e-3])
+def test_the_springs_press_what_they_press_at_rest(lift):
+    """The force of the sum is that of its springs, each by its own curve."""
+    case = vt.load_case("vaz-ohc")
+    problem = build(case, spring_models=("massless",), spring_sets=("nested-cards",))
+    system = problem.members[0].system({}, problem.built)
+    cards = case.train.springs["nested-cards"]
+    by_hand = sum(one.card.preload + one.card.rate * lift for one in cards)
+    assert system.spring_force(lift) == pytest.approx(by_hand, rel=1e-6)
