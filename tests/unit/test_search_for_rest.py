@@ -51,3 +51,11 @@ def test_the_springs_press_what_they_press_at_rest(lift):
     cards = case.train.springs["nested-cards"]
     by_hand = sum(one.card.preload + one.card.rate * lift for one in cards)
     assert system.spring_force(lift) == pytest.approx(by_hand, rel=1e-6)
+
+
+def test_a_train_that_comes_to_no_rest_has_no_modes():
+    """Its modes were those of a place where 418 N pushed it on, told without a word."""
+    key = "train.contacts.cam.contact_stiffness"
+    with pytest.raises(vt.InputError, match=r"comes to no rest .* are left"):
+        vt.train_modes(vt.load_case("vaz-ohc", {key: "1e9 N/mm"}), spring_models=["massless"])
+    assert vt.train_modes(vt.load_case("vaz-ohc", {key: "1e7 N/mm"}), spring_models=["massless"])

@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.contact import kernels
+from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.solution.train_modes import TrainModes
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.linear import SpringMatrices, spring_matrices
 from valvetrain.springs.nested import NestedSprings
 from valvetrain.system.rigid_pose import rigid_poses
-from valvetrain.system.train_forces import gap_state, law_force, law_tangent
+from valvetrain.system.train_forces import gap_state, generalised_forces, law_force, law_tangent
 from valvetrain.system.train_rest import static_equilibrium
 from valvetrain.system.train_system import TrainSystem
 
@@ -27,15 +28,23 @@ Array = NDArray[np.float64]
 STEP = 1e-6
 #: A stiffness below this share of the largest is what differences leave of zero.
 ROUND_OFF = 1e-9
+#: Share of the springs' force that may be left over at rest.
+UNBALANCED = 1e-3
 
 
 def modes_of_train(
     system: TrainSystem, installed: Sequence[InstalledSpring] = (), cam_angle: float = 0.0, state: str = "closed", label: str = ""
 ) -> TrainModes:
-    """Modes about rest at ``cam_angle`` (rad), in order of frequency; ``installed``: the springs behind the system's models, in order."""
+    """Modes about rest at ``cam_angle`` (rad), in order of frequency; ``installed``: the springs behind the system's models, in order.
+
+    Raises :class:`InputError` for a train that comes to no rest.
+    """
     lift = float(system.mechanism.kinematics.valve_lift(cam_angle))
     start = rigid_poses(system).positions(np.array([lift]))[0] if lift > 0 else None
     q = static_equilibrium(system, cam_angle, start)
+    left = float(np.max(np.abs(generalised_forces(system, q, cam_angle, system.spring_force))))
+    if left > UNBALANCED * max(system.spring_force(float(q[system.arrays.retainer])), 1.0):
+        raise InputError(f"train '{system.name}' comes to no rest ({left:.3g} N or N m are left), so it has no modes; soften its contacts")
     retainer = system.arrays.retainer
     models = _models(system.springs)
     behind = [*installed, *[None] * (len(models) - len(installed))]
