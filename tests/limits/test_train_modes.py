@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 from train_parts import LAW, direct
-from valvetrain.cli.new import TEMPLATES
+from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.installed_spring import InstalledSpring
