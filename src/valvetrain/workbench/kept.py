@@ -9,6 +9,7 @@ import zipfile
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal
 
@@ -148,12 +149,19 @@ def _study(folder: Path) -> dict[str, Any]:
     return answer if isinstance(answer, dict) else {}
 
 
+def _written_at(folder: Path) -> str:
+    """Time at which the answer of a study was written, ISO 8601 in UTC."""
+    with suppress(OSError):
+        return datetime.fromtimestamp(int((folder / STUDY_ANSWER).stat().st_mtime), UTC).isoformat()
+    return ""
+
+
 def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
     choices = answer.get("choices")
     asked: Mapping[str, Any] = choices if isinstance(choices, Mapping) else {}
     speeds = tuple(float(value) for value in asked.get("engine_speeds", ()) if isinstance(value, (int, float)))
     return Run(
         folder.relative_to(root).as_posix(), folder, str(answer.get("case", "")), str(answer.get("command", "")),
-        str(answer.get("created_at", "")), bool(answer.get("completed", True)), tuple(map(str, answer.get("failures", ()) or ())),
+        str(answer.get("created_at", "")) or _written_at(folder), bool(answer.get("completed", True)), tuple(map(str, answer.get("failures", ()) or ())),
         str(answer.get("title", "")), tuple(map(str, asked.get("spring_models", ()))), speeds, answer,
     )  # fmt: skip
