@@ -54,6 +54,17 @@ def _own_style() -> str:
 
 
 async def warm() -> None:
-    """Make all assets ready while nobody waits for them."""
+    """Make ready, while nobody waits for it, what the first pages need: assets, and the tables behind forms."""
+    await asyncio.to_thread(_make_ready)
+
+
+def _make_ready() -> None:
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.workbench.form import fields
+    from valvetrain.workbench.pages.orders import choices_for
+
     for name in ("page.css", "workbench.css", "page.js", "plotly.js"):
-        await asyncio.to_thread(packed, name)
+        packed(name)
+    case = load_case("job-c")
+    fields(case)
+    choices_for(case, (), {})

@@ -6,7 +6,7 @@ from typing import Any
 
 from nicegui import events, run, ui
 
-from valvetrain.errors import ValvetrainError
+from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.parameters.case import Case
 from valvetrain.workbench import form
 from valvetrain.workbench.jobs import JobStatus
@@ -99,7 +99,7 @@ class CasePage:
         try:
             self.desk.workspace.set_value(self.case, key, value)
         except ValvetrainError as error:
-            return sentence_of(error)
+            return sentence_of(error, key)
         self.refresh()
         return ""
 
@@ -231,7 +231,7 @@ class CasePage:
                 run_table(others, alone=True)
 
 
-def sentence_of(error: ValvetrainError) -> str:
-    """An error as a sentence."""
-    text = str(error)
-    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
+def sentence_of(error: ValvetrainError, key: str = "") -> str:
+    """An error as a sentence; at the field of ``key`` the place is not told again."""
+    text = error.reason if key and isinstance(error, InputError) and error.where.endswith(key) else str(error)
+    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?")) else ".")

@@ -11,7 +11,7 @@ from nicegui.elements.mixins.text_element import TextElement
 Handler = Callable[..., Any]
 
 
-def tag(name: str, words: str = "", classes: str = "", **attributes: str | None) -> ui.element:
+def tag(name: str, /, words: str = "", classes: str = "", **attributes: str | None) -> ui.element:
     """An HTML element ``name`` holding ``words``; an underscore in the name of an attribute stands for a hyphen, None leaves it out."""
     made = TextElement(tag=name, text=words) if words else ui.element(name)
     if classes:

@@ -1,5 +1,6 @@
 // The form of a case: groups of fields; a change is sent at once, a refusal stands below its field, the last valid value is kept.
 export default {
+  emits: ["change"],
   props: { groups: Array, open: Array },
   data() { return { texts: {}, refused: {}, sent: {}, wanted: "", opened: {} }; },
   created() { this.groups.forEach((group) => { this.opened[group.key] = (this.open || []).includes(group.key); }); this.take(); },
@@ -60,9 +61,13 @@ export default {
           <option v-if="!field.required" value="">{{ field.usual ? "usual: " + field.usual : "not given" }}</option>
           <option v-for="word in field.choices" :key="word" :value="word">{{ word }}</option>
         </select>
-        <input v-else type="text" :id="place(field.key)" :value="texts[field.key]" autocomplete="off" spellcheck="false"
+        <textarea v-else-if="field.text.length > 36" :id="place(field.key)" :value="texts[field.key]" autocomplete="off" spellcheck="false" :rows="Math.min(6, Math.ceil(field.text.length / 38))"
+          :aria-invalid="refused[field.key] ? 'true' : null" :aria-describedby="told(field)" @change="send(field, $event.target.value)"
+          @keydown.enter.prevent="send(field, $event.target.value)" @keydown.escape="back(field)"></textarea>
+        <input v-else type="text" :id="place(field.key)" :value="texts[field.key]" autocomplete="off" spellcheck="false" :list="field.choices.length ? place(field.key) + '-list' : null"
           :placeholder="field.usual ? 'usual: ' + field.usual : ''" :required="field.required" :aria-invalid="refused[field.key] ? 'true' : null"
           :aria-describedby="told(field)" @change="send(field, $event.target.value)" @keydown.escape="back(field)">
+        <datalist v-if="field.kind !== 'choice' && field.choices.length" :id="place(field.key) + '-list'"><option v-for="word in field.choices" :key="word" :value="word"></option></datalist>
       </template>
       <p v-if="refused[field.key]" class="refusal" :id="place(field.key) + '-refusal'" role="alert">{{ refused[field.key] }}
         <template v-if="field.text">The case keeps {{ field.text }}.</template>

@@ -16,7 +16,7 @@ def figure_html(key: str, title: str, caption: str, plotly: Mapping[str, Any]) -
     """A figure with its data, as a report has it."""
     height = int(plotly.get("layout", {}).get("height", 320))
     return (
-        f'<figure id="fig-{escape(key)}"><h3>{escape(title)}</h3><div class="plot" data-chart="{escape(key)}" style="height:{height}px" role="img" '
+        f'<figure id="fig-{escape(key)}"><h3>{escape(title)}</h3><div class="plot" data-chart="{escape(key)}" style="height:{height}px" role="group" '
         f'aria-label="{escape(title)}"></div><figcaption>{escape(caption)}</figcaption></figure>'
         f'<script type="application/json" id="data-{escape(key)}">{in_script(json.dumps(plotly, separators=(",", ":")))}</script>'
     )

@@ -1,5 +1,6 @@
 // How a job stands: share done, time left, cancel; the sentence where it ended otherwise than well.
 export default {
+  emits: ["cancel", "again"],
   props: { job: Object },
   template: `
 <p v-if="job && job.state === 'finished'" class="off-screen" role="status" data-state="finished">{{ job.title }} finished</p>

@@ -1,5 +1,6 @@
 // What to run: kind, spring models, speeds and, of a study, quantity and range.
 export default {
+  emits: ["estimate", "run"],
   props: { models: Array, speeds: String, sweep: String, quantities: Array, outputs: Array, estimate: String, refusal: String, busy: Boolean },
   data() {
     return { kind: "run", at: this.speeds, over: this.sweep, chosen: Object.fromEntries(this.models.map((one) => [one.word, one.chosen])),

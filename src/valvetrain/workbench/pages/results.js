@@ -6,6 +6,7 @@ const SHORT = { sweep: "Over engine speed", motion: "Lift and motion", train: "T
   stress: "Stress", "critical-speeds": "Limit speeds", energy: "Energy", published: "Published values", gu2021: "Stages", uncertainty: "Error bars",
   case: "Case", runs: "Computation", references: "Papers" };
 export default {
+  emits: ["shown"],
   props: { source: String, whole: Boolean, name: String },
   data() { return { tabs: [], chosen: "", sentence: "", shown: "" }; },
   mounted() { this.load(); },

@@ -1,5 +1,6 @@
 // One quantity on a slider: while it moves the lumped chain answers, the newest wish first; when it rests the rod may answer too.
 export default {
+  emits: ["move", "moving", "rest", "keep"],
   props: { quantities: Array, speed: String, rod: Boolean },
   data() {
     return { key: "", value: 0, text: "", sentence: "", numbers: [], asked: false, waiting: null, busy: false, slow: false, rodWanted: this.rod,
@@ -83,6 +84,6 @@ export default {
   </div>
   <p v-if="sentence" class="refusal" role="alert">{{ sentence }}</p>
   <dl class="numbers" v-if="numbers.length"><div v-for="one in numbers" :key="one.label"><dt>{{ one.label }}</dt><dd>{{ one.value }} <small>{{ one.unit }}</small></dd></div></dl>
-  <div v-show="numbers.length" class="plot" ref="plot" role="img" aria-label="Spring force over the cam angle: case, moved quantity and rod" style="height:300px"></div>
+  <div v-show="numbers.length" class="plot" ref="plot" role="group" aria-label="Spring force over the cam angle: case, moved quantity and rod" style="height:300px"></div>
 </section>`,
 };

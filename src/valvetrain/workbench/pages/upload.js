@@ -1,5 +1,6 @@
 // A file to send: chosen, sent at once, answered by an address to go to or by the reader's sentence.
 export default {
+  emits: ["done"],
   props: { label: String, hint: String, url: String, accept: String, most: Number, field: String },
   data() { return { sentence: "", busy: false }; },
   methods: {
