@@ -14,7 +14,7 @@ from valvetrain.workbench.kept import Run
 from valvetrain.workbench.live import LiveResult
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Form, JobPanel, Order, Results, Slider, button, link, tag
-from valvetrain.workbench.pages.forms import shown_groups, sliding
+from valvetrain.workbench.pages.forms import ENGINE_SPEED, engine_speed, shown_groups, sliding
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.job_words import job_shown
 from valvetrain.workbench.pages.live_chart import live_figure, live_numbers
@@ -79,7 +79,7 @@ class CasePage:
                     quantities = sliding(groups)
                     self.order = Order(choices_for(self.read, quantities, kept), self.estimate, self.start)
                     self.panel = JobPanel(self.cancel, self.again)
-                    self.slider = Slider(quantities, "", handlers)
+                    self.slider = Slider([*engine_speed(self.read), *quantities], "", handlers)
                     tag("div", classes="motion-place", id="motion-place")
                     self.head = tag("div", classes="run-head")
                     self.results = Results()
@@ -108,7 +108,7 @@ class CasePage:
         self.text, self.read, self.moved = self.desk.workspace.text(self.case), self.desk.workspace.read(self.case), None
         groups = form.fields(self.read)
         self.form.show(shown_groups(groups))
-        self.slider.show(sliding(groups), "")
+        self.slider.show([*engine_speed(self.read), *sliding(groups)], "")
         self.order.tell(quantities=sliding(groups))
 
     def copy(self) -> None:
@@ -125,29 +125,30 @@ class CasePage:
         key, value = str(event.args["key"]), str(event.args["value"])
         try:
             opened = await run.io_bound(self.desk.chain, self.case)
-            found = await run.io_bound(opened.chain.curve, {key: value})
+            found = await run.io_bound(opened.chain.curve, *moved_to(key, value))
         except ValvetrainError as error:
             self.slider.answer("", [], sentence_of(error))
             return
-        if found.angle_deg:
-            self.moved = (value, found)
-        figure = live_figure(opened.base, found, None, value) if found.angle_deg else ""
-        self.slider.answer(figure, live_numbers(opened.base, found), found.sentence)
+        if not found.angle_deg:
+            self.slider.answer("", [], found.sentence)
+            return
+        self.moved = (value, found)
+        self.slider.answer(live_figure(opened.base, found, None, value), live_numbers(opened.base, found), found.sentence)
 
     async def rest(self, event: events.GenericEventArguments) -> None:
         """The slider rests: the curve by the rod too."""
         key, value = str(event.args["key"]), str(event.args["value"])
         try:
             opened = await run.io_bound(self.desk.chain, self.case)
-            found = await run.io_bound(opened.chain.rod, {key: value})
+            found = await run.io_bound(opened.chain.rod, *moved_to(key, value))
         except ValvetrainError as error:
             self.slider.rod_answer("", sentence_of(error))
             return
         moved = self.moved[1] if self.moved is not None and self.moved[0] == value else None
         if moved is None or not found.angle_deg:
-            self.slider.rod_answer("", found.sentence)
+            self.slider.rod_answer("", "" if found.skipped else found.sentence)
             return
-        self.slider.rod_answer(live_figure(opened.base, moved, found, value), f"The rod took {found.seconds:.1f} s.")
+        self.slider.rod_answer(live_figure(opened.base, moved, found, value), f"The rod took {found.seconds:.1f} s. {found.sentence}".strip())
 
     def moving(self) -> None:
         """The slider moves again: a rod that runs is ended."""
@@ -157,7 +158,8 @@ class CasePage:
 
     def keep(self, event: events.GenericEventArguments) -> None:
         """Put the value of the slider into the case."""
-        if refusal := self.put(str(event.args["key"]), str(event.args["value"])):
+        key, value = str(event.args["key"]), str(event.args["value"])
+        if refusal := self.put("operation.engine_speeds" if key == ENGINE_SPEED else key, value):
             self.slider.answer("", [], refusal)
 
     # -- jobs ----------------------------------------------------------------------------------------------------------------
@@ -229,6 +231,11 @@ class CasePage:
             with self.list:
                 tag("h2", "Earlier runs of this case")
                 run_table(others, alone=True)
+
+
+def moved_to(key: str, value: str) -> tuple[dict[str, str], str]:
+    """Changes of the case, and the engine speed, that a place of the slider stands for."""
+    return ({}, value) if key == ENGINE_SPEED else ({key: value}, "")
 
 
 def sentence_of(error: ValvetrainError, key: str = "") -> str:

@@ -3,7 +3,7 @@ export default {
   emits: ["change"],
   props: { groups: Array, open: Array },
   data() { return { texts: {}, refused: {}, sent: {}, wanted: "", opened: {} }; },
-  created() { this.groups.forEach((group) => { this.opened[group.key] = (this.open || []).includes(group.key); }); this.take(); },
+  created() { this.groups.forEach((group) => { this.opened[group.key] = (this.open || []).includes(group.key) && window.innerWidth > 900; }); this.take(); },
   watch: { groups() { this.take(); } },
   computed: {
     shown() {

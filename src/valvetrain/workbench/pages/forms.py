@@ -5,8 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from valvetrain.parameters.case import Case
 from valvetrain.parameters.words import number
+from valvetrain.report.words import rpm
 from valvetrain.workbench.form import Field, FieldGroup
+
+
+#: Key of the engine speed among the quantities of a slider.
+ENGINE_SPEED = "engine_speed"
 
 
 def shown_groups(groups: Sequence[FieldGroup]) -> list[dict[str, Any]]:
@@ -48,3 +54,13 @@ def sliding(groups: Sequence[FieldGroup]) -> list[dict[str, Any]]:
         }
         for group in groups for field in group.fields if field.slider is not None and field.number is not None
     ]  # fmt: skip
+
+
+def engine_speed(case: Case) -> list[dict[str, Any]]:
+    """The engine speed as a quantity of the slider, about the highest speed of the case; nothing where it names none."""
+    speeds = case.operation.engine_speeds
+    if not speeds:
+        return []
+    value = round(rpm(max(speeds)))
+    ends = {"low": 50.0 * round(value * 0.3 / 50), "high": 50.0 * round(value * 1.5 / 50), "step": 10.0}
+    return [{"key": ENGINE_SPEED, "label": "Engine speed", "group": "Operation", "unit": "rpm", "value": float(value), **ends}]

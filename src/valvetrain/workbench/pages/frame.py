@@ -50,7 +50,7 @@ def frame(title: str, here: str = "", figures: bool = True) -> Iterator[None]:
         with tag("nav", aria_label="places"):
             for words, href in PLACES:
                 link(words, href, aria_current="page" if href == here else None)
-        tag("button", "Light or dark", "button small", type="button", id="theme").on("click", js_handler=_TURN)
+        tag("button", "Dark", "button small", type="button", id="theme").on("click", js_handler=_TURN)
     with tag("div", classes="sheet") as sheet:
         yield
     ui.skip_link("Skip to the content", target=sheet)

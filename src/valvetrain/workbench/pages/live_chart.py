@@ -9,7 +9,6 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Panel
 from valvetrain.report.figures.common import ANGLE_LABEL
 from valvetrain.report.plotly_chart import to_json
-from valvetrain.solution.definition import label_of
 from valvetrain.workbench.live import LiveResult
 
 #: The model that answers while the slider moves, and the one that answers when it rests.
@@ -34,11 +33,10 @@ def live_numbers(base: LiveResult, moved: LiveResult | None) -> list[dict[str, s
     """Numbers of the moved case with the change from the case itself."""
     seen = moved if moved is not None and moved.quantities else base
     found = []
-    for name, (value, unit) in seen.quantities.items():
-        change = value - base.quantities[name][0] if seen is not base and name in base.quantities else 0.0
-        told = f"{unit} ({'+' if change > 0 else '−'}{number(abs(change))})" if abs(change) > 1e-9 else unit
-        label = label_of(name)
-        found.append({"label": label[:1].upper() + label[1:], "value": number(value), "unit": told})
+    for words, (value, unit) in seen.quantities.items():
+        change = value - base.quantities[words][0] if seen is not base and words in base.quantities else 0.0
+        told = f"{unit} ({'+' if change > 0 else '−'}{number(abs(change), 3)})" if abs(change) > 1e-9 * abs(value) else unit
+        found.append({"label": words[:1].upper() + words[1:], "value": number(value), "unit": told})
     return found
 
 
