@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec
 
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, legend_entries
+from valvetrain.report.motion.script import motion_script
 from valvetrain.solution.gaps import Gaps, reason
 
 if TYPE_CHECKING:
@@ -136,7 +137,20 @@ class Listing:
     kind = "listing"
 
 
-Block = Text | Figure | Grid | Cards | Tabs | Details | Listing
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A moving picture: ``data`` is what motion.js mounts, as JSON that may stand in a script; ``still`` an SVG element until it does."""
+
+    key: str
+    title: str
+    caption: str
+    data: str
+    still: str
+
+    kind = "motion"
+
+
+Block = Motion | Text | Figure | Grid | Cards | Tabs | Details | Listing
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,10 +246,12 @@ def render(page: Page, gaps: Gaps | None = None) -> str:
     drawn = {chart.key: _drawn(chart, gaps) for chart in charts(page)}
     style = _static("page.css").replace("FONT_STACK", theme.FONT)
     library = plotly_script() if drawn else ""
+    moving = [block for section in page.sections for block in _all(section.blocks) if isinstance(block, Motion)]
     template = environment.get_template("page.html.j2")
     return template.render(
-        page=page, drawn=drawn, style=style, script=_static("page.js"), plotly=library, legend=legend_entries, dashes=_DASHES
-    )
+        page=page, drawn=drawn, style=style, script=_static("page.js"), plotly=library, legend=legend_entries, dashes=_DASHES,
+        moving=moving, mover=motion_script() if moving else "",
+    )  # fmt: skip
 
 
 def _drawn(chart: Chart, gaps: Gaps | None) -> str:

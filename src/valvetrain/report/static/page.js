@@ -42,6 +42,15 @@
       Plotly.restyle(box, { visible: shown }, places);
     });
   });
+  // Moving pictures are mounted when they come near, as figures are drawn.
+  const moving = new IntersectionObserver(function (entries) {
+    entries.forEach(function (entry) {
+      if (!entry.isIntersecting) { return; }
+      moving.unobserve(entry.target);
+      valvetrainMotion.mount(entry.target, JSON.parse(document.getElementById("motion-" + entry.target.dataset.motion).textContent));
+    });
+  }, { rootMargin: "600px 0px" });
+  if (typeof valvetrainMotion !== "undefined") { document.querySelectorAll("[data-motion]").forEach(function (box) { moving.observe(box); }); }
   const boxes = Array.from(document.querySelectorAll(".plot"));
   // Figures are drawn when they come near the window: the page opens at once however many there are.
   const watcher = new IntersectionObserver(function (entries) {
