@@ -147,6 +147,7 @@ BUILT_IN["sections"] = {
     "gu2021": "valvetrain.report.sections.gu2021:SPEC",
     "uncertainty": "valvetrain.report.sections.uncertainty:SPEC",
     "force": "valvetrain.report.sections.force:SPEC",
+    "in-motion": "valvetrain.report.sections.in_motion:SPEC",
     "coils": "valvetrain.report.sections.coils:SPEC",
     "motion": "valvetrain.report.sections.motion:SPEC",
     "train": "valvetrain.report.sections.train:SPEC",

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec
 
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, legend_entries
+from valvetrain.report.motion.script import motion_script
 from valvetrain.solution.gaps import Gaps, reason
 
 if TYPE_CHECKING:
@@ -139,7 +140,20 @@ class Listing:
     kind = "listing"
 
 
-Block = Text | Figure | Grid | Cards | Tabs | Details | Listing
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A moving picture: ``data`` is what motion.js mounts, as JSON that may stand in a script; ``still`` an SVG element until it does."""
+
+    key: str
+    title: str
+    caption: str
+    data: str
+    still: str
+
+    kind = "motion"
+
+
+Block = Motion | Text | Figure | Grid | Cards | Tabs | Details | Listing
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,14 +243,23 @@ def _all(blocks: Sequence[Any]) -> Iterator[Any]:
 def render(page: Page, gaps: Gaps | None = None) -> str:
     """The page as one self-contained HTML document, Plotly and data included; ``gaps`` is told the figures that cannot be drawn."""
     drawn = {chart.key: _drawn(chart, gaps) for chart in charts(page)}
-    library = plotly_script() if drawn else ""
-    return _template("page.html.j2").render(page=page, drawn=drawn, style=page_style(), script=page_script(), plotly=library)
+    library, moving = plotly_script() if drawn else "", _moving(page)
+    return _template("page.html.j2").render(
+        page=page, drawn=drawn, style=page_style(), script=page_script(), plotly=library, moving=moving,
+        mover=motion_script() if moving else "",
+    )  # fmt: skip
 
 
 def render_part(sections: Sequence[Section]) -> str:
     """Sections with the data of their figures as HTML to stand in another page, which brings style, script and Plotly."""
     page = Page("", "", "", (), tuple(sections))
-    return _template("part.html.j2").render(page=page, drawn={chart.key: _drawn(chart, None) for chart in charts(page)})
+    drawn = {chart.key: _drawn(chart, None) for chart in charts(page)}
+    return _template("part.html.j2").render(page=page, drawn=drawn, moving=_moving(page))
+
+
+def _moving(page: Page) -> list[Motion]:
+    """Every moving picture of a page, in order."""
+    return [block for section in page.sections for block in _all(section.blocks) if isinstance(block, Motion)]
 
 
 def page_style() -> str:

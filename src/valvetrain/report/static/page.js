@@ -58,6 +58,16 @@ const valvetrainFigures = (function () {
   }, { rootMargin: "900px 0px" });
   window.addEventListener("beforeprint", function () { document.querySelectorAll(".plot[data-chart]").forEach(draw); });
 
+  // Moving pictures are mounted when they come near, as figures are drawn.
+  const moving = new IntersectionObserver(function (entries) {
+    entries.forEach(function (entry) {
+      if (!entry.isIntersecting) { return; }
+      moving.unobserve(entry.target);
+      const box = entry.target, source = document.getElementById("motion-" + box.dataset.motion);
+      if (source && typeof valvetrainMotion !== "undefined") { box.mounted = valvetrainMotion.mount(box, JSON.parse(source.textContent)); }
+    });
+  }, { rootMargin: "600px 0px" });
+
   function wireLegends(root) {
     root.querySelectorAll(".legend button").forEach(function (button) {
       button.addEventListener("click", function () {
@@ -108,6 +118,7 @@ const valvetrainFigures = (function () {
     wireTabs(root);
     wireFilters(root);
     root.querySelectorAll(".plot[data-chart]").forEach(function (box) { watcher.observe(box); });
+    root.querySelectorAll("[data-motion]").forEach(function (box) { moving.observe(box); });
     root.querySelectorAll("details").forEach(function (part) {
       part.addEventListener("toggle", function () { part.querySelectorAll(".plot").forEach(function (box) { if (part.open) { draw(box); } }); });
     });
