@@ -11,6 +11,7 @@ from importlib import resources
 from fastapi import FastAPI, HTTPException, Request
 from fastapi.responses import Response
 
+from valvetrain.report.motion.script import motion_script
 from valvetrain.report.page import page_script, page_style, plotly_script
 
 _KINDS = {"css": "text/css; charset=utf-8", "js": "text/javascript; charset=utf-8"}
@@ -19,7 +20,7 @@ _KINDS = {"css": "text/css; charset=utf-8", "js": "text/javascript; charset=utf-
 @cache
 def content(name: str) -> bytes:
     """The content of an asset; KeyError for another name."""
-    made = {"page.css": page_style, "page.js": page_script, "plotly.js": plotly_script, "workbench.css": _own_style}
+    made = {"page.css": page_style, "page.js": page_script, "plotly.js": plotly_script, "motion.js": motion_script, "workbench.css": _own_style}
     return made[name]().encode()
 
 
@@ -63,7 +64,7 @@ def _make_ready() -> None:
     from valvetrain.workbench.form import fields
     from valvetrain.workbench.pages.orders import choices_for
 
-    for name in ("page.css", "workbench.css", "page.js", "plotly.js"):
+    for name in ("page.css", "workbench.css", "page.js", "plotly.js", "motion.js"):
         packed(name)
     case = load_case("job-c")
     fields(case)

@@ -17,7 +17,7 @@ from valvetrain.workbench.pages.elements import Form, JobPanel, Order, Results, 
 from valvetrain.workbench.pages.forms import ENGINE_SPEED, engine_speed, shown_groups, sliding
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.job_words import job_shown
-from valvetrain.workbench.pages.live_chart import live_figure, live_numbers
+from valvetrain.workbench.pages.live_chart import live_lines, live_numbers
 from valvetrain.workbench.pages.orders import choices_for, request_of
 from valvetrain.workbench.pages.run_list import run_table
 from valvetrain.workbench.pages.run_view import earlier, run_head
@@ -80,7 +80,6 @@ class CasePage:
                     self.order = Order(choices_for(self.read, quantities, kept), self.estimate, self.start)
                     self.panel = JobPanel(self.cancel, self.again)
                     self.slider = Slider([*engine_speed(self.read), *quantities], "", handlers)
-                    tag("div", classes="motion-place", id="motion-place")
                     self.head = tag("div", classes="run-head")
                     self.results = Results()
                     self.list = tag("div", classes="run-list")
@@ -127,13 +126,13 @@ class CasePage:
             opened = await run.io_bound(self.desk.chain, self.case)
             found = await run.io_bound(opened.chain.curve, *moved_to(key, value))
         except ValvetrainError as error:
-            self.slider.answer("", [], sentence_of(error))
+            self.slider.answer([], [], sentence_of(error))
             return
         if not found.angle_deg:
-            self.slider.answer("", [], found.sentence)
+            self.slider.answer([], [], found.sentence)
             return
         self.moved = (value, found)
-        self.slider.answer(live_figure(opened.base, found, None, value), live_numbers(opened.base, found), found.sentence)
+        self.slider.answer(live_lines(opened.base, found, None, value), live_numbers(opened.base, found), found.sentence)
 
     async def rest(self, event: events.GenericEventArguments) -> None:
         """The slider rests: the curve by the rod too."""
@@ -142,13 +141,13 @@ class CasePage:
             opened = await run.io_bound(self.desk.chain, self.case)
             found = await run.io_bound(opened.chain.rod, *moved_to(key, value))
         except ValvetrainError as error:
-            self.slider.rod_answer("", sentence_of(error))
+            self.slider.rod_answer([], sentence_of(error))
             return
         moved = self.moved[1] if self.moved is not None and self.moved[0] == value else None
         if moved is None or not found.angle_deg:
-            self.slider.rod_answer("", "" if found.skipped else found.sentence)
+            self.slider.rod_answer([], "" if found.skipped else found.sentence)
             return
-        self.slider.rod_answer(live_figure(opened.base, moved, found, value), f"The rod took {found.seconds:.1f} s. {found.sentence}".strip())
+        self.slider.rod_answer(live_lines(opened.base, moved, found, value), f"The rod took {found.seconds:.1f} s. {found.sentence}".strip())
 
     def moving(self) -> None:
         """The slider moves again: a rod that runs is ended."""
@@ -160,7 +159,7 @@ class CasePage:
         """Put the value of the slider into the case."""
         key, value = str(event.args["key"]), str(event.args["value"])
         if refusal := self.put("operation.engine_speeds" if key == ENGINE_SPEED else key, value):
-            self.slider.answer("", [], refusal)
+            self.slider.answer([], [], refusal)
 
     # -- jobs ----------------------------------------------------------------------------------------------------------------
 

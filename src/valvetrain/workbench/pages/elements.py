@@ -8,6 +8,9 @@ from typing import Any
 from nicegui import ui
 from nicegui.elements.mixins.text_element import TextElement
 
+from valvetrain.report.chart import Line
+from valvetrain.workbench.pages.live_chart import live_figure, live_key
+
 Handler = Callable[..., Any]
 
 
@@ -64,13 +67,13 @@ class Slider(ui.element, component="slider.js"):
         self.props["quantities"], self.props["speed"] = list(quantities), engine_speed
         self.update()
 
-    def answer(self, figure: str, numbers: Sequence[Mapping[str, str]], sentence: str) -> None:
-        """What the chain answered: a figure (JSON; empty for one that was overtaken), numbers, or a sentence."""
-        self.run_method("answer", figure, list(numbers), sentence)
+    def answer(self, lines: Sequence[Line], numbers: Sequence[Mapping[str, str]], sentence: str) -> None:
+        """What the chain answered: lines (none where it was overtaken), numbers, or a sentence."""
+        self.run_method("answer", live_figure(lines) if lines else "", live_key(lines), list(numbers), sentence)
 
-    def rod_answer(self, figure: str, sentence: str) -> None:
+    def rod_answer(self, lines: Sequence[Line], sentence: str) -> None:
         """What the rod answered."""
-        self.run_method("rodAnswer", figure, sentence)
+        self.run_method("rodAnswer", live_figure(lines) if lines else "", live_key(lines), sentence)
 
 
 class Order(ui.element, component="order.js"):

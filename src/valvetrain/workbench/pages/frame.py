@@ -39,7 +39,7 @@ _TURN = """() => {
 def frame(title: str, here: str = "", figures: bool = True) -> Iterator[None]:
     """A page with ``title``; what is made inside stands in its main part. ``figures``: it draws some."""
     ui.page_title(f"{title} - valvetrain")
-    scripts = "".join(f'<script defer src="{address(name)}"></script>' for name in ("page.js", "plotly.js")) if figures else ""
+    scripts = "".join(f'<script defer src="{address(name)}"></script>' for name in ("page.js", "plotly.js", "motion.js")) if figures else ""
     styles = "".join(f'<link rel="stylesheet" href="{address(name)}">' for name in ("page.css", "workbench.css"))
     ui.add_head_html(_HEAD + styles + scripts)
     with context.client.layout:

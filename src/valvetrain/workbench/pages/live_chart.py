@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from valvetrain.parameters.words import number
@@ -15,18 +17,28 @@ from valvetrain.workbench.live import LiveResult
 QUICK, SLOW = "multi-mass", "finite-element"
 
 
-def live_figure(base: LiveResult, moved: LiveResult | None, rod: LiveResult | None, words: str = "") -> str:
-    """The figure as JSON; ``words``: what was moved and where to."""
+def live_lines(base: LiveResult, moved: LiveResult | None, rod: LiveResult | None, words: str = "") -> list[Line]:
+    """Lines of the figure; ``words``: where the quantity was moved to."""
     lines = [_line(base, "the case", theme.MUTED, "dash")]
     if moved is not None and moved.angle_deg:
         lines.append(_line(moved, f"{words}, {theme.model_words(QUICK)}", theme.model_colour(QUICK)))
     if rod is not None and rod.angle_deg:
         lines.append(_line(rod, f"{words}, {theme.model_words(SLOW)}", theme.model_colour(SLOW)))
+    return lines
+
+
+def live_figure(lines: Sequence[Line]) -> str:
+    """The figure as JSON."""
     forces = np.concatenate([line.y for line in lines])
     low, high = float(forces.min()), float(forces.max())
     room = 0.06 * (high - low or 1.0)
     panel = Panel(ANGLE_LABEL, "force on the retainer (N)", tuple(lines), x_range=(0, 360), x_step=30, y_range=(low - room, high + room))
     return to_json(Chart("live", "Spring force", "", (panel,), height=300, legend=False))
+
+
+def live_key(lines: Sequence[Line]) -> list[dict[str, str]]:
+    """What each line is, for the key below the figure."""
+    return [{"words": line.name, "colour": line.colour, "dash": "6 4" if line.dash == "dash" else ""} for line in lines]
 
 
 def live_numbers(base: LiveResult, moved: LiveResult | None) -> list[dict[str, str]]:

@@ -9,7 +9,7 @@ from typing import Any
 from valvetrain.errors import InputError
 from valvetrain.workbench.kept import Run
 
-_DATA = re.compile(r'<script type="application/json" id="data-[^<]*</script>\n?')
+_DATA = re.compile(r'<script type="application/json" id="(?:data|motion)-[^<]*</script>\n?')
 _FIGURE = re.compile(r'<script type="application/json" id="data-([^"]*)">([^<]*)</script>')
 #: Largest report that is read for its sections (bytes).
 MOST_REPORT = 200_000_000

@@ -1,8 +1,8 @@
 // The sections of a run as its report has them, asked for when the run is there and drawn in place; one set is seen at a time.
 const FIRST = ["answers", "force"];
-const ORDER = ["sweep", "motion", "train", "coils", "orders", "at-rest", "stress", "critical-speeds", "energy", "events", "kinematics", "published"];
+const ORDER = ["sweep", "motion", "train", "in-motion", "coils", "orders", "at-rest", "stress", "critical-speeds", "energy", "events", "kinematics", "published"];
 // Short words for the tabs; a section of another package keeps its title.
-const SHORT = { sweep: "Over engine speed", motion: "Lift and motion", train: "Train", coils: "Coils and clashes", orders: "Orders", "at-rest": "Static curve and modes",
+const SHORT = { sweep: "Over engine speed", motion: "Lift and motion", train: "Train", coils: "Coils and clashes", "in-motion": "Spring in motion", orders: "Orders", "at-rest": "Static curve and modes",
   stress: "Stress", "critical-speeds": "Limit speeds", energy: "Energy", published: "Published values", gu2021: "Stages", uncertainty: "Error bars",
   case: "Case", runs: "Computation", references: "Papers" };
 export default {
@@ -10,14 +10,16 @@ export default {
   props: { source: String, whole: Boolean, name: String },
   data() { return { tabs: [], chosen: "", sentence: "", shown: "" }; },
   mounted() { this.load(); },
+  beforeUnmount() { this.leave(); },
   watch: { source() { this.load(); } },
   methods: {
     async load() {
       const source = this.source;
-      if (!source) { this.$refs.place.replaceChildren(); this.tabs = []; this.shown = ""; return; }
+      if (!source) { this.leave(); this.$refs.place.replaceChildren(); this.tabs = []; this.shown = ""; return; }
       const began = performance.now();
       const answer = await fetch(source);
       const text = await answer.text();
+      this.fetched = performance.now() - began;
       if (source !== this.source) { return; }
       if (!answer.ok) { this.sentence = text; return; }
       this.sentence = "";
@@ -26,6 +28,7 @@ export default {
     fill(text, source, began) {
       if (typeof Plotly === "undefined") { setTimeout(() => this.fill(text, source, began), 20); return; }
       const place = this.$refs.place;
+      this.leave();
       place.innerHTML = text;
       place.querySelectorAll(".scroll").forEach((part) => {
         part.tabIndex = 0;
@@ -47,9 +50,11 @@ export default {
       valvetrainFigures.wire(place);
       this.drawNear();
       this.shown = source;
-      window.valvetrainResults = { source, seconds: (performance.now() - began) / 1000, at: Date.now() / 1000 };
+      window.valvetrainResults = { source, fetched: this.fetched / 1000, seconds: (performance.now() - began) / 1000, at: Date.now() / 1000 };
       this.$emit("shown", window.valvetrainResults);
     },
+    // Moving pictures hold a drawing context each, of which a browser has few.
+    leave() { this.$refs.place.querySelectorAll("[data-motion]").forEach((box) => { if (box.motion) { box.motion.destroy(); } }); },
     choose(key) {
       this.chosen = key;
       this.tabs.forEach((tab) => tab.sections.forEach((section) => { section.hidden = tab.key !== key; }));

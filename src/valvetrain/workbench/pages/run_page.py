@@ -35,7 +35,6 @@ def run_page(desk: Desk, run_id: str) -> None:
             hint = "Measured cycles (.csv, .nc) as 'valvetrain rig' writes them, or a table of values."
             Upload("test-file", "File of a test", hint, f"/upload/test?run={run_id}", "", most, laid_over)
             over = Results(whole=True)
-        tag("div", classes="motion-place", id="motion-place")
         Results(f"/part/{run_id}")
 
 
