@@ -276,7 +276,8 @@ def page_script() -> str:
 def _environment() -> jinja2.Environment:
     import jinja2
 
-    loader = jinja2.FunctionLoader(lambda name: resources.files("valvetrain.report").joinpath("templates", name).read_text(encoding="utf-8"))
+    folder = resources.files("valvetrain.report").joinpath("templates")
+    loader = jinja2.FunctionLoader(lambda name: folder.joinpath(name).read_text(encoding="utf-8"))
     found = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     found.globals |= {"legend": legend_entries, "dashes": _DASHES}
     return found

@@ -46,5 +46,6 @@ def start(workspace: Workspace, jobs: Jobs, settings: ServeSettings) -> None:
     app.on_shutdown(desk.close)
     ui.run(
         host=settings.host, port=settings.port, title="valvetrain", favicon=ICON, dark=False, language="en-US", reload=False,
-        show=settings.open_page, tailwind=False, show_welcome_message=False, reconnect_timeout=30.0, uvicorn_logging_level="warning",
+        show=settings.open_page, tailwind=False, show_welcome_message=False, reconnect_timeout=30.0, gzip_middleware_factory=None,
+        uvicorn_logging_level="warning",
     )  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import gzip
 import hashlib
+from collections.abc import Callable
 from functools import cache
 from importlib import resources
 
@@ -20,7 +21,13 @@ _KINDS = {"css": "text/css; charset=utf-8", "js": "text/javascript; charset=utf-
 @cache
 def content(name: str) -> bytes:
     """The content of an asset; KeyError for another name."""
-    made = {"page.css": page_style, "page.js": page_script, "plotly.js": plotly_script, "motion.js": motion_script, "workbench.css": _own_style}
+    made: dict[str, Callable[[], str]] = {
+        "page.css": page_style,
+        "page.js": page_script,
+        "plotly.js": plotly_script,
+        "motion.js": motion_script,
+        "workbench.css": _own_style,
+    }
     return made[name]().encode()
 
 
@@ -38,6 +45,7 @@ def packed(name: str) -> bytes:
 
 def register(app: FastAPI) -> None:
     """Add the addresses of all assets."""
+
     @app.get("/assets/{digest}/{name}")
     def asset(digest: str, name: str, request: Request) -> Response:
         try:

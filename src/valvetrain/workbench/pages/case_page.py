@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import Any
 
-from nicegui import events, run, ui
+from nicegui import events, ui
 
 from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.parameters.case import Case
@@ -13,7 +14,7 @@ from valvetrain.workbench.jobs import JobStatus
 from valvetrain.workbench.kept import Run
 from valvetrain.workbench.live import LiveResult
 from valvetrain.workbench.pages.desk import Desk
-from valvetrain.workbench.pages.elements import Form, JobPanel, Order, Results, Slider, button, link, tag
+from valvetrain.workbench.pages.elements import Form, Handler, JobPanel, Order, Results, Slider, button, link, tag
 from valvetrain.workbench.pages.forms import ENGINE_SPEED, engine_speed, shown_groups, sliding
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.job_words import job_shown
@@ -75,7 +76,7 @@ class CasePage:
                     shown = shown_groups(groups)
                     self.form = Form(shown, [one["key"] for one in shown if one["key"]][:OPEN_GROUPS], self.change)
                 with tag("div", classes="outputs"):
-                    handlers = {"move": self.move, "moving": self.moving, "rest": self.rest, "keep": self.keep}
+                    handlers: dict[str, Handler] = {"move": self.move, "moving": self.moving, "rest": self.rest, "keep": self.keep}
                     quantities = sliding(groups)
                     self.order = Order(choices_for(self.read, quantities, kept), self.estimate, self.start)
                     self.panel = JobPanel(self.cancel, self.again)
@@ -123,8 +124,7 @@ class CasePage:
         """The slider moved: the curve by the chain."""
         key, value = str(event.args["key"]), str(event.args["value"])
         try:
-            opened = await run.io_bound(self.desk.chain, self.case)
-            found = await run.io_bound(opened.chain.curve, *moved_to(key, value))
+            base, found = await self.desk.moved(self.case, key, value)
         except ValvetrainError as error:
             self.slider.answer([], [], sentence_of(error))
             return
@@ -132,14 +132,13 @@ class CasePage:
             self.slider.answer([], [], found.sentence)
             return
         self.moved = (value, found)
-        self.slider.answer(live_lines(opened.base, found, None, value), live_numbers(opened.base, found), found.sentence)
+        self.slider.answer(live_lines(base, found, None, value), live_numbers(base, found), found.sentence)
 
     async def rest(self, event: events.GenericEventArguments) -> None:
         """The slider rests: the curve by the rod too."""
         key, value = str(event.args["key"]), str(event.args["value"])
         try:
-            opened = await run.io_bound(self.desk.chain, self.case)
-            found = await run.io_bound(opened.chain.rod, *moved_to(key, value))
+            base, found = await self.desk.by_rod(self.case, key, value)
         except ValvetrainError as error:
             self.slider.rod_answer([], sentence_of(error))
             return
@@ -147,7 +146,7 @@ class CasePage:
         if moved is None or not found.angle_deg:
             self.slider.rod_answer([], "" if found.skipped else found.sentence)
             return
-        self.slider.rod_answer(live_lines(opened.base, moved, found, value), f"The rod took {found.seconds:.1f} s. {found.sentence}".strip())
+        self.slider.rod_answer(live_lines(base, moved, found, value), f"The rod took {found.seconds:.1f} s. {found.sentence}".strip())
 
     def moving(self) -> None:
         """The slider moves again: a rod that runs is ended."""
@@ -170,7 +169,7 @@ class CasePage:
             self.order.tell(estimate="Choose the quantity to vary.", refusal="")
             return
         try:
-            cost = await run.io_bound(self.desk.jobs.estimate, request_of(self.case, wish))
+            cost = await asyncio.to_thread(self.desk.jobs.estimate, request_of(self.case, wish))
             self.order.tell(estimate=f"Takes {cost}." if cost else "", refusal="")
         except ValvetrainError as error:
             self.order.tell(estimate="", refusal=sentence_of(error))
@@ -230,11 +229,6 @@ class CasePage:
             with self.list:
                 tag("h2", "Earlier runs of this case")
                 run_table(others, alone=True)
-
-
-def moved_to(key: str, value: str) -> tuple[dict[str, str], str]:
-    """Changes of the case, and the engine speed, that a place of the slider stands for."""
-    return ({}, value) if key == ENGINE_SPEED else ({key: value}, "")
 
 
 def sentence_of(error: ValvetrainError, key: str = "") -> str:

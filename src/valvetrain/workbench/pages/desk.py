@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
 from dataclasses import dataclass, field
 
 from valvetrain.workbench.jobs import Jobs
 from valvetrain.workbench.live import LiveChain, LiveResult
+from valvetrain.workbench.pages.forms import ENGINE_SPEED
 from valvetrain.workbench.settings import ServeSettings
 from valvetrain.workbench.workspace import CaseId, Workspace
 
@@ -49,9 +51,24 @@ class Desk:
                 self.chains.pop(next(iter(self.chains))).chain.close()
             return found
 
+    async def moved(self, case: CaseId, key: str, value: str) -> tuple[LiveResult, LiveResult]:
+        """The curve of a case, and that by the chain with ``value`` at ``key``."""
+        opened = await asyncio.to_thread(self.chain, case)
+        return opened.base, await asyncio.to_thread(opened.chain.curve, *moved_to(key, value))
+
+    async def by_rod(self, case: CaseId, key: str, value: str) -> tuple[LiveResult, LiveResult]:
+        """The curve of a case by the chain, and that by the rod with ``value`` at ``key``."""
+        opened = await asyncio.to_thread(self.chain, case)
+        return opened.base, await asyncio.to_thread(opened.chain.rod, *moved_to(key, value))
+
     def close(self) -> None:
         """End all chains."""
         with self._lock:
             for one in self.chains.values():
                 one.chain.close()
             self.chains.clear()
+
+
+def moved_to(key: str, value: str) -> tuple[dict[str, str], str]:
+    """Changes of the case, and the engine speed, that a place of the slider stands for."""
+    return ({}, value) if key == ENGINE_SPEED else ({key: value}, "")

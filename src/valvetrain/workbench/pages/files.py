@@ -9,7 +9,7 @@ from fastapi import FastAPI, Request
 from fastapi.responses import FileResponse, HTMLResponse, JSONResponse, PlainTextResponse, Response
 
 from valvetrain.errors import ValvetrainError
-from valvetrain.workbench.answers import overlay
+from valvetrain.workbench.answers import against
 from valvetrain.workbench.pages.compare_page import comparison_part
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.html import test_part
@@ -63,7 +63,7 @@ def register(app: FastAPI, desk: Desk) -> None:
     async def upload_test(request: Request, run: str, name: str) -> Response:
         content = await request.body()
         try:
-            found = await asyncio.to_thread(lambda: overlay(desk.workspace.run(run), Path(name).name, content))
+            found = await asyncio.to_thread(lambda: against(desk.workspace.run(run), Path(name).name, content))
         except ValvetrainError as error:
             return JSONResponse({"refusal": str(error)})
         number = max(laid_over, default=0) + 1

@@ -10,7 +10,6 @@ from valvetrain.parameters.words import number
 from valvetrain.report.words import rpm
 from valvetrain.workbench.form import Field, FieldGroup
 
-
 #: Key of the engine speed among the quantities of a slider.
 ENGINE_SPEED = "engine_speed"
 

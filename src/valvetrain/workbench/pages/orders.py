@@ -60,8 +60,9 @@ def choices_for(case: Case, quantities: Sequence[Mapping[str, Any]], kept: Mappi
     """All that the page offers; ``kept``: what was chosen last."""
     own = ", ".join(f"{rpm(speed):.10g}" for speed in case.operation.engine_speeds)
     return {
-        "models": models_for(case, kept.get("models", "").split(",")), "speeds": kept.get("speeds") or (f"{own} rpm" if own else "4000 rpm"),
-        "sweep": kept.get("sweep") or SWEEP, "quantities": list(quantities), "outputs": outputs_for(case),
+        "models": models_for(case, kept.get("models", "").split(",")),
+        "speeds": kept.get("speeds") or (f"{own} rpm" if own else "4000 rpm"), "sweep": kept.get("sweep") or SWEEP,
+        "quantities": list(quantities), "outputs": outputs_for(case),
     }  # fmt: skip
 
 
@@ -88,7 +89,8 @@ def _study(case: str, models: tuple[str, ...], speeds: str, wish: Mapping[str, A
     vary = "".join(f"{name} = {_quoted(value)}\n" for name, value in ends.items())
     asked = f"engine_speeds = {json.dumps(speeds)}\n" if speeds else ""
     return (
-        f"case = {json.dumps(case)}\n{asked}spring_models = {json.dumps(list(models))}\noutputs = {json.dumps([str(wish.get('output', ''))])}\n"
+        f"case = {json.dumps(case)}\n{asked}spring_models = {json.dumps(list(models))}\n"
+        f"outputs = {json.dumps([str(wish.get('output', ''))])}\n"
         f'points = {{ sampler = "grid", levels = {int(points)} }}\n\n[[vary]]\nkey = {json.dumps(key)}\n{vary}'
     )
 

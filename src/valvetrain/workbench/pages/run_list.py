@@ -10,7 +10,15 @@ from valvetrain.workbench.kept import Run
 from valvetrain.workbench.pages.elements import link, tag
 
 #: Command -> word.
-KINDS = {"run": "run", "compare": "models compared", "sweep": "sweep", "study": "study", "static": "static curve", "modes": "modes", "run-up": "run-up"}
+KINDS = {
+    "run": "run",
+    "compare": "models compared",
+    "sweep": "sweep",
+    "study": "study",
+    "static": "static curve",
+    "modes": "modes",
+    "run-up": "run-up",
+}
 _MOST_SPEEDS = 4
 
 
