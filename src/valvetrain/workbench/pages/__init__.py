@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from valvetrain.errors import MissingExtraError
@@ -44,8 +45,9 @@ def start(workspace: Workspace, jobs: Jobs, settings: ServeSettings) -> None:
     app.add_middleware(Guard, settings=settings)
     app.on_startup(assets.warm)
     app.on_shutdown(desk.close)
-    ui.run(
-        host=settings.host, port=settings.port, title="valvetrain", favicon=ICON, dark=False, language="en-US", reload=False,
-        show=settings.open_page, tailwind=False, show_welcome_message=False, reconnect_timeout=30.0, gzip_middleware_factory=None,
-        uvicorn_logging_level="warning",
-    )  # fmt: skip
+    with suppress(KeyboardInterrupt):
+        ui.run(
+            host=settings.host, port=settings.port, title="valvetrain", favicon=ICON, dark=False, language="en-US", reload=False,
+            show=settings.open_page, tailwind=False, show_welcome_message=False, reconnect_timeout=30.0, gzip_middleware_factory=None,
+            uvicorn_logging_level="warning",
+        )  # fmt: skip
