@@ -106,7 +106,9 @@ def free_port(host: str, port: int) -> int:
             raise InputError(f"port {port} may not be used by everybody; choose one above 1023", "--port") from None
         except OSError as error:
             if error.errno == errno.EADDRINUSE:
-                raise InputError(f"port {port} is taken, perhaps by another server; choose another, or 0 for a free one", "--port") from None
+                raise InputError(
+                    f"port {port} is taken, perhaps by another server; choose another, or 0 for a free one", "--port"
+                ) from None
             raise InputError(f"'{host[:60]}' is no address of this machine ({error.strerror}); give 127.0.0.1", "--host") from None
         found: int = listener.getsockname()[1]
         return found

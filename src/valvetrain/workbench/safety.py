@@ -57,7 +57,9 @@ def new_token() -> str:
 def check_settings(settings: ServeSettings) -> ServeSettings:
     """The settings; raises :class:`InputError` for an address beyond this machine without a token, or a short one."""
     if not settings.token and not is_loopback(settings.host):
-        raise InputError(f"address '{settings.host}' is reached from elsewhere, so it needs a token; leave --token out to get one", "--host")
+        raise InputError(
+            f"address '{settings.host}' is reached from elsewhere, so it needs a token; leave --token out to get one", "--host"
+        )
     if settings.token and (len(settings.token) < 16 or not settings.token.isascii() or not settings.token.isprintable()):
         raise InputError("a token has at least 16 plain characters; leave --token out to get a random one", "--token")
     return settings
@@ -227,7 +229,7 @@ class Guard:
         return mark is not None and self._known.get(hashlib.sha256(mark.value.encode()).digest(), 0.0) > time.monotonic()
 
     def _refusal(self, scope: Scope, heads: dict[str, str], told: bool) -> str:
-        """Why a request is refused before anything looks at it, empty where it is not; ``told``: it says where it comes from, or need not."""
+        """Why a request is refused before anything looks at it, empty where not; ``told``: it says where it comes from, or need not."""
         if not self.is_own(heads.get("host", "")):
             return "this server is not called by that name; open the address that 'valvetrain serve' printed"
         if "origin" in heads and not self._same_origin(heads["origin"], heads["host"]):
