@@ -94,7 +94,7 @@ def compute_static(
     heights: tuple[float, ...] = (), loads: tuple[float, ...] = (), implausible: bool = False, keep: Path | None = None,
 ) -> Outcome:  # fmt: skip
     """Solve the static curves up to ``largest`` (m; None: a little beyond full lift), and at ``heights`` (m) and ``loads`` (N); write
-    ``csv`` where asked. ``implausible``: let values pass that no spring can have; ``keep``: keep the answer of the case whose file lies there."""
+    ``csv`` where asked. ``implausible``: let values pass that no spring can have; ``keep``: folder of the case, to keep the answer."""
     from valvetrain.cli.keep_rest import kept
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar

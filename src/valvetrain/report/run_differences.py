@@ -33,7 +33,7 @@ def result_rows(results: Sequence[ResultDifference]) -> list[tuple[str, ...]]:
     first = [name for names in TOPICS.values() for name in names]
     place = {name: index for index, name in enumerate(first)}
     both = sorted((row for row in results if row.difference is not None), key=lambda row: place.get(row.quantity, len(first)))
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for row in both:
         a, b = (number(float(shown(row.quantity, value)[0])) for value in (row.a or 0.0, row.b or 0.0))
         change = "" if row.relative is None else percent(row.relative)

@@ -135,8 +135,8 @@ def compare_with_test(
     chosen = case_of(case)
     asked = _asked(chosen, test, quantity, channel, engine_speed, sensor, fitted, shared, level)
     study = simulate(
-        chosen, tuple(f"{speed!r} rad/s" for speed in asked.speeds), spring_models=spring_models, spring_sets=spring_sets, workers=workers,
-        progress=progress, limit=limit, implausible=implausible,
+        chosen, tuple(f"{speed!r} rad/s" for speed in asked.engine_speeds), spring_models=spring_models, spring_sets=spring_sets,
+        workers=workers, progress=progress, limit=limit, implausible=implausible,
     )  # fmt: skip
     return _answer(study, asked, active_wire(build(chosen, spring_models=spring_models, spring_sets=spring_sets)))
 
@@ -150,9 +150,9 @@ def compare_study_with_test(
     """
     chosen = case_of(case)
     asked = _asked(chosen, test, quantity, channel, engine_speed, None, 0, (), LEVEL)
-    near = tuple(run for run in study.solutions if any(same_speed(run.engine_speed, speed) for speed in asked.speeds))
+    near = tuple(run for run in study.solutions if any(same_speed(run.engine_speed, speed) for speed in asked.engine_speeds))
     if not near:
-        told = ", ".join(rpm_words(speed) for speed in asked.speeds)
+        told = ", ".join(rpm_words(speed) for speed in asked.engine_speeds)
         raise InputError(f"the test is at {told}, and none of the runs is; run the case at that speed", "test")
     problem = build(chosen)
     if not {run.label for run in near} <= {member.label for member in problem.members}:
@@ -166,7 +166,7 @@ class _Asked:
     """A test as it is compared, at which speeds (rad/s of the crank) and how."""
 
     test: MeasuredCycles | ValueTable
-    speeds: tuple[float, ...]
+    engine_speeds: tuple[float, ...]
     notes: tuple[str, ...]
     shared: SharedErrors
     sensor: Sensor | None
@@ -198,7 +198,7 @@ def _asked(
 
 def _answer(study: Study, asked: _Asked, active: Mapping[str, Active]) -> ModelAgainstTest:
     if isinstance(asked.test, ValueTable):
-        return _with_values(study, asked.test, asked.speeds, asked.fitted, asked.level, asked.notes, active)
+        return _with_values(study, asked.test, asked.engine_speeds, asked.fitted, asked.level, asked.notes, active)
     return _with_cycles(study, asked.test, asked.sensor, asked.fitted, asked.level, asked.notes, active, asked.shared)
 
 

@@ -66,7 +66,9 @@ def refuse_foreign_files(text: str) -> None:
     for name in _files(tree):
         if not _PLAIN_FILE.fullmatch(name) or ".." in name:
             shown = clipped(name, 60)
-            raise InputError(f"names the file '{shown}', which is not beside the case; add the file and name it plainly, as in 'lift.csv'", "file")
+            raise InputError(
+                f"names the file '{shown}', which is not beside the case; add the file and name it plainly, as in 'lift.csv'", "file"
+            )
 
 
 def _files(item: Any, depth: int = 0) -> list[str]:

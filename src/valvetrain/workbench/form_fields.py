@@ -102,16 +102,16 @@ def _form(annotation: Any, metadata: tuple[Any, ...]) -> _Form | None:
     for known, form in _KNOWN:
         if annotation is known or _same(annotation, known, metadata):
             return form
-    marks = {"low": None, "high": None}
-    dimension, measured = None, False
+    low: float | None = None
+    high: float | None = None
+    dimension: str | None = None
     for mark in metadata:
         if isinstance(mark, Quantity):
-            dimension, measured = mark.dimension, True
-            marks = {"low": mark.low, "high": mark.high}
+            dimension, low, high = mark.dimension, mark.low, mark.high
         elif isinstance(mark, Ge):
-            marks["low"] = float(mark.ge)  # type: ignore[arg-type]
+            low = float(mark.ge)  # type: ignore[arg-type]
         elif isinstance(mark, Le):
-            marks["high"] = float(mark.le)  # type: ignore[arg-type]
+            high = float(mark.le)  # type: ignore[arg-type]
     origin = get_origin(annotation)
     if origin is Annotated:
         inner, *more = get_args(annotation)
@@ -124,9 +124,9 @@ def _form(annotation: Any, metadata: tuple[Any, ...]) -> _Form | None:
     if annotation is bool:
         return _Form("flag", choices=("true", "false"))
     if annotation is int:
-        return _Form("number", **marks, whole=True)
+        return _Form("number", None, low, high, whole=True)
     if annotation is float:
-        return _Form("number", dimension, **marks) if measured else _Form("number", **marks)
+        return _Form("number", dimension, low, high)
     if origin is tuple:
         return _Form("text", dimension, listed=True)
     if annotation is str:
@@ -181,7 +181,9 @@ def _rounded(value: float) -> float:
 
 def _limits(form: _Form, unit: str) -> tuple[float | None, float | None]:
     factor = unit_factor(unit) if unit else 1.0
-    low, high = (None if bound is None or form.dimension is None and unit else _rounded(bound / factor) for bound in (form.low, form.high))
+    low, high = (
+        None if bound is None or (form.dimension is None and unit) else _rounded(bound / factor) for bound in (form.low, form.high)
+    )
     return low, high
 
 

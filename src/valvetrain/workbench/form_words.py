@@ -14,7 +14,8 @@ HELP = {
     "wire_diameter": "diameter of the wire; over the coils where it changes", "mean_diameter": "diameter of the helix of the wire's axis",
     "outer_diameter": "over the coils, in place of the mean diameter", "pitch": "rise of the wire's axis per turn",
     "height": "height of the wire's axis over the coil number, in place of the pitch", "total_coils": "all turns, tip to tip",
-    "material": "name of a wire, or a table of its moduli and density", "lower_end": "end at the cylinder head", "upper_end": "end at the retainer",
+    "material": "name of a wire, or a table of its moduli and density", "lower_end": "end at the cylinder head",
+    "upper_end": "end at the retainer",
     "installed_height": "seat to retainer with the valve closed", "name": "word for the spring",
     "preload": "force with the valve closed", "rate": "force per compression", "open_load": "force at the open valve",
     "open_lift": "lift between the two loads", "engine_speeds": "speeds of the crank, twice those of the cam: '4200, 5600 rpm'",
@@ -25,6 +26,7 @@ HELP = {
     "pivot": "point the lever turns about, from the cam centre", "drive_arm": "pivot to the point that the cam or pushrod moves",
     "inertia": "moment of inertia about the pivot", "mass": "that moves", "stiffness": "force per way",
     "law": "how a contact presses", "radius": "of the crank", "rod_length": "of the connecting rod",
-    "clearance": "piston to cylinder head at top dead centre", "top_dead_centre": "cam angle of it", "forces": "gas force on the valve head",
+    "clearance": "piston to cylinder head at top dead centre", "top_dead_centre": "cam angle of it",
+    "forces": "gas force on the valve head",
     "label": "word for the variant",
 }  # fmt: skip

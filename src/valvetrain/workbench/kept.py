@@ -162,6 +162,7 @@ def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
     speeds = tuple(float(value) for value in asked.get("engine_speeds", ()) if isinstance(value, (int, float)))
     return Run(
         folder.relative_to(root).as_posix(), folder, str(answer.get("case", "")), str(answer.get("command", "")),
-        str(answer.get("created_at", "")) or _written_at(folder), bool(answer.get("completed", True)), tuple(map(str, answer.get("failures", ()) or ())),
+        str(answer.get("created_at", "")) or _written_at(folder), bool(answer.get("completed", True)),
+        tuple(map(str, answer.get("failures", ()) or ())),
         str(answer.get("title", "")), tuple(map(str, asked.get("spring_models", ()))), speeds, answer,
     )  # fmt: skip

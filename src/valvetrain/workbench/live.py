@@ -42,7 +42,7 @@ class LiveResult:
     """
 
     angle_deg: tuple[float, ...] = ()
-    force_N: tuple[float, ...] = ()  # noqa: N815 (the unit is part of the name)
+    force_N: tuple[float, ...] = ()
     lift_mm: tuple[float, ...] = ()
     seconds: float = 0.0
     sentence: str = ""
@@ -195,6 +195,6 @@ def _line(process: subprocess.Popen[bytes], longest: float) -> bytes:
 
 
 def _result(told: Mapping[str, Any]) -> LiveResult:
-    curves = (tuple(told.get(name, ())) for name in ("angle_deg", "force_N", "lift_mm"))
+    angle, force, lift = (tuple(told.get(name, ())) for name in ("angle_deg", "force_N", "lift_mm"))
     quantities = {words: (float(value), str(unit)) for words, (value, unit) in told.get("quantities", {}).items()}
-    return LiveResult(*curves, float(told["seconds"]), str(told["sentence"]), quantities, float(told.get("engine_speed", 0.0)))
+    return LiveResult(angle, force, lift, float(told["seconds"]), str(told["sentence"]), quantities, float(told.get("engine_speed", 0.0)))

@@ -80,8 +80,8 @@ class LiveCase:
             "angle_deg": np.round(degrees, 4).tolist(), "force_N": np.round(force, 4).tolist(), "lift_mm": np.round(lift * 1e3, 6).tolist(),
             "engine_speed": speed * 30 / np.pi, "sentence": "" if run.status.code == "completed" else run.status.sentence(),
             "quantities": {
-                "largest force": (float(force[peak]), "N"), "at": (float(degrees[peak]), "deg"), "smallest force": (float(force.min()), "N"),
-                "largest lift": (float(lift.max()) * 1e3, "mm"),
+                "largest force": (float(force[peak]), "N"), "at": (float(degrees[peak]), "deg"),
+                "smallest force": (float(force.min()), "N"), "largest lift": (float(lift.max()) * 1e3, "mm"),
             },
         }  # fmt: skip
 

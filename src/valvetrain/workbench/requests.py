@@ -21,8 +21,8 @@ from valvetrain.units.text import clipped
 JobKind = Literal["run", "compare", "sweep", "static", "modes", "study"]
 #: Options that a kind takes besides those of all, by their long names.
 OPTIONS: dict[str, tuple[str, ...]] = {
-    "run": (), "compare": (), "sweep": ("resolution", "float-lift", "bounce-height", "no-critical-speeds"), "static": ("to", "steps", "height",
-    "load"), "modes": ("count", "compression", "attached-mass", "free-end"), "study": (),
+    "run": (), "compare": (), "sweep": ("resolution", "float-lift", "bounce-height", "no-critical-speeds"),
+    "static": ("to", "steps", "height", "load"), "modes": ("count", "compression", "attached-mass", "free-end"), "study": (),
 }  # fmt: skip
 _FLAGS = ("no-critical-speeds", "free-end")
 #: Kinds that move the case, and so have engine speeds.
@@ -99,7 +99,9 @@ def check_request(request: JobRequest, case: Case) -> None:
             raise InputError(f"'{clipped(value, 40)}' is no value of this option; write such as '10 rpm'", name)
     texts = (*request.settings, *request.settings.values(), *request.options.values(), request.engine_speeds)
     if len(request.settings) > MOST_SETTINGS or any(len(text) > LONGEST_WORD or "\0" in text for text in texts):
-        raise InputError(f"more than {MOST_SETTINGS} values, or one longer than {LONGEST_WORD} characters, are set; edit the case instead", "settings")
+        raise InputError(
+            f"more than {MOST_SETTINGS} values, or one longer than {LONGEST_WORD} characters, are set; edit the case instead", "settings"
+        )
     if request.kind == "study":
         _study_tree(request.study)
 

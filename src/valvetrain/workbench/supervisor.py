@@ -19,7 +19,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-#: What a job is given to write what it finished, once it is asked to stop (s); the time between two looks at the server and at the memory (s).
+#: What a job is given to write what it finished, once it is asked to stop; time between two looks at the server, and at the memory (s).
 GRACE, LOOK, WEIGH = 8.0, 0.1, 0.5
 #: Exit codes of this process beside those of the command line: ended for its time, for its memory.
 TIME_UP, MEMORY_UP = 64, 65

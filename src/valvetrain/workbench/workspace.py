@@ -76,7 +76,9 @@ class Workspace:
             for place in (self.folder, self.cases_folder, self.runs_folder, self.jobs_folder):
                 place.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise InputError(f"folder '{clipped(str(self.folder), 120)}' cannot be used ({error.strerror}); choose another", "--folder") from None
+            raise InputError(
+                f"folder '{clipped(str(self.folder), 120)}' cannot be used ({error.strerror}); choose another", "--folder"
+            ) from None
         self.store = Store(self.folder)
 
     def hold(self) -> Callable[[], None]:
@@ -209,7 +211,9 @@ class Workspace:
     def files(self, case: CaseId) -> dict[str, bytes]:
         """Files beside a case, by name."""
         folder = self._file(case).parent
-        return {path.name: path.read_bytes() for path in folder.iterdir() if path.name != CASE_FILE and path.is_file() and not path.is_symlink()}
+        return {
+            path.name: path.read_bytes() for path in folder.iterdir() if path.name != CASE_FILE and path.is_file() and not path.is_symlink()
+        }
 
     def attach(self, case: CaseId, name: str, content: bytes) -> None:
         """Put a file (a table of lifts) beside a case, which may then name it. Raises :class:`InputError` beyond the bounds."""
