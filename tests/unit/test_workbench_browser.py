@@ -249,7 +249,9 @@ def test_two_runs_are_compared(bench, page, finished):
     assert page.locator("#fig-both-force-retainer .scatterlayer .trace").count() >= 2
 
 
-@pytest.mark.parametrize(("words", "suffix"), [("Report (HTML)", ".html"), ("All data", ".zip"), ("Tables (CSV)", ".zip"), ("Case file", ".toml")])
+@pytest.mark.parametrize(
+    ("words", "suffix"), [("Report (HTML)", ".html"), ("All data", ".zip"), ("Tables (CSV)", ".zip"), ("Case file", ".toml")]
+)
 def test_files_of_a_run_are_handed_out(bench, page, finished, tmp_path, words, suffix):
     page.goto(f"{bench.url}/run/{finished}")
     with page.expect_download() as waited:
@@ -338,8 +340,9 @@ def test_nothing_is_cut_off_and_axe_finds_nothing_serious(bench, finished, width
     for place in PLACES:
         page.goto(bench.url + place.replace("CASE", CASE).replace("RUN", finished))
         page.wait_for_selector(".sheet h1")
-        if place.startswith(("/case/CASE", "/run")):
+        if place.startswith(("/case/CASE", "/run/")):
             shown(page)
+            page.locator(".results .plot").first.scroll_into_view_if_needed()
             page.wait_for_selector(".results .plot .main-svg", state="attached")
         cut = page.evaluate(_CUT)
         assert cut == {"found": [], "wider": 0}, place
@@ -359,7 +362,7 @@ def test_dark_is_kept_and_colours_every_figure(bench, page, finished):
     page.wait_for_selector(".plot .main-svg", state="attached")
     paper = page.evaluate("getComputedStyle(document.body).backgroundColor")
     figure = page.evaluate("document.querySelector('.plot .main-svg').style.background")
-    assert paper == "rgb(26, 26, 26)" == figure
+    assert paper == "rgb(25, 25, 25)" == figure
     assert not [one["id"] for one in axe.Axe().run(page).response["violations"] if one["id"] == "color-contrast"]
 
 

@@ -38,16 +38,17 @@ def start(workspace: Workspace, jobs: Jobs, settings: ServeSettings) -> None:
         raise MissingExtraError('the pages need NiceGUI; install with pip install "valvetrain[serve]"') from None
     from valvetrain.workbench.pages import assets, routes
     from valvetrain.workbench.pages.desk import Desk
-    from valvetrain.workbench.safety import Guard
+    from valvetrain.workbench.safety import Guard, uvicorn_options
 
     desk = Desk(workspace, jobs, settings)
     routes.register(desk)
     app.add_middleware(Guard, settings=settings)
     app.on_startup(assets.warm)
     app.on_shutdown(desk.close)
+    shown: str | bool = settings.first_page.removeprefix(settings.address.rstrip("/")) if settings.open_page else False
     with suppress(KeyboardInterrupt):
         ui.run(
             host=settings.host, port=settings.port, title="valvetrain", favicon=ICON, dark=False, language="en-US", reload=False,
-            show=settings.open_page, tailwind=False, show_welcome_message=False, reconnect_timeout=30.0, gzip_middleware_factory=None,
-            uvicorn_logging_level="warning",
+            show=shown, tailwind=False, show_welcome_message=False, reconnect_timeout=30.0, gzip_middleware_factory=None,
+            uvicorn_logging_level="warning", **uvicorn_options(settings),
         )  # fmt: skip

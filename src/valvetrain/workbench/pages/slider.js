@@ -62,7 +62,7 @@ export default {
       this.rodSays = sentence;
       if (figure) { this.lines = key; this.draw(figure); }
     },
-    keep() { this.kept = "Kept: " + this.given() + "."; this.$emit("keep", { key: this.key, value: this.given() }); },
+    keep() { this.asked = false; this.kept = "Kept: " + this.given() + "."; this.$emit("keep", { key: this.key, value: this.given() }); },
     reset() { this.value = this.chosen.value; this.asked = false; this.kept = ""; this.ask(); },
     toggleRod() { if (this.rodWanted) { this.rest(); } else { clearTimeout(this.rested); } },
   },
