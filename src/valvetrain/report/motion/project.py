@@ -19,7 +19,7 @@ Colour = tuple[int, int, int]
 
 @dataclass(frozen=True, eq=False)
 class Flat:
-    """A polygon (``width`` 0) or a stroke of ``width`` (m) in the plane of the picture (m), x to the right, y up; ``depth`` towards the eye."""
+    """A polygon (``width`` 0) or a stroke of ``width`` (m) in the picture (m), x to the right, y up; ``depth`` towards the eye."""
 
     points: Array
     colour: Colour
@@ -89,7 +89,11 @@ def _wire(spring: SpringDrawing, frame: int, key: str, view: tuple[float, float]
     seen = turned(helix(spring, frame, coil), view)
     middle = (coil[1:] + coil[:-1]) / 2
     colouring = next((one for one in spring.colourings if one.key == key), spring.colourings[0] if spring.colourings else None)
-    base = np.full((len(middle), 3), 120.0) if colouring is None else shades(colouring, np.interp(middle, spring.coil, colouring.values[frame]))
+    base = (
+        np.full((len(middle), 3), 120.0)
+        if colouring is None
+        else shades(colouring, np.interp(middle, spring.coil, colouring.values[frame]))
+    )
     depth = (seen[1:, 2] + seen[:-1, 2]) / 2
     span = max(float(np.ptp(depth)), 1e-9)
     # What is far is darker, so that front and back of a coil are told apart.
@@ -158,5 +162,5 @@ def _cross(a: list[float], b: list[float], p: list[float]) -> float:
 
 
 def _rgb(values: Array) -> Colour:
-    red, green, blue = (int(round(float(value))) for value in np.clip(values, 0, 255))
+    red, green, blue = (round(float(value)) for value in np.clip(values, 0, 255))
     return red, green, blue
