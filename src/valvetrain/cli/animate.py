@@ -34,9 +34,9 @@ def animate(
     engine_speed: Annotated[str | None, asks("--engine-speed", "SPEED", "Crank speed, '5600 rpm' (default: the case's highest).")] = None,
     spring: Annotated[str, asks("--spring", "MODEL", "Spring model (default: the case's first).")] = "",
     spring_set: Annotated[str, asks("--spring-set", "SET", "Spring set of a train (default: the case's first).")] = "",
-    colour: Annotated[str, asks("--colour", "WORD", "Colour of the wire: stress, contact, gap or velocity (default: the first it has).")] = "",
+    colour: Annotated[str, asks("--colour", "WORD", "Colour: stress, contact, gap or velocity (default: the first there is).")] = "",
     duration: Annotated[str, typer.Option("--duration", metavar="TIME", help="Time for one cam turn, 1 to 20 s.")] = "4 s",
-    width: Annotated[int, typer.Option("--width", metavar="PIXELS", help="Width of the picture, 320 to 1920; the height follows at 16:9.")] = 800,
+    width: Annotated[int, typer.Option("--width", metavar="PIXELS", help="Width (height: 16:9), 320 to 1920.")] = 800,
     settings: SetOption = None, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """One cam turn of the spring or the train, slowed, as a film for slides."""
@@ -97,9 +97,8 @@ def _computed(case: Case, speeds: tuple[float, ...] | None, models: tuple[str, .
     problem = build(case, spring_models=models, spring_sets=sets)
     known = speeds or (max(problem.engine_speeds),) if speeds or problem.engine_speeds else ()
     if not known or not problem.moves:
-        raise InputError(
-            f"case '{case.name}' names no engine speed or has no lift law, so nothing moves; give --engine-speed", "--engine-speed"
-        )
+        words = f"case '{case.name}' names no engine speed or has no lift law, so nothing moves; give --engine-speed"
+        raise InputError(words, "--engine-speed")
     first = next((member for member in problem.members if not member.refusal), problem.members[0])
     with busy("computing the run"):
         return simulate(

@@ -6,6 +6,7 @@ import io
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -61,10 +62,8 @@ def check_ending(path: Path) -> None:
     """Raise :class:`InputError` for a file that is neither GIF nor MP4, and where what writes it is not installed."""
     if path.suffix.lower() not in ENDINGS:
         raise InputError(f"a film ends in .gif or .mp4; '{path.name[:60]}' does not", "--output")
-    try:
-        import PIL.ImageFont
-    except ImportError as error:
-        raise InputError(_PILLOW, "--output") from error
+    if find_spec("PIL") is None:
+        raise InputError(_PILLOW, "--output")
     if path.suffix.lower() == ".mp4":
         _opencv()
 

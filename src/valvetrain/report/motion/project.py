@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -103,7 +104,7 @@ def _wire(spring: SpringDrawing, frame: int, key: str, view: tuple[float, float]
     half = np.interp(coil, spring.coil, spring.wire_radius)[:, None]
     depth = (seen[1:, 2] + seen[:-1, 2]) / 2
     edges, found = np.linspace(-1.0, 1.0, strips + 1), []
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         side = (low + high) / 2
         light = side * (across[:-1] @ LIGHT[:2]) + np.sqrt(1 - side**2) * LIGHT[2]
         tones = base * (0.42 + 0.68 * np.clip(light, 0.0, 1.0))[:, None]

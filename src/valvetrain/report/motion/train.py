@@ -27,7 +27,9 @@ POINTED = 1e-6
 #: Where no spring is drawn: outer radius and installed height (m) of the room for one.
 NO_SPRING = (14e-3, 40e-3)
 TO_SCALE = "To scale: lobe, follower arc or face, lever arms and pivot, pushrod length, springs, lash, lift and every gap."
-NOT_TOLD = "Not in the case, drawn at a usual size: diameters of tappet, pushrod, stem, head, hub and arms, and the place of the spring on the stem."
+NOT_TOLD = (
+    "Of usual size, for no case holds them: tappet and pushrod diameters, stem, head, hub, arms, the place of the spring on the stem."
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -488,7 +488,6 @@ function mount(element, data) {
   }
   function play() { state.playing = true; state.last = 0; playButton.textContent = "Pause"; now.setAttribute("aria-live", "off"); request(); }
   function pause() { state.playing = false; playButton.textContent = "Play"; now.setAttribute("aria-live", "polite"); request(); }
-  function degrees(perSecond) { return one.rpm * 3 / perSecond; }
 
   const playButton = make("button", { type: "button", class: "vtm-play", text: "Play" });
   playButton.addEventListener("click", function () { if (state.playing) { pause(); } else { play(); } });
@@ -606,7 +605,7 @@ function mount(element, data) {
     asked = 0;
     if (gone || !element.isConnected) { return; }
     if (state.playing) {
-      if (state.last) { state.angle = (state.angle + Math.min((time - state.last) / 1000, 0.1) * degrees(1) * 2 / state.slow) % 360; state.dirty = true; }
+      if (state.last) { state.angle = (state.angle + Math.min((time - state.last) / 1000, 0.5) * one.rpm * 3 / state.slow) % 360; state.dirty = true; }
       state.last = time;
     }
     if (state.dirty) {
