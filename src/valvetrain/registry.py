@@ -46,6 +46,7 @@ BUILT_IN["commands"] = {
     "compare-test": "valvetrain.cli.compare_test:register",
     "lift": "valvetrain.cli.lift:register",
     "identify": "valvetrain.cli.identify:register",
+    "animate": "valvetrain.cli.animate:register",
     "spring-card": "valvetrain.cli.spring_card:register",
     "scan": "valvetrain.cli.scan:register",
     "film": "valvetrain.cli.film:register",

@@ -19,7 +19,9 @@ WIDEST_GAP = 1.0
 _ALONG = {"stress": "inner_fibre_shear_stress", "velocity": "axial_velocity"}
 
 
-def colourings_of(cycle: Cycle, channel: dict[str, str], coil: Array, wire: SpringDefinition, nodes: Places, sample: Places) -> list[Colouring]:
+def colourings_of(
+    cycle: Cycle, channel: dict[str, str], coil: Array, wire: SpringDefinition, nodes: Places, sample: Places
+) -> list[Colouring]:
     """Every colouring that a run has.
 
     Parameters

@@ -8,9 +8,10 @@ import numpy as np
 
 from valvetrain.report.motion.parts import Array, Places
 
-#: Even steps (cam degrees) tried in turn until they take no more than :data:`EVEN_SHARE` of the frames.
-STEPS = (0.25, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0)
-EVEN_SHARE = 0.7
+#: Even steps (cam degrees) tried in turn until they take no more than :data:`EVEN_SHARE` of the frames;
+#: beyond the last, as many as that share allows.
+STEPS = (0.25, 0.5, 1.0, 2.0)
+EVEN_SHARE = 0.8
 
 
 def choose_frames(cam_angle: Array, most: int, keep: Sequence[int] = (), spans: Sequence[tuple[float, float]] = ()) -> Places:
@@ -39,7 +40,7 @@ def choose_frames(cam_angle: Array, most: int, keep: Sequence[int] = (), spans: 
     if count <= most:
         return np.arange(count)
     chosen = {0, count - 1, *(int(place) for place in keep)}
-    chosen |= set(_even(cam_angle, max(1, int(EVEN_SHARE * most) - len(chosen))).tolist())
+    chosen |= set(_even(cam_angle, max(1, int(EVEN_SHARE * most))).tolist())
     for first, last in spans:
         inside = np.flatnonzero((cam_angle >= first - 1e-9) & (cam_angle <= last + 1e-9)).tolist()
         room = most - len(chosen)

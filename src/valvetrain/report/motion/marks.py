@@ -8,6 +8,7 @@ from valvetrain.quantities.cycle import Cycle
 from valvetrain.report.motion.parts import Mark
 from valvetrain.report.words import number
 from valvetrain.solution.definition import angle_name, label_of, shown
+from valvetrain.solution.display import words as shown_words
 from valvetrain.solution.result import Solution
 
 _TURN = 2 * np.pi
@@ -24,12 +25,12 @@ def marks_of(run: Solution, cycle: Cycle) -> tuple[Mark, ...]:
     clashes = sorted((event for event in run.events if event.kind == "clash"), key=lambda event: -event.size)[:MOST_CLASHES]
     for event in clashes:
         at = float(event.details.get("peak_cam_angle", event.cam_angle))
-        words = f"clash {number(event.size)} {event.unit}" + (f", {event.where}" if event.where else "")
+        words = f"clash {shown_words(event.size, event.unit, 3)}" + (f", {event.where}" if event.where else "")
         found.append(Mark(at % _TURN, "clash", words))
     for event in [event for event in run.events if event.kind != "clash"][:MOST_OTHERS]:
-        size = f" {number(event.size)} {event.unit}" if event.unit else ""
+        size = f" {shown_words(event.size, event.unit, 3)}" if event.unit else ""
         where = f", {event.where}" if event.where else ""
-        found.append(Mark(event.cam_angle % _TURN, "other", f"{event.kind.replace('_', ' ').replace('-', ' ')}{where}{size}"))
+        found.append(Mark(event.cam_angle % _TURN, "other", f"{event.kind.replace('_', ' ').replace('-', ' ')}{where}:{size}"))
     return tuple(sorted(found, key=lambda mark: mark.cam_angle))
 
 

@@ -33,11 +33,9 @@ def lobe_outline(kind: int, row: Array, table: Array, follower_radius: float, po
     polar = reference - sense * np.arange(0, len(table), step) * 2 * np.pi / len(table)
     radial, around = np.column_stack([np.cos(polar), np.sin(polar)]), np.column_stack([-np.sin(polar), np.cos(polar)])
     by_polar = (-sense * slope)[:, None]
-    if kind == CAM_FLAT:
-        found: Array = value[:, None] * radial + by_polar * around
-        return found
     normal = (value[:, None] * radial - by_polar * around) / np.hypot(value, slope)[:, None]
-    return value[:, None] * radial - follower_radius * normal
+    found: Array = value[:, None] * radial + (by_polar * around if kind == CAM_FLAT else -follower_radius * normal)
+    return found
 
 
 def circle(radius: float, centre: tuple[float, float] = (0.0, 0.0), points: int = CIRCLE_POINTS) -> Array:

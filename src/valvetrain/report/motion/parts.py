@@ -63,7 +63,7 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A rigid body of the plane: ``pose`` (frame, 3) holds x, y (m) and the angle (rad, counter-clockwise); ``tone``: word of its colour."""
+    """A rigid body: ``pose`` (frame, 3) holds x, y (m) and the angle (rad, counter-clockwise); ``tone``: word of its colour."""
 
     name: str
     tone: str

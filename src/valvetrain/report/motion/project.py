@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -12,22 +13,23 @@ from valvetrain.report.motion.parts import Array, Body, Colouring, Places, Shape
 #: Directions of view (rad): a spring alone, a train.
 SPRING_VIEW, TRAIN_VIEW = (0.45, 0.3), (0.32, 0.2)
 #: Pieces of wire per turn, points of a ring, slices of a plate.
-PER_TURN, RING, SLICES = 24, 28, 7
+PER_TURN, RING, SLICES = 32, 28, 7
+#: Direction to the light in the picture: from the left, above and before it.
+LIGHT = np.array([-0.35, 0.66, 0.66])
 DISC = 2.5e-3
 Colour = tuple[int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
 class Flat:
-    """A polygon (``width`` 0) or a stroke of ``width`` (m) in the plane of the picture (m), x to the right, y up; ``depth`` towards the eye."""
+    """A polygon (n, 2) in the picture (m), x to the right, y up; ``depth`` towards the eye."""
 
     points: Array
     colour: Colour
     depth: float
-    width: float = 0.0
 
 
-def flat_shapes(variant: Variant, frame: int, key: str = "") -> list[Flat]:
+def flat_shapes(variant: Variant, frame: int, key: str = "", strips: int = 5) -> list[Flat]:
     """What is seen of one frame, far shapes first.
 
     Parameters
@@ -35,17 +37,18 @@ def flat_shapes(variant: Variant, frame: int, key: str = "") -> list[Flat]:
     variant : the run
     frame : place of the frame
     key : colouring of the wire; the first by default
+    strips : strips across the wire that are lit on their own
 
     Returns
     -------
-    Polygons and strokes in m, the plane's origin at (0, 0)
+    Polygons in m, the plane's origin at (0, 0)
     """
     view = TRAIN_VIEW if variant.bodies else SPRING_VIEW
     found: list[Flat] = []
     for body in variant.bodies:
         found += _body(body, frame, view)
     for spring in variant.springs:
-        found += _wire(spring, frame, key, view)
+        found += _wire(spring, frame, key, view, strips)
         if not variant.bodies:
             found += _discs(spring, frame, view)
     return sorted(found, key=lambda one: one.depth)
@@ -83,21 +86,33 @@ def helix(spring: SpringDrawing, frame: int, coil: Array) -> Array:
     ])  # fmt: skip
 
 
-def _wire(spring: SpringDrawing, frame: int, key: str, view: tuple[float, float]) -> list[Flat]:
+def _wire(spring: SpringDrawing, frame: int, key: str, view: tuple[float, float], strips: int) -> list[Flat]:
+    """The wire as a ribbon of its own width, in strips across that are lit as a round bar is."""
     first, last = float(spring.coil[0]), float(spring.coil[-1])
-    coil = np.linspace(first, last, max(2, int((last - first) * PER_TURN) + 1))
+    coil = np.linspace(first, last, max(3, int((last - first) * PER_TURN) + 1))
     seen = turned(helix(spring, frame, coil), view)
-    middle = (coil[1:] + coil[:-1]) / 2
+    along = np.gradient(seen[:, :2], axis=0)
+    along /= np.maximum(np.hypot(*along.T), 1e-12)[:, None]
+    across = np.column_stack([-along[:, 1], along[:, 0]])
     colouring = next((one for one in spring.colourings if one.key == key), spring.colourings[0] if spring.colourings else None)
-    base = np.full((len(middle), 3), 120.0) if colouring is None else shades(colouring, np.interp(middle, spring.coil, colouring.values[frame]))
+    middle = (coil[1:] + coil[:-1]) / 2
+    base = (
+        np.full((len(middle), 3), 150.0)
+        if colouring is None
+        else shades(colouring, np.interp(middle, spring.coil, colouring.values[frame]))
+    )
+    half = np.interp(coil, spring.coil, spring.wire_radius)[:, None]
     depth = (seen[1:, 2] + seen[:-1, 2]) / 2
-    span = max(float(np.ptp(depth)), 1e-9)
-    # What is far is darker, so that front and back of a coil are told apart.
-    lit = base * (0.62 + 0.38 * (depth - depth.min()) / span)[:, None]
-    width = 2 * np.interp(middle, spring.coil, spring.wire_radius)
-    return [
-        Flat(seen[place : place + 2, :2], _rgb(lit[place]), float(depth[place]), float(width[place])) for place in range(len(middle))
-    ]  # fmt: skip
+    edges, found = np.linspace(-1.0, 1.0, strips + 1), []
+    for low, high in pairwise(edges):
+        side = (low + high) / 2
+        light = side * (across[:-1] @ LIGHT[:2]) + np.sqrt(1 - side**2) * LIGHT[2]
+        tones = base * (0.42 + 0.68 * np.clip(light, 0.0, 1.0))[:, None]
+        lower, upper = (seen[:, :2] + edge * half * across for edge in (low - 0.04, high + 0.04))
+        found += [
+            Flat(np.array([lower[k], lower[k + 1], upper[k + 1], upper[k]]), _rgb(tones[k]), float(depth[k])) for k in range(len(depth))
+        ]  # fmt: skip
+    return found
 
 
 def _discs(spring: SpringDrawing, frame: int, view: tuple[float, float]) -> list[Flat]:
@@ -107,7 +122,7 @@ def _discs(spring: SpringDrawing, frame: int, view: tuple[float, float]) -> list
     profiles = [np.array([[size, low], [size, low + DISC]]) for size, low in ((sizes[0], -DISC), (sizes[1], top))]
     found = [_body(Body("disc", "seat", (Shape("lathe", profile),), pose), 0, view) for profile in profiles]
     # Below all else and above all else: the wire stands between them.
-    return [Flat(one.points, one.colour, side * 1e3, one.width) for side, many in zip((-1, 1), found, strict=True) for one in many]
+    return [Flat(one.points, one.colour, side * 1e3 + one.depth) for side, many in zip((-1, 1), found, strict=True) for one in many]
 
 
 def _body(body: Body, frame: int, view: tuple[float, float]) -> list[Flat]:
@@ -124,6 +139,9 @@ def _body(body: Body, frame: int, view: tuple[float, float]) -> list[Flat]:
                 found.append(Flat(seen[:, :2], _rgb(shade), float(seen[:, 2].mean())))
             continue
         rings = [_ring(radius, height, x, y, c, s, view) for radius, height in shape.points]
+        # The lit end is the widest ring among those nearest to the eye.
+        end = max(range(len(rings)), key=lambda part: (round(float(rings[part][:, 2].mean()), 9), shape.points[part, 0]))
+        found.append(Flat(_hull(rings[end][:, :2]), _rgb(1.12 * tone), float(rings[end][:, 2].mean()) + 1e-6))
         for part in range(len(rings) - 1):
             points = np.concatenate([rings[part], rings[part + 1]])
             shade = tone * (0.8 + 0.2 * (part % 2))
@@ -158,5 +176,5 @@ def _cross(a: list[float], b: list[float], p: list[float]) -> float:
 
 
 def _rgb(values: Array) -> Colour:
-    red, green, blue = (int(round(float(value))) for value in np.clip(values, 0, 255))
+    red, green, blue = (round(float(value)) for value in np.clip(values, 0, 255))
     return red, green, blue

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -26,21 +26,23 @@ from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
 
 _TURN = 2 * np.pi
-#: Runs in one picture, frames of one run, and bytes of wire data of a whole picture, before they are written as text.
-MOST_VARIANTS, MOST_FRAMES, MOST_BYTES = 4, 900, 600_000
+#: Runs in one picture, frames of one run, bytes of what moves in one run and in a whole picture, before they are written as text.
+MOST_VARIANTS, MOST_FRAMES, MOST_RUN_BYTES, MOST_BYTES = 4, 1000, 500_000, 1_000_000
+FEWEST_FRAMES = 120
 #: Clashes around which frames stand closer, most wanted first.
 MOST_SPANS = 60
 #: Forces beside the picture: words, channel, colour; the first that a run has of each line, three at most.
-_FORCES = (("on the retainer", "retainer_force"), ("on the seat", "seat_force"), ("at the cam", "cam_contact_force"))
+_FORCES = (("spring on retainer", "retainer_force"), ("spring on seat", "seat_force"), ("cam contact", "cam_contact_force"))
 _FORCE_COLOURS = (theme.SERIES[0], theme.SERIES[1], theme.SERIES[3])
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Bounds of one picture: ``variants`` drawn, ``frames`` of each, ``size`` of their wire data (bytes)."""
+    """Bounds of one picture: ``variants`` drawn, ``frames`` of each, bytes of one run (``run_size``) and of all (``size``)."""
 
     variants: int = MOST_VARIANTS
     frames: int = MOST_FRAMES
+    run_size: int = MOST_RUN_BYTES
     size: int = MOST_BYTES
 
 
@@ -72,17 +74,20 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
         return None
     ranked = sorted(runs, key=_worth, reverse=True)
     chosen = [run for run in runs if any(run is one for one in ranked[: limits.variants])]
-    share = limits.size // len(chosen)
+    share = min(limits.run_size, limits.size // len(chosen))
     variants = tuple(one for run in chosen if (one := _variant(study, run, share, limits.frames)) is not None)
     if not variants:
         return None
     notes = () if len(chosen) == len(runs) else (f"{len(chosen)} of {len(runs)} runs are drawn; 'valvetrain animate' draws any of them.",)
-    return Moving("In motion", one_range(variants), notes)
+    title = "Train and spring over the cam turn" if any(one.bodies for one in variants) else "Spring over the cam turn"
+    return Moving(title, one_range(variants), notes)
 
 
 def _worth(run: Solution) -> tuple[int, float]:
     """Which runs are drawn where there are too many: those that know most of their coils, then the fastest."""
-    known = sum(any(str(name).endswith(ending) for name in run.arrays.variables) for ending in ("_shear_stress", "coil_gap", "axial_displacement"))
+    known = sum(
+        any(str(name).endswith(ending) for name in run.arrays.variables) for ending in ("_shear_stress", "coil_gap", "axial_displacement")
+    )
     return known, run.engine_speed
 
 
@@ -113,7 +118,9 @@ def _variant(study: Study, run: Solution, size: int, most: int) -> Variant | Non
     if len(cycle.cam_angle) < 3:
         return None
     marks = marks_of(run, cycle)
-    sample = choose_frames(cycle.cam_angle, min(most, max(90, size // _bytes_per_frame(run))), _peaks(run, cycle), _spans(run))
+    sample = choose_frames(
+        cycle.cam_angle, min(most, max(FEWEST_FRAMES, size // _bytes_per_frame(run, member))), _peaks(run, cycle), _spans(run)
+    )
     train = None if member.gear is None else draw_train(member, cycle, sample)
     springs, notes = _springs(study, member, run, cycle, sample, train)
     if not springs and train is None:
@@ -128,8 +135,6 @@ def _variant(study: Study, run: Solution, size: int, most: int) -> Variant | Non
 def _springs(
     study: Study, member: Member, run: Solution, cycle: Cycle, sample: Places, train: TrainDrawing | None
 ) -> tuple[tuple[SpringDrawing, ...], tuple[str, ...]]:
-    from dataclasses import replace
-
     travel = train.travel if train is not None else cycle.channel("valve_lift")[sample]
     springs: list[SpringDrawing] = []
     notes: tuple[str, ...] = ()
@@ -139,10 +144,11 @@ def _springs(
         notes += tuple(words for words in told if words not in notes)
         if drawn is not None:
             springs.append(drawn)
-    if train is not None and springs:
-        height = max(float(spring.retainer[0] + travel[0]) for spring in springs)
-        springs = [replace(spring, seat=train.seat_of(float(spring.retainer[0] + travel[0])), direction=train.axis) for spring in springs]
-        assert height > 0
+    if train is not None:
+        heights = [float(spring.retainer[0] + travel[0]) for spring in springs]
+        springs = [
+            replace(spring, seat=train.seat_of(height), direction=train.axis) for spring, height in zip(springs, heights, strict=True)
+        ]
     return tuple(springs), notes
 
 
@@ -179,10 +185,20 @@ def _spans(run: Solution) -> Sequence[tuple[float, float]]:
     return found
 
 
-def _bytes_per_frame(run: Solution) -> int:
-    """Bytes that a frame of a run takes: two per node for its place, one for each of four colourings."""
-    nodes = sum(one.values.shape[1] for name, one in run.arrays.variables.items() if str(name).endswith("axial_displacement"))
-    return 6 * max(nodes, 60) + 40
+def _bytes_per_frame(run: Solution, member: Member) -> int:
+    """Bytes that a frame takes at most: two per node for its place, one for each colouring; twelve per rigid body."""
+    colours = sum(
+        any(str(name).endswith(word) for name in run.arrays.variables)
+        for word in ("_shear_stress", "coil_gap", "coil_gap", "axial_velocity")
+    )
+    found = 8 if member.gear is None else 150
+    for name, spring in zip(run.springs, member.springs, strict=False):
+        channel = run.channel_of(name, "axial_displacement")
+        turns = spring.wire.total_coils if spring.wire is not None else 5.0
+        nodes = run.channel(channel).shape[1] if run.has(channel) else 8 * turns
+        bare = 0 if run.has(run.channel_of(name, "axial_position")) else 16
+        found += int(min(nodes, 16 * turns + 1) + bare) * (2 + colours)
+    return found
 
 
 def refuse_nothing(moving: Moving | None) -> Moving:

@@ -29,7 +29,7 @@ def motion_script() -> str:
         raise RuntimeError("three.module.min.js does not end with its list of names; vendor an unchanged file")
     inner = dict(_name(entry) for entry in found[1].split(","))
     names = ",".join(f"{name}:{inner[name]}" for name in USED)
-    library = f'{source[: found.start()]}\nreturn {{{names}}};'
+    library = f"{source[: found.start()]}\nreturn {{{names}}};"
     text = f'(function(){{"use strict";\nconst THREE=(function(){{{library}\n}})();\n{_static("motion.js")}\n}})();'
     return text.replace("</script", "<\\/script")
 

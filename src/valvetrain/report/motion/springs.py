@@ -40,7 +40,7 @@ def draw_spring(
     -------
     The drawing, None for a card without a mass, and the sentences
     """
-    wire, precompression, notes = _wire_of(installed, float(np.max(travel, initial=0.0)))
+    wire, precompression, notes = wire_of(installed, float(np.max(travel, initial=0.0)))
     if wire is None:
         return None, notes
     channel = {one: cycle.solution.channel_of(name, one) for one in _CHANNELS}
@@ -57,7 +57,9 @@ def draw_spring(
         heights = next(both) - next(both)
     else:
         heights = installed_heights(wire, precompression, coil, rest)
-        told += ("the installed shape is that of the static curve" if _curve(rest) else "the installed shape follows the wire's compliance",)
+        told += (
+            "the installed shape is that of the static curve" if _curve(rest) else "the installed shape follows the wire's compliance",
+        )
     spring = SpringDrawing(
         name, coil, wire.mean_diameter.value(coil) / 2, wire.wire_diameter.value(coil) / 2, 1.0 if wire.hand == "right" else -1.0,
         heights, moved, wire.free_length - precompression - travel,
@@ -88,17 +90,26 @@ def installed_heights(wire: SpringDefinition, precompression: float, coil: Array
 
 def _curve(rest: SpringAtRest | None) -> tuple[Array, Array, Array] | None:
     curve = rest.curve if rest is not None else None
-    if curve is None or rest is None or len(curve.coil_number) < 2 or not (curve.compression[0] <= 0 <= rest.precompression <= curve.compression[-1]):
+    if (
+        curve is None
+        or rest is None
+        or len(curve.coil_number) < 2
+        or not (curve.compression[0] <= 0 <= rest.precompression <= curve.compression[-1])
+    ):
         return None
     return curve.compression, curve.coil_number, curve.axial_position
 
 
-def _wire_of(installed: InstalledSpring, lift: float) -> tuple[SpringDefinition | None, float, tuple[str, ...]]:
+def wire_of(installed: InstalledSpring, valve_lift: float) -> tuple[SpringDefinition | None, float, tuple[str, ...]]:
+    """The wire that is drawn, its precompression (m) and a note where a card does not tell it; None for a card without a mass.
+
+    ``valve_lift`` (m): a wire made up for a card has room for it.
+    """
     if installed.wire is not None:
         return installed.wire, installed.precompression, ()
     assert installed.card is not None
     try:
-        wire, precompression = wire_from_card(installed.card, lift)
+        wire, precompression = wire_from_card(installed.card, valve_lift)
     except InputError:
         return None, 0.0, (f"spring '{installed.name}' is known by a card without a mass, so its wire is not drawn",)
     words = f"a card does not tell the wire: drawn is one of {ACTIVE_COILS:g} turns with the rate, preload and mass of the card"
@@ -116,7 +127,10 @@ def _nodes(cycle: Cycle, name: str, wire: SpringDefinition) -> tuple[Array, Plac
     own = np.asarray(places, dtype=float)
     first, last = wire.free_coils
     if own[0] >= -1e-9 and own[-1] <= 1 + 1e-9 < last - first:
-        own, notes = first + own * (last - first), ("the model knows shares of a uniform spring, not turns: they are spread evenly over the free turns",)
+        own, notes = (
+            first + own * (last - first),
+            ("the model knows shares of a uniform spring, not turns: they are spread evenly over the free turns",),
+        )
     chosen = np.unique(np.linspace(0, len(own) - 1, min(len(own), int(turns * MOST_PER_TURN) + 1)).round().astype(int))
     lower = np.linspace(0.0, own[0], int(np.ceil(own[0] * PER_TURN)) + 1)[:-1] if own[0] > 1e-6 else np.zeros(0)
     upper = np.linspace(own[-1], turns, int(np.ceil((turns - own[-1]) * PER_TURN)) + 1)[1:] if turns - own[-1] > 1e-6 else np.zeros(0)

@@ -17,14 +17,19 @@ from valvetrain.quantities.cycle import Cycle
 from valvetrain.report.motion import outlines
 from valvetrain.report.motion.cam_followers import Contact, sliding_follower, turning_pad
 from valvetrain.report.motion.parts import Array, Body, Places, Shape
+from valvetrain.report.motion.springs import wire_of
 from valvetrain.system.problem import Member
 
-#: Sizes (m) that no case holds: stem end to retainer, thickness of retainer and seats, radius of a pushrod, of a hub and of a stem.
-TIP_TO_RETAINER, PLATE, ROD_RADIUS, HUB_RADIUS, STEM_RADIUS = 4e-3, 3e-3, 4e-3, 6e-3, 3.5e-3
+#: Sizes (m) that no case holds: stem end to retainer, thickness of retainer and seats, radius of pushrod, hub, arm and stem.
+TIP_TO_RETAINER, PLATE, ROD_RADIUS, HUB_RADIUS, ARM_RADIUS, STEM_RADIUS = 4e-3, 3e-3, 4e-3, 6e-3, 3.5e-3, 3.5e-3
+#: Radius (m) of a tip that the case takes for a point.
+POINTED = 1e-6
 #: Where no spring is drawn: outer radius and installed height (m) of the room for one.
 NO_SPRING = (14e-3, 40e-3)
 TO_SCALE = "To scale: lobe, follower arc or face, lever arms and pivot, pushrod length, springs, lash, lift and every gap."
-NOT_TOLD = "Not in the case, drawn at a usual size: diameters of tappet, pushrod, stem, head and hub, and the place of the spring on the stem."
+NOT_TOLD = (
+    "Of usual size, for no case holds them: tappet and pushrod diameters, stem, head, hub, arms, the place of the spring on the stem."
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,22 +133,22 @@ def _levers(train: TrainParameters, mechanism: AssembledMechanism, contact: Cont
     tip = mechanism.interactions[mechanism.interaction_index("valve tip")]
     row, depth, none = tip.geometry_row(), 0.3 * train.cam.width, np.zeros(2)
     support = _support(tip, q, len(angle))
-    tip_radius = max(train.lever.tip_radius, 1e-3)
-    end = np.array(row[3:5]) if train.lever.tip_radius else np.array(row[3:5]) - tip_radius * np.array(unit(train.valve.opening_direction))
-    tip_shapes = (outlines.plate(outlines.bar(none, HUB_RADIUS, end, tip_radius), depth),)
+    end, tip_radius = np.array(row[3:5]), max(train.lever.tip_radius, POINTED)
+    hub = outlines.plate(outlines.circle(HUB_RADIUS), 0.9 * depth)
+    tip_shapes = (outlines.plate(outlines.bar(none, ARM_RADIUS, end, tip_radius), depth), hub)
     drive_shapes: tuple[Shape, ...]
     if "pushrod" in q:
         ball = mechanism.interactions[mechanism.interaction_index("rocker")].geometry_row()[3:5]
-        drive_shapes = (outlines.plate(outlines.bar(none, HUB_RADIUS, ball, ROD_RADIUS), depth),)
+        drive_shapes = (outlines.plate(outlines.bar(none, ARM_RADIUS, ball, ROD_RADIUS), depth),)
     else:
-        drive_shapes = turning_pad(contact, q[contact.driven], angle, depth, HUB_RADIUS)
+        drive_shapes = turning_pad(contact, q[contact.driven], angle, depth, ARM_RADIUS)
     driving, driven = tip.coordinates[0], next(name for name in ("lever",) if name in q)
 
     def pose(name: str) -> Array:
         return np.column_stack([row[1] + row[6] * support, row[2] + row[7] * support, row[5] * q[name]])
 
-    hub = outlines.plate(outlines.circle(0.45 * HUB_RADIUS), 1.6 * depth)
-    pivot = Body("pivot", "pivot", (hub,), pose(driven))
+    pin = outlines.plate(outlines.circle(0.45 * HUB_RADIUS), 1.6 * depth)
+    pivot = Body("pivot", "pivot", (pin,), pose(driven))
     if driving == driven:
         return [Body("lever", "lever", (*drive_shapes, *tip_shapes), pose(driven)), pivot]
     return [Body("lever", "lever", drive_shapes, pose(driven)), Body("lever tip", "lever", tip_shapes, pose(driving)), pivot]
@@ -178,33 +183,57 @@ def _pushrod(mechanism: AssembledMechanism, q: Mapping[str, Array]) -> list[Body
 
 
 def _valve(train: TrainParameters, member: Member, tip: tuple[float, float], travel: Array, lift: Array) -> list[Body]:
-    """Stem with retainer, head, and the two seats, the stem along the body's y axis."""
-    wires = [spring.wire for spring in member.springs if spring.wire is not None]
-    heights = [spring.installed_height for spring in member.springs if spring.installed_height is not None]
-    radius = max((float(np.max(wire.outer_diameter(np.linspace(0, wire.total_coils, 65)))) / 2 for wire in wires), default=NO_SPRING[0])
-    inner = min((float(np.min(wire.mean_diameter.value(0.0) - wire.wire_diameter.value(0.0))) / 2 for wire in wires), default=NO_SPRING[0])
-    stem = min(STEM_RADIUS, 0.5 * inner)
-    length = TIP_TO_RETAINER + max(heights, default=NO_SPRING[1])
-    head = length + 0.8 * radius
+    """Stem with retainer, head, and the seats of springs and valve; the stem lies along the body's y axis."""
+    springs = spring_rooms(member, float(np.max(travel, initial=0.0)))
+    radius, length = max(one.outer for one in springs), TIP_TO_RETAINER + max(one.height for one in springs)
+    stem = min(STEM_RADIUS, 0.5 * min(one.inner for one in springs))
+    head, crown = length + 0.8 * radius, 0.95 * radius
     nx, ny = unit(train.valve.opening_direction)
     turn = np.full(len(lift), train.valve.opening_direction - np.pi / 2)
 
     def pose(moved: Array) -> Array:
         return np.column_stack([tip[0] + nx * moved, tip[1] + ny * moved, turn])
 
-    crown = radius * 0.95
+    still = pose(np.zeros_like(lift))
+    poppet = outlines.turned(
+        (0.0, head + 2.5e-3), (crown, head + 2.5e-3), (crown, head + 1e-3), (crown - 2e-3, head - 1e-3), (1.3 * stem, head - 6e-3),
+        (stem, head - 9e-3), (0.0, head - 9e-3),
+    )  # fmt: skip
+    ring = outlines.turned(
+        (crown, head + 1e-3), (crown + 3e-3, head + 1e-3), (crown + 3e-3, head - 4e-3), (crown - 2e-3, head - 4e-3),
+        (crown - 2e-3, head - 1e-3), (crown, head + 1e-3),
+    )  # fmt: skip
     bodies = [
         Body("valve stem", "valve", (outlines.disc(stem, 0.0, head - 4e-3),), pose(travel)),
         Body("retainer", "retainer", (outlines.disc(radius + 1e-3, TIP_TO_RETAINER - PLATE, TIP_TO_RETAINER, stem),), pose(travel)),
-        Body("valve head", "valve", (outlines.turned(
-            (0.0, head + 2.5e-3), (crown, head + 2.5e-3), (crown, head + 1e-3), (crown - 2e-3, head - 1e-3),
-            (stem * 1.3, head - 6e-3), (stem, head - 9e-3), (0.0, head - 9e-3)),), pose(lift)),
-        Body("valve seat", "seat", (outlines.turned(
-            (crown, head + 1e-3), (crown + 3e-3, head + 1e-3), (crown + 3e-3, head - 4e-3), (crown - 2e-3, head - 4e-3),
-            (crown - 2e-3, head - 1e-3), (crown, head + 1e-3)),), pose(np.zeros_like(lift))),
-    ]  # fmt: skip
-    for place, height in enumerate(dict.fromkeys(heights or [NO_SPRING[1]])):
-        bottom = TIP_TO_RETAINER + height
-        name = "spring seat" if place == 0 else "inner spring seat"
-        bodies.append(Body(name, "seat", (outlines.disc(radius + 1.5e-3, bottom, bottom + PLATE, 1.6 * stem),), pose(np.zeros_like(lift))))
+        Body("valve head", "valve", (poppet,), pose(lift)),
+        Body("valve seat", "seat", (ring,), still),
+    ]
+    for one in springs:
+        bottom = TIP_TO_RETAINER + one.height
+        seat = outlines.disc(one.outer + 1e-3, bottom, bottom + PLATE, min(1.6 * stem, one.inner))
+        bodies.append(Body(f"{one.name} seat", "seat", (seat,), still))
     return bodies
+
+
+@dataclass(frozen=True, slots=True)
+class SpringRoom:
+    """What a spring takes on the stem: largest outer and least inner radius, installed height (m)."""
+
+    name: str
+    outer: float
+    inner: float
+    height: float
+
+
+def spring_rooms(member: Member, valve_lift: float) -> tuple[SpringRoom, ...]:
+    """Room of every spring of a member that is drawn, or a usual one; ``valve_lift`` (m) as for ``wire_of``."""
+    found = []
+    for spring in member.springs:
+        wire, precompression, _ = wire_of(spring, valve_lift)
+        if wire is not None:
+            coil = np.linspace(0.0, wire.total_coils, 65)
+            outer, thick = wire.outer_diameter(coil) / 2, wire.wire_diameter.value(coil)
+            room = SpringRoom(spring.name, float(outer.max()), float((outer - thick).min()), wire.free_length - precompression)
+            found.append(room)
+    return tuple(found) or (SpringRoom("spring", NO_SPRING[0], 0.7 * NO_SPRING[0], NO_SPRING[1]),)

@@ -19,7 +19,8 @@ def blocks(study: Study) -> tuple[Block, ...]:
         first = moving.variants[0]
         caption = (
             "The reported cam turn, slowed. Drag or use the arrow keys on the picture to turn it; space plays, arrow keys step by one cam "
-            "degree, with shift by ten, page keys go from mark to mark. Triangles on the slider are peaks of the force, orange strokes clashes."
+            "degree, with shift by ten, page keys go from mark to mark. Triangles on the slider are peaks of the force, orange strokes "
+            "clashes."
         )
         still = still_svg(first, still_frame(first))
         return (Motion("in-motion", moving.title, caption, motion_json(moving), still),)

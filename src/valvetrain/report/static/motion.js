@@ -19,8 +19,9 @@ const STYLE = `
 .vtm-narrow .vtm-view { height: 340px; }
 .vtm-view canvas { display: block; width: 100%; height: 100%; touch-action: pan-y; cursor: grab; }
 .vtm-view svg { display: block; width: 100%; height: 100%; }
-.vtm-turn { position: absolute; right: 8px; bottom: 8px; display: flex; gap: 4px; }
-.vtm-turn button { padding: 2px 8px; font-size: 12.5px; min-height: 28px; }
+.vtm-turn { display: flex; flex-wrap: wrap; gap: 4px; margin: 6px 0 0; }
+.vtm-turn button { padding: 2px 10px; font-size: 12.5px; min-height: 28px; }
+.vtm-group { display: inline-flex; flex-wrap: wrap; gap: 4px; }
 .vtm-scale { margin: 6px 0 0; font-size: 12.5px; }
 .vtm-scale div { height: 12px; border-radius: 3px; }
 .vtm-scale p { display: flex; justify-content: space-between; margin: 2px 0 0; max-width: none; font-variant-numeric: tabular-nums; }
@@ -29,7 +30,7 @@ const STYLE = `
 .vtm-plot text { fill: currentColor; font-size: 12px; }
 .vtm-key { display: flex; flex-wrap: wrap; gap: 2px 14px; margin: 0 0 2px; font-size: 12.5px; }
 .vtm-key i { display: inline-block; width: 18px; height: 0; border-top: 3px solid; margin-right: 6px; vertical-align: middle; }
-.vtm-list { list-style: none; margin: 6px 0 0; padding: 0; max-height: 172px; overflow-y: auto; border-top: 1px solid var(--line); }
+.vtm-list { position: relative; list-style: none; margin: 6px 0 0; padding: 0; max-height: 172px; overflow-y: auto; border-top: 1px solid var(--line); }
 .vtm-list button { display: flex; gap: 10px; width: 100%; text-align: left; border: 0; border-bottom: 1px solid var(--soft); border-radius: 0; padding: 4px 6px; font-size: 13px; }
 .vtm-list b { flex: 0 0 62px; text-align: right; font-weight: 600; font-variant-numeric: tabular-nums; }
 .vtm-list [aria-current=true] { background: var(--soft); box-shadow: inset 3px 0 var(--mark); }
@@ -84,6 +85,7 @@ function ladder(stops) {
 
 function number(value) {
   const size = Math.abs(value);
+  if (value < 0) { return "\u2212" + number(size); }
   return size === 0 ? "0" : size >= 1000 ? value.toFixed(0) : size >= 100 ? value.toFixed(0) : size >= 10 ? value.toFixed(1) : size >= 0.1 ? value.toFixed(2) : value.toPrecision(2);
 }
 
@@ -248,11 +250,12 @@ function discs(spring) {
 }
 
 // What the picture must hold: least and largest x and y over the cycle, and the largest depth.
-function extent(one) {
+function extent(one, only) {
   const box = [Infinity, Infinity, -Infinity, -Infinity, 1];
   function take(x, y) { box[0] = Math.min(box[0], x); box[1] = Math.min(box[1], y); box[2] = Math.max(box[2], x); box[3] = Math.max(box[3], y); }
   const count = one.angle.length, step = Math.max(1, Math.floor(count / 24));
   one.bodies.forEach(function (body) {
+    if (only && !only(body.name)) { return; }
     for (let f = 0; f < (body.fixed ? 1 : count); f += step) {
       const x = body.pose[3 * f], y = body.pose[3 * f + 1], c = Math.cos(body.pose[3 * f + 2]), s = Math.sin(body.pose[3 * f + 2]);
       body.shapes.forEach(function (shape) {
@@ -264,12 +267,12 @@ function extent(one) {
       });
     }
   });
-  one.springs.forEach(function (spring) {
+  if (!only || only("spring")) { one.springs.forEach(function (spring) {
     const wide = Math.max.apply(null, Array.from(spring.radius)) + Math.max.apply(null, Array.from(spring.wire)), tall = Math.max.apply(null, Array.from(spring.retainer)) + 3;
     const x = Math.cos(spring.direction), y = Math.sin(spring.direction);
     [[-1.12, -3], [1.12, -3], [-1.12, tall], [1.12, tall]].forEach(function ([side, up]) { take(spring.seat[0] + up * x - side * wide * y, spring.seat[1] + up * y + side * wide * x); });
     box[4] = Math.max(box[4], wide);
-  });
+  }); }
   return box;
 }
 
@@ -283,9 +286,9 @@ function makeView(box, changed) {
   renderer.setClearColor(0x000000, 0);
   renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, MOST_PIXELS));
   const scene = new THREE.Scene(), camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 4000), light = new THREE.DirectionalLight(0xffffff, 2.1);
-  scene.add(new THREE.HemisphereLight(0xffffff, 0x8a8f98, 1.5), light);
+  scene.add(new THREE.HemisphereLight(0xffffff, 0xb4b8bf, 1.9), light);
   const home = { azimuth: 0.45, elevation: 0.3, zoom: 1 }, view = Object.assign({}, home);
-  let extents = [-1, -1, 1, 1, 1], root = new THREE.Group();
+  let extents = [-1, -1, 1, 1, 1], all = extents, root = new THREE.Group();
   scene.add(root);
   function aim() {
     const width = canvas.clientWidth || 1, height = canvas.clientHeight || 1;
@@ -305,7 +308,8 @@ function makeView(box, changed) {
     changed();
   }
   function zoom(factor) { view.zoom = Math.max(0.5, Math.min(20, view.zoom * factor)); changed(); }
-  function whole() { Object.assign(view, home); changed(); }
+  function whole() { extents = all; Object.assign(view, home); changed(); }
+  function look(at) { if (at[2] > at[0]) { extents = at; view.zoom = 1; changed(); } }
   // One pointer turns, two pinch; a wheel zooms once the picture has the focus, so that the page still scrolls.
   const pointers = new Map();
   let apart = 0;
@@ -337,11 +341,11 @@ function makeView(box, changed) {
   function free(group) { group.traverse(function (one) { if (one.geometry) { one.geometry.dispose(); one.material.dispose(); } }); }
   let tubes = [], bodies = [], ends = [];
   return {
-    canvas: canvas, turn: turn, zoom: zoom, whole: whole,
+    canvas: canvas, turn: turn, zoom: zoom, whole: whole, look: look,
     show: function (one) {
       free(root); scene.remove(root);
       root = new THREE.Group(); scene.add(root);
-      extents = extent(one);
+      extents = all = extent(one);
       home.azimuth = one.bodies.length ? 0.32 : 0.45; home.elevation = one.bodies.length ? 0.2 : 0.3;
       Object.assign(view, home);
       bodies = one.bodies.map(bodyGroup);
@@ -484,7 +488,6 @@ function mount(element, data) {
   }
   function play() { state.playing = true; state.last = 0; playButton.textContent = "Pause"; now.setAttribute("aria-live", "off"); request(); }
   function pause() { state.playing = false; playButton.textContent = "Play"; now.setAttribute("aria-live", "polite"); request(); }
-  function degrees(perSecond) { return one.rpm * 3 / perSecond; }
 
   const playButton = make("button", { type: "button", class: "vtm-play", text: "Play" });
   playButton.addEventListener("click", function () { if (state.playing) { pause(); } else { play(); } });
@@ -502,22 +505,24 @@ function mount(element, data) {
   const [colourLabel, colourSelect] = choice("colour", [], "", function (value) { state.key = value; paint(); request(); });
   const [variantLabel, variantSelect] = choice("run", data.variants.map(function (variant, place) { return [String(place), variant.words]; }), "0", function (value) { choose(Number(value)); });
   variantLabel.hidden = data.variants.length < 2;
-  bar.append(variantLabel, colourLabel, slowLabel, playButton, ...steps, ...jumps);
+  bar.append(variantLabel, colourLabel, slowLabel, make("span", { class: "vtm-group" }, playButton, ...steps, ...jumps));
   right.append(key, plotBox, list);
   stage.append(left, right);
   box.append(bar, stage, slide, now, told);
 
   const view = makeView(viewBox, request), plot = makePlot(plotBox, function (angle) { pause(); seek(angle); });
+  const parts = [];
   if (view) {
     const turns = make("div", { class: "vtm-turn" });
     [["⟲", "turn left", function () { view.turn(-0.3, 0); }], ["⟳", "turn right", function () { view.turn(0.3, 0); }], ["+", "zoom in", function () { view.zoom(1.25); }],
-      ["−", "zoom out", function () { view.zoom(0.8); }], ["whole", "show the whole", view.whole]].forEach(function ([text, words, act]) {
+      ["−", "zoom out", function () { view.zoom(0.8); }], ["whole", "show the whole", view.whole], ["cam", "look at the cam", function () { view.look(extent(one, function (name) { return name === "cam"; })); }],
+      ["valve", "look at spring and valve", function () { view.look(extent(one, function (name) { return /spring|valve|seat|retainer/.test(name); })); }]].forEach(function ([text, words, act]) {
       const button = make("button", { type: "button", text: text, "aria-label": words });
       button.addEventListener("click", act);
       turns.append(button);
     });
-    viewBox.append(turns);
-    left.append(scale);
+    parts.push(...Array.from(turns.children).slice(-2));
+    left.append(turns, scale);
   } else {
     still.forEach(function (node) { if (node.nodeName.toLowerCase() === "svg") { viewBox.append(node); } });
     left.append(make("p", { text: "This browser shows no WebGL, so the picture stands still; forces and marks move." }));
@@ -571,7 +576,11 @@ function mount(element, data) {
     const notes = one.packed.notes.concat(data.notes);
     told.hidden = !notes.length;
     told.lastChild.replaceChildren(...notes.map(function (words) { return make("li", { text: words.charAt(0).toUpperCase() + words.slice(1) + (/[.!?]$/.test(words) ? "" : ".") }); }));
-    if (view) { view.show(one); }
+    parts.forEach(function (button) { button.hidden = !one.bodies.length; });
+    if (view) {
+      view.show(one);
+      view.canvas.setAttribute("aria-label", (one.bodies.length ? "Train and spring" : "Spring") + " in three dimensions, " + one.words + ". Arrow keys turn it, plus and minus zoom, 0 shows the whole.");
+    }
     plot.show(one);
     paint();
     request();
@@ -587,13 +596,16 @@ function mount(element, data) {
     let nearest = null;
     one.marks.forEach(function (mark, which) { if (Math.abs(mark.angle - state.angle) < 0.05) { nearest = which; } });
     Array.from(list.children).forEach(function (row, which) { row.firstChild.setAttribute("aria-current", String(which === nearest)); });
+    // The list follows, the page does not.
+    if (nearest !== null && nearest !== state.near) { const row = list.children[nearest]; list.scrollTop = row.offsetTop - list.clientHeight / 2 + row.offsetHeight / 2; }
+    state.near = nearest;
   }
 
   function frame(time) {
     asked = 0;
     if (gone || !element.isConnected) { return; }
     if (state.playing) {
-      if (state.last) { state.angle = (state.angle + Math.min((time - state.last) / 1000, 0.1) * degrees(1) * 2 / state.slow) % 360; state.dirty = true; }
+      if (state.last) { state.angle = (state.angle + Math.min((time - state.last) / 1000, 0.5) * one.rpm * 3 / state.slow) % 360; state.dirty = true; }
       state.last = time;
     }
     if (state.dirty) {
