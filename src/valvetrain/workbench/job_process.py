@@ -22,6 +22,8 @@ from valvetrain.workbench.supervisor import GRACE, MEMORY_UP, TIME_UP, read_prog
 from valvetrain.workbench.workspace import Workspace
 
 ANSWER, COMPLAINTS, LOCK = "answer.json", "complaints.txt", "lock"
+#: The process that runs the command line.
+SUPERVISOR = [sys.executable, "-m", "valvetrain.workbench.supervisor"]
 #: Largest answer of a command that is read (bytes).
 MOST_ANSWER = 200_000_000
 
@@ -104,7 +106,7 @@ class JobProcess:
         try:
             with (folder / ANSWER).open("wb") as answer, (folder / COMPLAINTS).open("wb") as complaints:
                 self._process = subprocess.Popen(
-                    [sys.executable, "-m", "valvetrain.workbench.supervisor", *bounds, *words], cwd=self.workspace.folder, env=environment,
+                    [*SUPERVISOR, *bounds, *words], cwd=self.workspace.folder, env=environment,
                     stdin=subprocess.PIPE, stdout=answer, stderr=complaints, pass_fds=(writing,), start_new_session=True,
                 )  # fmt: skip
         finally:

@@ -21,6 +21,8 @@ from pathlib import Path
 
 #: What a job is given to write what it finished, once it is asked to stop; time between two looks at the server, and at the memory (s).
 GRACE, LOOK, WEIGH = 8.0, 0.1, 0.5
+#: What is run: the command line of this package.
+PROGRAM = [sys.executable, "-m", "valvetrain"]
 #: Exit codes of this process beside those of the command line: ended for its time, for its memory.
 TIME_UP, MEMORY_UP = 64, 65
 #: Address space that libraries reserve and never touch (bytes).
@@ -40,7 +42,7 @@ def main(words: list[str]) -> int:
     lifeline = sys.stdin.fileno()
     progress = os.environ.get("VALVETRAIN_PROGRESS", "")
     job = subprocess.Popen(
-        [sys.executable, "-m", "valvetrain", *words[3:]], stdin=subprocess.DEVNULL, close_fds=True,
+        [*PROGRAM, *words[3:]], stdin=subprocess.DEVNULL, close_fds=True,
         pass_fds=(int(progress),) if progress.isdecimal() else (), preexec_fn=(lambda: _bound(memory)) if os.name == "posix" else None,
     )  # fmt: skip
     while job.poll() is None:
@@ -59,6 +61,7 @@ def main(words: list[str]) -> int:
             _kill_group(job)
         time.sleep(LOOK)
     code = job.wait()
+    _kill_group(job)  # workers that a job left behind
     os.close(held)
     return reason or (code if code >= 0 else 128 - code)
 
@@ -98,6 +101,10 @@ def _kill_group(job: subprocess.Popen[bytes]) -> None:
     for number in _group():
         with suppress(OSError):
             os.kill(number, _KILL)
+    if sys.platform != "linux" and hasattr(os, "killpg"):  # the group is not told, so all of it is asked, but for this process
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        with suppress(OSError):
+            os.killpg(0, signal.SIGTERM)
     with suppress(OSError):
         job.kill()
 
