@@ -13,7 +13,7 @@ import pytest
 from architecture.layout import PACKAGE, imports_of, levels, modules, package_of, tree_of
 
 #: Library -> packages that may import it.
-KEPT_IN = {"plotly": {"report"}, "matplotlib": {"report"}, "typer": {"cli"}, "rich": {"cli"}}
+KEPT_IN = {"plotly": {"report"}, "matplotlib": {"report"}, "typer": {"cli"}, "rich": {"cli"}, "nicegui": {"workbench"}, "fastapi": {"workbench"}}
 HEAVY = ("numba", "scipy", "xarray", "pint", "plotly", "matplotlib", "pydantic", "pandas", "h5py", "typer", "rich", "jinja2", "numpy")
 
 
