@@ -113,17 +113,21 @@ const valvetrainFigures = (function () {
       });
     });
   }
+  // Also for figures whose data came later than they did.
+  function watch(root) {
+    root.querySelectorAll(".plot[data-chart]:not([data-drawn])").forEach(function (box) { watcher.unobserve(box); watcher.observe(box); });
+    root.querySelectorAll("[data-motion]").forEach(function (box) { if (!box.motion) { moving.unobserve(box); moving.observe(box); } });
+  }
   function wire(root) {
     wireLegends(root);
     wireTabs(root);
     wireFilters(root);
-    root.querySelectorAll(".plot[data-chart]").forEach(function (box) { watcher.observe(box); });
-    root.querySelectorAll("[data-motion]").forEach(function (box) { moving.observe(box); });
+    watch(root);
     root.querySelectorAll("details").forEach(function (part) {
       part.addEventListener("toggle", function () { part.querySelectorAll(".plot").forEach(function (box) { if (part.open) { draw(box); } }); });
     });
   }
-  return { wire: wire, show: show, draw: draw, refit: refit };
+  return { wire: wire, watch: watch, show: show, draw: draw, refit: refit };
 })();
 (function () {
   if (document.documentElement.dataset.workbench !== undefined) { return; }

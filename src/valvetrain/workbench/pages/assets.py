@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import gzip
 import hashlib
 from collections.abc import Callable
 from functools import cache
 from importlib import resources
 
-from fastapi import FastAPI, HTTPException, Request
+from fastapi import FastAPI, HTTPException
 from fastapi.responses import Response
 
 from valvetrain.report.motion.script import motion_script
@@ -37,24 +36,16 @@ def address(name: str) -> str:
     return f"/assets/{hashlib.sha256(content(name)).hexdigest()[:12]}/{name}"
 
 
-@cache
-def packed(name: str) -> bytes:
-    """The content, compressed once."""
-    return gzip.compress(content(name), 6, mtime=0)
-
-
 def register(app: FastAPI) -> None:
     """Add the addresses of all assets."""
 
     @app.get("/assets/{digest}/{name}")
-    def asset(digest: str, name: str, request: Request) -> Response:
+    def asset(digest: str, name: str) -> Response:
         try:
             whole = content(name)
         except KeyError:
             raise HTTPException(404) from None
         headers = {"Cache-Control": "public, max-age=31536000, immutable"}
-        if "gzip" in request.headers.get("accept-encoding", ""):
-            whole, headers = packed(name), headers | {"Content-Encoding": "gzip"}
         return Response(whole, media_type=_KINDS[name.rpartition(".")[2]], headers=headers)
 
 
@@ -72,8 +63,8 @@ def _make_ready() -> None:
     from valvetrain.workbench.form import fields
     from valvetrain.workbench.pages.orders import choices_for
 
-    for name in ("page.css", "workbench.css", "page.js", "plotly.js", "motion.js"):
-        packed(name)
     case = load_case("job-c")
     fields(case)
     choices_for(case, (), {})
+    for name in ("page.css", "workbench.css", "page.js", "plotly.js", "motion.js"):
+        address(name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from pathlib import Path
 
 from fastapi import FastAPI, Request
@@ -13,7 +14,7 @@ from valvetrain.workbench.answers import against
 from valvetrain.workbench.pages.compare_page import comparison_part
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.html import test_part
-from valvetrain.workbench.pages.reports import report_part
+from valvetrain.workbench.pages.reports import report_part, report_rest
 
 #: Comparisons with a test that are kept while the server runs.
 MOST_OVERLAYS = 20
@@ -25,10 +26,11 @@ def register(app: FastAPI, desk: Desk) -> None:
 
     @app.get("/part/{case}/{stamp}")
     def part(case: str, stamp: str) -> Response:
-        try:
-            return HTMLResponse(report_part(desk.workspace.run(f"{case}/{stamp}")), headers={"Cache-Control": "no-store"})
-        except ValvetrainError as error:
-            return PlainTextResponse(str(error), 404)
+        return _part(lambda: report_part(desk.workspace.run(f"{case}/{stamp}")))
+
+    @app.get("/rest/{case}/{stamp}")
+    def rest(case: str, stamp: str) -> Response:
+        return _part(lambda: report_rest(desk.workspace.run(f"{case}/{stamp}")))
 
     @app.get("/download/{case}/{stamp}/{kind}")
     def download(case: str, stamp: str, kind: str) -> Response:
@@ -50,10 +52,7 @@ def register(app: FastAPI, desk: Desk) -> None:
 
     @app.get("/part-compare")
     def part_compare(a: str, b: str) -> Response:
-        try:
-            return HTMLResponse(comparison_part(desk, a, b), headers={"Cache-Control": "no-store"})
-        except ValvetrainError as error:
-            return PlainTextResponse(str(error), 404)
+        return _part(lambda: comparison_part(desk, a, b))
 
     @app.get("/part-test/{number}")
     def part_test(number: int) -> Response:
@@ -78,3 +77,11 @@ def register(app: FastAPI, desk: Desk) -> None:
         except ValvetrainError as error:
             return JSONResponse({"refusal": str(error)})
         return JSONResponse({"open": f"/case/{case}"})
+
+
+def _part(make: Callable[[], str]) -> Response:
+    """A part of a page, or the sentence why there is none."""
+    try:
+        return HTMLResponse(make(), headers={"Cache-Control": "no-store"})
+    except ValvetrainError as error:
+        return PlainTextResponse(str(error), 404)

@@ -27,6 +27,20 @@ document.documentElement.dataset.workbench = "";
 })();
 </script>
 """
+# What draws figures is large: it is asked for once the page stands.
+_LATER = """<script>
+window.valvetrainDrawing = new Promise(function (done) {
+  window.addEventListener("load", function () {
+    let left = 2;
+    [%s].forEach(function (address) {
+      const script = document.createElement("script");
+      script.src = address;
+      script.onload = function () { left -= 1; if (left === 0) { done(); } };
+      document.head.append(script);
+    });
+  });
+});
+</script>"""
 _TURN = """() => {
   const theme = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
   document.documentElement.dataset.theme = theme;
@@ -39,7 +53,8 @@ _TURN = """() => {
 def frame(title: str, here: str = "", figures: bool = True) -> Iterator[None]:
     """A page with ``title``; what is made inside stands in its main part. ``figures``: it draws some."""
     ui.page_title(f"{title} - valvetrain")
-    scripts = "".join(f'<script defer src="{address(name)}"></script>' for name in ("page.js", "plotly.js", "motion.js")) if figures else ""
+    drawing = _LATER % ", ".join(f'"{address(name)}"' for name in ("plotly.js", "motion.js"))
+    scripts = f'<script defer src="{address("page.js")}"></script>{drawing}' if figures else ""
     styles = "".join(f'<link rel="stylesheet" href="{address(name)}">' for name in ("page.css", "workbench.css"))
     ui.add_head_html(_HEAD + styles + scripts)
     with context.client.layout:

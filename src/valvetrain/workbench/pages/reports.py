@@ -9,22 +9,45 @@ from typing import Any
 from valvetrain.errors import InputError
 from valvetrain.workbench.kept import Run
 
-_DATA = re.compile(r'<script type="application/json" id="(?:data|motion)-[^<]*</script>\n?')
+_DATA = re.compile(r'<script type="application/json" id="(?:data|motion)-([^"]*)">[^<]*</script>\n?')
 _FIGURE = re.compile(r'<script type="application/json" id="data-([^"]*)">([^<]*)</script>')
+_CHART = re.compile(r'data-chart="([^"]*)"')
+#: Sections that are seen first, whose figures come with them.
+FIRST = ("answers", "force", "verdict")
 #: Largest report that is read for its sections (bytes).
 MOST_REPORT = 200_000_000
 
 
 def report_part(run: Run) -> str:
-    """Sections and data of the figures of a run's report, to stand in a page that has its style and script.
+    """Sections of a run's report, with the data of the figures that are seen first, for a page that has its style and script.
 
     Raises :class:`InputError` for a run without a report.
     """
+    sections, text, end = _sections(run)
+    return sections + "\n" + "".join(match[0] for match in _DATA.finditer(text, end) if match[1] in _seen_first(sections))
+
+
+def report_rest(run: Run) -> str:
+    """The data of the other figures and moving pictures."""
+    sections, text, end = _sections(run)
+    first = _seen_first(sections)
+    return "".join(match[0] for match in _DATA.finditer(text, end) if match[1] not in first)
+
+
+def _sections(run: Run) -> tuple[str, str, int]:
+    """The sections, the whole page, and where the sections end."""
     text = _report(run)
     start, end = text.find('<section id="'), text.rfind("\n<footer>")
     if start < 0 or end < start:
         raise InputError("the report of this run has no sections; run it again", run.run_id)
-    return text[start:end] + "\n" + "".join(_DATA.findall(text, end))
+    return text[start:end], text, end
+
+
+def _seen_first(sections: str) -> set[str]:
+    """Keys of the figures of the sections that are seen first."""
+    parts = sections.split('<section id="')[1:]
+    shown = [part for part in parts if part.partition('"')[0] in FIRST] or parts[:1]
+    return {key for part in shown for key in _CHART.findall(part)}
 
 
 def report_figures(run: Run) -> dict[str, dict[str, Any]]:

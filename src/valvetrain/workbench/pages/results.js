@@ -25,8 +25,7 @@ export default {
       this.sentence = "";
       this.fill(text, source, began);
     },
-    fill(text, source, began) {
-      if (typeof Plotly === "undefined") { setTimeout(() => this.fill(text, source, began), 20); return; }
+    async fill(text, source, began) {
       const place = this.$refs.place;
       this.leave();
       place.innerHTML = text;
@@ -48,10 +47,25 @@ export default {
         this.choose(this.tabs.some((tab) => tab.key === this.chosen) ? this.chosen : "overview");
       }
       valvetrainFigures.wire(place);
+      await window.valvetrainDrawing;
+      if (source !== this.source) { return; }
+      valvetrainFigures.watch(place);
       this.drawNear();
       this.shown = source;
       window.valvetrainResults = { source, fetched: this.fetched / 1000, seconds: (performance.now() - began) / 1000, at: Date.now() / 1000 };
       this.$emit("shown", window.valvetrainResults);
+      if (source.startsWith("/part/")) { setTimeout(() => this.loadRest(source), 0); }
+    },
+    // Data of the figures that are not seen first.
+    async loadRest(source) {
+      const answer = await fetch(source.replace("/part/", "/rest/"));
+      const text = await answer.text();
+      if (source !== this.source || !answer.ok) { return; }
+      const data = document.createElement("div");
+      data.hidden = true;
+      data.innerHTML = text;
+      this.$refs.place.append(data);
+      valvetrainFigures.watch(this.$refs.place);
     },
     // Moving pictures hold a drawing context each, of which a browser has few.
     leave() { this.$refs.place.querySelectorAll("[data-motion]").forEach((box) => { if (box.motion) { box.motion.destroy(); } }); },

@@ -48,8 +48,8 @@ export default {
       }
       if (this.waiting) { const next = this.waiting; this.waiting = null; this.ask(next); } else { this.rest(); }
     },
-    draw(figure) {
-      if (typeof Plotly === "undefined") { setTimeout(() => this.draw(figure), 60); return; }
+    async draw(figure) {
+      if (typeof Plotly === "undefined") { await window.valvetrainDrawing; }
       valvetrainFigures.show(this.$refs.plot, figure);
     },
     rest() {
