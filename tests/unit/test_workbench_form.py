@@ -31,7 +31,7 @@ def leaves(item, path=""):
     """Key path -> plain value of a bare tree; a curve, an end or a material is one value."""
     for key, value in item.items():
         here = f"{path}.{key}" if path else key
-        if isinstance(value, dict) and not {"formula", "coils", "kind", "name"} & set(value) or key in ("lift_law", "train"):
+        if (isinstance(value, dict) and not {"formula", "coils", "kind", "name"} & set(value)) or key in ("lift_law", "train"):
             yield from leaves(value, here)
         elif isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
             for place, one in enumerate(value):

@@ -304,7 +304,7 @@ def test_on_a_real_socket_the_same_is_refused(served):
     assert b" 101 " in raw(served, "GET /ws HTTP/1.1", own, *upgrade, f"Origin: http://127.0.0.1:{served}")[:20]
     long = raw(served, "POST /echo HTTP/1.1", own, f"Origin: http://127.0.0.1:{served}", "Content-Length: 5000", body=b"x" * 5000)
     assert b" 413 " in long[:20]
-    with pytest.raises(OSError):  # noqa: PT011 (what the system says differs)
+    with pytest.raises(OSError):
         socket.create_connection((_other_address(), served), timeout=2).close()
 
 

@@ -110,7 +110,10 @@ def test_a_case_names_no_file_elsewhere(workspace, file):
 
 def test_a_table_beside_a_case_is_read_and_goes_with_its_copies(workspace):
     angles = "\n".join(f"{place * 10} {max(0.0, 9 - abs(place - 18)) ** 2 / 9:.4f}" for place in range(36))
-    table = SMALL.split("[lift_law]")[0] + "[lift_law]\nkind = 'table'\nfile = 'lift.txt'\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\nlift_of = 'valve'\n"
+    table = (
+        SMALL.split("[lift_law]")[0]
+        + "[lift_law]\nkind = 'table'\nfile = 'lift.txt'\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\nlift_of = 'valve'\n"
+    )
     name = workspace.upload("measured.toml", table.encode(), {"lift.txt": angles.encode()})
     copy = workspace.duplicate(name)
     assert workspace.files(copy) == {"lift.txt": angles.encode()}

@@ -243,7 +243,10 @@ class _Form:
 def _steel(place: str, word: str) -> Field:
     """A contact, or all of them, given by one word."""
     key = f"train.contacts.{place}".rstrip(".")
-    label, told = f"contact at the {words_of(place)}" if place else "all contacts", "contacts of steel parts of usual size; or tables of laws"
+    label, told = (
+        f"contact at the {words_of(place)}" if place else "all contacts",
+        "contacts of steel parts of usual size; or tables of laws",
+    )
     return Field(key, label, "text", word, help=told, choices=(STEEL,))
 
 
