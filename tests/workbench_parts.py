@@ -27,7 +27,7 @@ engine_speeds = "4000 rpm"
 """
 
 #: The stand-in: what it does is told by FAKE, where it leaves the numbers of its processes by PIDS.
-PROGRAM = '''
+PROGRAM = """
 import json, os, signal, subprocess, sys, time
 mode, folder = os.environ["FAKE"], "runs/small/20260101-000000-00000000"
 def tell(share, text):
@@ -53,7 +53,7 @@ if mode == "hungry":
     held = bytearray(os.urandom(1 << 20)) * 300
 while True:
     time.sleep(0.05)
-'''
+"""
 
 
 def stand_in(folder: Path, grace: float = 1.0) -> list[str]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 #: Usual bounds of one job.
 USUAL_LIMITS = ("1 h", "4 GB")
-PORT = 8420
+PORT, USUAL_FOLDER = 8420, Path("workbench")
 MISSING = 'the workbench in the browser needs NiceGUI; install it with pip install "valvetrain[serve]"'
 
 
@@ -31,8 +31,12 @@ def register(app: typer.Typer) -> None:
 
 def serve(
     folder: Annotated[
-        Path, typer.Option("--folder", metavar="FOLDER", parser=read_folder, help="Workspace: cases, runs and jobs; made where absent.")
-    ] = Path("workbench"),
+        Path | None,
+        typer.Option(
+            "--folder", metavar="FOLDER", parser=read_folder, show_default=False,
+            help="Workspace: cases, runs and jobs; made where absent (default: workbench).",
+        ),
+    ] = None,
     port: Annotated[int, typer.Option("--port", metavar="N", help="TCP port; 0 takes a free one.")] = PORT,
     host: Annotated[str, typer.Option("--host", metavar="ADDRESS", help="Address listened on; any but this machine's own needs a token.")]
     = "127.0.0.1",
@@ -64,7 +68,7 @@ def serve(
     settings = check_settings(ServeSettings(address, taken, shown, tuple(name or ()), open_page))
     if find_spec("nicegui") is None:
         raise MissingExtraError(MISSING)
-    _serve(folder, settings, running, waiting, limits.seconds, limits.bytes)
+    _serve(folder or USUAL_FOLDER, settings, running, waiting, limits.seconds, limits.bytes)
 
 
 def _serve(folder: Path, settings: ServeSettings, running: int, waiting: int, seconds: float, memory: float) -> None:
@@ -93,6 +97,8 @@ def _serve(folder: Path, settings: ServeSettings, running: int, waiting: int, se
 def free_port(host: str, port: int) -> int:
     """The port, or a free one for 0. Raises :class:`InputError` where it is taken or the address is none of this machine."""
     try:
+        if not host:
+            raise OSError
         places = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
         kind, _, _, _, place = places[0]
     except (OSError, UnicodeError):

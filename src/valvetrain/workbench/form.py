@@ -15,6 +15,7 @@ from valvetrain.parameters.case import Case, Note
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.overrides import REMOVED, read_assignment
 from valvetrain.parameters.schema_case import CaseModel, OperationModel
+from valvetrain.parameters.schema_contact import STEEL
 from valvetrain.parameters.schema_installed import CardBlock, CoilContactModel, DampingModel, GuideModel, RubbingModel, WireBlock, is_card
 from valvetrain.parameters.schema_types import StrictModel
 from valvetrain.parameters.spring_options import options_table
@@ -174,6 +175,8 @@ class _Form:
             if name != "variants" and (name in table or name == "follower"):
                 yield self.group(f"train.{name}", words_of(name).capitalize(), model, table.get(name, {}))
         contacts = table.get("contacts")
+        named = {"": contacts} if isinstance(contacts, str) else contacts if isinstance(contacts, dict) else {}
+        yield FieldGroup("train.contacts", "Contacts", tuple(_steel(place, word) for place, word in named.items() if isinstance(word, str)))
         for place, one in contacts.items() if isinstance(contacts, dict) else ():
             if isinstance(one, dict) and one.get("law") in registry.words("contacts"):
                 law = registry.find("contacts", one["law"]).table
@@ -235,6 +238,16 @@ class _Form:
             if note is not None:
                 return ": ".join(part for part in (str(note.status or ""), note.source) if part)
         return ""
+
+
+def _steel(place: str, word: str) -> Field:
+    """A contact, or all of them, given by one word."""
+    key = f"train.contacts.{place}".rstrip(".")
+    label, told = (
+        f"contact at the {words_of(place)}" if place else "all contacts",
+        "contacts of steel parts of usual size; or tables of laws",
+    )
+    return Field(key, label, "text", word, help=told, choices=(STEEL,))
 
 
 def _field(made: FieldOf, source: str) -> Field:

@@ -8,15 +8,16 @@ import shutil
 import zipfile
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
 from valvetrain.errors import InputError
 from valvetrain.solution.atomic import atomic_path
-from valvetrain.studies.run_answer import ANSWER
-from valvetrain.studies.run_store import CASE_FILE, kept_runs, refuse_living, run_of_path, safe_name
+from valvetrain.studies.run_answer import ANSWER, read_answer
+from valvetrain.studies.run_store import CASE_FILE, homes, refuse_living, safe_name
 from valvetrain.units.text import clipped
 from valvetrain.workbench.names import inside
 
@@ -43,7 +44,6 @@ class Run:
     title : title of the case
     models : words of the spring models that ran
     engine_speeds : crank speeds (rpm)
-    answer : the whole ``run.json``, as ``--json`` prints it
     """
 
     run_id: str
@@ -56,7 +56,15 @@ class Run:
     title: str = ""
     models: tuple[str, ...] = ()
     engine_speeds: tuple[float, ...] = ()
-    answer: Mapping[str, Any] = field(default_factory=dict, repr=False)
+
+    @property
+    def answer(self) -> Mapping[str, Any]:
+        """The whole ``run.json`` (``study.json`` of a study), as ``--json`` prints it; empty where it has gone."""
+        name = STUDY_ANSWER if self.folder.parent.name == STUDIES else ANSWER
+        try:
+            return _answer(self.folder / name, (self.folder / name).stat().st_mtime_ns)
+        except (OSError, InputError):
+            return {}
 
     @property
     def page(self) -> Path | None:
@@ -67,11 +75,14 @@ class Run:
 
 def list_kept(root: Path, case: str | None = None) -> list[Run]:
     """Every kept run below ``root``, newest first, of one ``case`` where given; studies of points too."""
-    found = [_run(root, one.folder, one.answer) for one in kept_runs(case or "", root) if one.folder.parent.name != STUDIES]
-    for folder in sorted((root / STUDIES).glob("*")) if (root / STUDIES).is_dir() else ():
-        answer = _study(folder)
-        if answer and (case is None or answer.get("case") == case):
-            found.append(_run(root, folder, answer))
+    found = []
+    for home in homes(root=root):
+        for folder in home.iterdir() if home.name == STUDIES or case in (None, home.name) else ():
+            path = folder / (STUDY_ANSWER if home.name == STUDIES else ANSWER)
+            with suppress(OSError, InputError):
+                if not (folder.is_symlink() or path.is_symlink()):
+                    run = _card(root, folder, path, path.stat().st_mtime_ns)
+                    found += [run] if run is not None and case in (None, run.case) else []
     return sorted(found, key=lambda run: (run.created_at, run.run_id), reverse=True)
 
 
@@ -81,12 +92,11 @@ def kept_run(root: Path, run_id: str) -> Run:
     if len(parts) != 2:
         raise InputError(f"'{clipped(str(run_id), 60)}' is no run; choose one of the list", "run")
     folder = inside(root, *parts)
-    if parts[0] == STUDIES and (answer := _study(folder)):
-        return _run(root, folder, answer)
-    found = run_of_path(folder)
-    if found is None or found.folder != folder:
+    path = inside(folder, STUDY_ANSWER if parts[0] == STUDIES else ANSWER)
+    found = _card(root, folder, path, path.stat().st_mtime_ns) if path.is_file() else None
+    if found is None:
         raise InputError(f"there is no run '{clipped(run_id, 60)}'; it may have been removed", "run")
-    return _run(root, folder, found.answer)
+    return found
 
 
 def delete_kept(root: Path, run_id: str) -> None:
@@ -138,15 +148,25 @@ def _is_ours(path: Path, folder: Path) -> bool:
     return path.is_file() and not path.name.startswith(".") and not any(way.is_symlink() for way in ways)
 
 
-def _study(folder: Path) -> dict[str, Any]:
-    path = folder / STUDY_ANSWER
+@lru_cache(maxsize=32)
+def _answer(path: Path, _: int) -> Mapping[str, Any]:
+    """The answer in a file; empty for another program's. Raises :class:`InputError` for a damaged one."""
+    if path.name == ANSWER:
+        return read_answer(path.parent)
     try:
-        if folder.is_symlink() or path.is_symlink() or path.stat().st_size > MOST_ANSWER:
+        if path.stat().st_size > MOST_ANSWER:
             return {}
-        answer = json.loads(path.read_text("utf-8"))
+        found = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError, RecursionError):
         return {}
-    return answer if isinstance(answer, dict) else {}
+    return found if isinstance(found, dict) else {}
+
+
+@lru_cache(maxsize=5000)
+def _card(root: Path, folder: Path, path: Path, changed: int) -> Run | None:
+    """What a list shows of a run; kept until its answer is written anew, so that a long list is not read again and again."""
+    answer = _answer(path, changed)
+    return _run(root, folder, answer) if answer else None
 
 
 def _written_at(folder: Path) -> str:
@@ -164,5 +184,5 @@ def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
         folder.relative_to(root).as_posix(), folder, str(answer.get("case", "")), str(answer.get("command", "")),
         str(answer.get("created_at", "")) or _written_at(folder), bool(answer.get("completed", True)),
         tuple(map(str, answer.get("failures", ()) or ())),
-        str(answer.get("title", "")), tuple(map(str, asked.get("spring_models", ()))), speeds, answer,
+        str(answer.get("title", "")), tuple(map(str, asked.get("spring_models", ()))), speeds,
     )  # fmt: skip

@@ -138,13 +138,15 @@ class _Worker:
                 process.stdin.flush()
                 line = _line(process, self._longest)
             except (OSError, ValueError):
-                line = b""
+                line = b""  # it was ended
             finally:
                 self._busy = False
             if not line:
-                ended = process.poll() is None
                 self._end(process)
-                return LiveResult(sentence="took too long; ask for fewer elements") if ended else LiveResult(skipped=True)
+                if self._last != mine or self._closed:
+                    return LiveResult(skipped=True)
+                words = f"took longer than {self._longest:.0f} s" if line is None else "ended without an answer"
+                return LiveResult(sentence=f"the curve {words}; ask for fewer elements or a higher speed")
             return _result(json.loads(line))
 
     def stop(self) -> None:
@@ -181,13 +183,15 @@ class _Worker:
                 stream.close()  # type: ignore[union-attr]
 
 
-def _line(process: subprocess.Popen[bytes], longest: float) -> bytes:
-    """One line of the process's answer; empty where it ended or took longer than that (s)."""
+def _line(process: subprocess.Popen[bytes], longest: float) -> bytes | None:
+    """One line of the process's answer; empty where it ended, None where it took longer than that (s)."""
     assert process.stdout is not None
     last, found = time.monotonic() + longest, b""
     while not found.endswith(b"\n"):
         ready, _, _ = select.select([process.stdout], [], [], max(0.0, last - time.monotonic()))
-        part = os.read(process.stdout.fileno(), 1 << 20) if ready else b""
+        if not ready:
+            return None
+        part = os.read(process.stdout.fileno(), 1 << 20)
         if not part:
             return b""
         found += part

@@ -85,14 +85,19 @@ class Rate:
         self.most, self.seconds = most, seconds
         self._seen: deque[float] = deque()
 
-    def take(self) -> bool:
-        """Count an event; whether it is still within the bound."""
+    @property
+    def full(self) -> bool:
+        """Whether no more events are taken at present."""
         now = time.monotonic()
         while self._seen and now - self._seen[0] > self.seconds:
             self._seen.popleft()
-        if len(self._seen) >= self.most:
+        return len(self._seen) >= self.most
+
+    def take(self) -> bool:
+        """Count an event; whether it is still within the bound."""
+        if self.full:
             return False
-        self._seen.append(now)
+        self._seen.append(time.monotonic())
         return True
 
 
@@ -188,7 +193,7 @@ class Guard:
         """Of a visitor who is not known: take the token from the address and set the cookie, or refuse."""
         query = dict(parse_qsl(scope.get("query_string", b"").decode("latin-1")))
         given = query.pop("token", "")
-        if given and not self._wrong_left():
+        if given and self._wrong.full:
             await sender.refuse(429, "too many wrong tokens; wait a minute")
         elif given and scope["method"] == "GET" and self.is_token(given):
             name = secrets.token_urlsafe(24)
@@ -206,10 +211,6 @@ class Guard:
     def is_token(self, given: str) -> bool:
         """Whether ``given`` is the token, compared in the same time however much of it is right."""
         return hmac.compare_digest(given.encode("utf-8", "replace"), self.settings.token.encode())
-
-    def _wrong_left(self) -> bool:
-        now = time.monotonic()
-        return len([at for at in self._wrong._seen if now - at <= self._wrong.seconds]) < self._wrong.most
 
     def _know(self, name: str) -> None:
         now = time.monotonic()
