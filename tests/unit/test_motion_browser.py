@@ -82,9 +82,9 @@ def strict_page(study):
     return html
 
 
-@pytest.fixture
-def visit(browser, strict_page, tmp_path):
-    found = Visit(browser, strict_page, tmp_path)
+@pytest.fixture(scope="module")
+def visit(browser, strict_page, tmp_path_factory):
+    found = Visit(browser, strict_page, tmp_path_factory.mktemp("motion"))
     yield found
     assert found.said == [] and found.page.evaluate("refused") == []
     assert [url for url in found.asked if not url.startswith(("file:", "data:"))] == [] and len(found.asked) == 1

@@ -467,7 +467,7 @@ function mount(element, data) {
   }
   const variants = data.variants.map(function () { return null; });
   const still = Array.from(element.childNodes);
-  const state = { variant: 0, angle: 0, slow: USUAL_SLOWNESS, playing: false, key: "", frames: 0, drawn: [], dirty: true, last: 0 };
+  const state = { variant: 0, angle: 0, slow: USUAL_SLOWNESS, playing: false, key: "", frames: 0, drawn: [], apart: [], before: 0, dirty: true, last: 0 };
   let one = null, asked = 0, gone = false;
 
   const box = make("div", { class: "vtm", role: "group", "aria-label": data.title + ": space plays, arrow keys step by cam angle, page keys go from mark to mark" });
@@ -618,6 +618,8 @@ function mount(element, data) {
       state.frames += 1;
       state.drawn.push(performance.now() - begun);
       if (state.drawn.length > 240) { state.drawn.shift(); }
+      if (state.playing && state.before) { state.apart.push(time - state.before); if (state.apart.length > 240) { state.apart.shift(); } }
+      state.before = state.playing ? time : 0;
     }
     if (state.playing && !asked) { asked = requestAnimationFrame(frame); }
   }
@@ -641,8 +643,8 @@ function mount(element, data) {
     colour: function (name) { if (name !== undefined) { state.key = name; colourSelect.value = name; paint(); request(); } return state.key; },
     webgl: Boolean(view), shown: function () { return view ? { tubes: view.tubes(), bodies: view.bodies() } : null; },
     statistics: function () {
-      const sorted = state.drawn.slice().sort(function (a, b) { return a - b; });
-      return { frames: state.frames, median: sorted.length ? sorted[sorted.length >> 1] : NaN, largest: sorted.length ? sorted[sorted.length - 1] : NaN };
+      function middle(values) { return values.length ? values.slice().sort(function (a, b) { return a - b; })[values.length >> 1] : NaN; }
+      return { frames: state.frames, drawing: middle(state.drawn), interval: middle(state.apart), counted: state.apart.length };
     },
     destroy: function () { gone = true; watch.disconnect(); cancelAnimationFrame(asked); if (view) { view.destroy(); } element.replaceChildren(...still); delete element.motion; },
   };
