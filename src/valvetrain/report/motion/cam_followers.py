@@ -85,7 +85,7 @@ class Contact:
         return TAPPET_SHARE * self.half_width() + 6e-3
 
 
-def sliding_follower(contact: Contact, moved: Array, angle: Array, name: str, cam_width: float, height: float | None) -> Body:
+def sliding_follower(contact: Contact, moved: Array, name: str, cam_width: float, height: float | None) -> Body:
     """A tappet: flat face, dome, roller in a fork or knife edge; the body's y axis leads away from the cam."""
     follower, half = contact.follower, contact.half_width()
     tall = contact.tappet_height() if height is None else height
@@ -111,7 +111,7 @@ def sliding_follower(contact: Contact, moved: Array, angle: Array, name: str, ca
     return Body(name, "follower", shapes, pose)
 
 
-def turning_pad(contact: Contact, turned: Array, angle: Array, depth: float, hub: float) -> tuple[Shape, ...]:
+def turning_pad(contact: Contact, turned: Array, cam_angle: Array, depth: float, hub: float) -> tuple[Shape, ...]:
     """Pad or roller of a lever in the lever's frame (origin at the pivot), and the bar that carries it."""
     row, follower = contact.row, contact.follower
     arm, none = np.array(row[3:5]), np.zeros(2)
@@ -125,14 +125,14 @@ def turning_pad(contact: Contact, turned: Array, angle: Array, depth: float, hub
         offset = float(contact.home @ tangent)
         pad = outlines.face(arm, normal, low - offset - MARGIN, high - offset + MARGIN, PAD)
         return outlines.plate(pad, 1.2 * depth), outlines.plate(outlines.bar(none, hub, pad.mean(axis=0), PAD / 2), depth)
-    where = contact_direction(contact, turned, angle)
+    where = contact_direction(contact, turned, cam_angle)
     middle, reach = float(where.min() + where.max()) / 2, float(np.ptp(where)) / 2 + ARC_MARGIN
     pad = outlines.crescent(arm, follower.radius, middle - reach, middle + reach, PAD)
     foot = arm + (follower.radius - PAD / 2) * np.array([np.cos(middle), np.sin(middle)])
     return outlines.plate(pad, 1.2 * depth), outlines.plate(outlines.bar(none, hub, foot, PAD / 2), depth)
 
 
-def contact_direction(contact: Contact, turned: Array, angle: Array) -> Array:
+def contact_direction(contact: Contact, turned: Array, cam_angle: Array) -> Array:
     """Direction (frame,) in a lever's frame, unwrapped, from the arc's centre to the cam: where on its arc the pad is touched."""
     row = contact.row
     turn = row[5] * turned
@@ -140,7 +140,7 @@ def contact_direction(contact: Contact, turned: Array, angle: Array) -> Array:
     y = row[2] + np.sin(turn) * row[3] + np.cos(turn) * row[4]
     polar = np.arctan2(y, x)
     away = np.mod(polar - row[9] + np.pi, 2 * np.pi) - np.pi
-    chi = np.mod(angle - contact.sense * away, 2 * np.pi)
+    chi = np.mod(cam_angle - contact.sense * away, 2 * np.pi)
     nodes = np.arange(len(contact.table)) * 2 * np.pi / len(contact.table)
     pitch, slope = (np.interp(chi, nodes, contact.table[:, column], period=2 * np.pi) for column in (0, 1))
     # The pitch curve's normal leads from the cam to the centre; the contact lies the other way.

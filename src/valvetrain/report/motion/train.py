@@ -24,7 +24,7 @@ from valvetrain.system.problem import Member
 TIP_TO_RETAINER, PLATE, ROD_RADIUS, HUB_RADIUS, ARM_RADIUS, STEM_RADIUS = 4e-3, 3e-3, 4e-3, 6e-3, 3.5e-3, 3.5e-3
 #: Radius (m) of a tip that the case takes for a point.
 POINTED = 1e-6
-#: Where no spring is drawn: outer radius and installed height (m) of the room for one.
+#: Where no spring is drawn: outer radius and installed height (m) of the space for one.
 NO_SPRING = (14e-3, 40e-3)
 TO_SCALE = "To scale: lobe, follower arc or face, lever arms and pivot, pushrod length, springs, lash, lift and every gap."
 NOT_TOLD = (
@@ -76,7 +76,7 @@ def draw_train(member: Member, cycle: Cycle, sample: Places) -> TrainDrawing:
     pose[:, 2] = contact.sense * angle
     bodies = [Body("cam", "cam", (outlines.plate(contact.lobe(), train.cam.width / 2),), pose)]
     bodies += _levers(train, mechanism, contact, q, angle)
-    bodies += _followers(train, mechanism, contact, q, angle)
+    bodies += _followers(train, contact, q)
     bodies += _pushrod(mechanism, q)
     stem, tip = unit(train.valve.opening_direction), stem_end(train, mechanism, contact)
     travel, lift = q[mechanism.retainer], q[mechanism.valve]
@@ -154,14 +154,14 @@ def _levers(train: TrainParameters, mechanism: AssembledMechanism, contact: Cont
     return [Body("lever", "lever", drive_shapes, pose(driven)), Body("lever tip", "lever", tip_shapes, pose(driving)), pivot]
 
 
-def _followers(train: TrainParameters, mechanism: AssembledMechanism, contact: Contact, q: Mapping[str, Array], angle: Array) -> list[Body]:
+def _followers(train: TrainParameters, contact: Contact, q: Mapping[str, Array]) -> list[Body]:
     if contact.turning:
         return []
     height = None
     if train.pushrod is not None:
         height = max(float(np.dot(np.array(train.pushrod.lower_end) - contact.home, contact.axis)), 2 * ROD_RADIUS)
     name = "tappet" if contact.driven == "tappet" else "pushrod foot"
-    return [sliding_follower(contact, q[contact.driven], angle, name, train.cam.width, height)]
+    return [sliding_follower(contact, q[contact.driven], name, train.cam.width, height)]
 
 
 def _pushrod(mechanism: AssembledMechanism, q: Mapping[str, Array]) -> list[Body]:

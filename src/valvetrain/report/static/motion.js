@@ -276,15 +276,31 @@ function extent(one, only) {
   return box;
 }
 
+// Whether the processor draws: smooth edges then cost half the pictures, so they are drawn finer only while nothing moves.
+function isSoftware() {
+  const context = document.createElement("canvas").getContext("webgl2"), told = context && context.getExtension("WEBGL_debug_renderer_info");
+  const words = told ? String(context.getParameter(told.UNMASKED_RENDERER_WEBGL)) : "";
+  const lose = context && context.getExtension("WEBGL_lose_context");
+  if (lose) { lose.loseContext(); }
+  return /swiftshader|llvmpipe|software|basic render/i.test(words);
+}
+
 // The picture in three dimensions, orthographic so that it stays to scale; null where the browser has no WebGL.
 function makeView(box, changed) {
   const canvas = make("canvas", { tabindex: "0", role: "img", "aria-label": "Spring in three dimensions. Arrow keys turn it, plus and minus zoom, 0 shows the whole." });
-  let context = null;
-  try { context = canvas.getContext("webgl2", { antialias: true, alpha: true }); } catch (error) { context = null; }
+  let context = null, soft = false;
+  try { soft = isSoftware(); context = canvas.getContext("webgl2", { antialias: !soft, alpha: true }); } catch (error) { context = null; }
   if (!context) { return null; }
   const renderer = new THREE.WebGLRenderer({ canvas: canvas, context: context, alpha: true });
   renderer.setClearColor(0x000000, 0);
-  renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, MOST_PIXELS));
+  let fine = null;
+  function refine(on) {
+    if (on === fine) { return; }
+    fine = on;
+    renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, MOST_PIXELS) * (soft && on ? 2 : 1));
+    if (box.clientWidth) { renderer.setSize(box.clientWidth, box.clientHeight, false); }
+  }
+  refine(true);
   const scene = new THREE.Scene(), camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 4000), light = new THREE.DirectionalLight(0xffffff, 2.1);
   scene.add(new THREE.HemisphereLight(0xffffff, 0xb4b8bf, 1.9), light);
   const home = { azimuth: 0.45, elevation: 0.3, zoom: 1 }, view = Object.assign({}, home);
@@ -341,7 +357,7 @@ function makeView(box, changed) {
   function free(group) { group.traverse(function (one) { if (one.geometry) { one.geometry.dispose(); one.material.dispose(); } }); }
   let tubes = [], bodies = [], ends = [];
   return {
-    canvas: canvas, turn: turn, zoom: zoom, whole: whole, look: look,
+    canvas: canvas, refine: refine, turn: turn, zoom: zoom, whole: whole, look: look,
     show: function (one) {
       free(root); scene.remove(root);
       root = new THREE.Group(); scene.add(root);
@@ -612,7 +628,7 @@ function mount(element, data) {
       const begun = performance.now();
       state.dirty = false;
       const place = between(one, state.angle);
-      if (view) { view.move(place, state.key); view.draw(); }
+      if (view) { view.refine(!state.playing); view.move(place, state.key); view.draw(); }
       plot.move(state.angle);
       say();
       state.frames += 1;
