@@ -97,7 +97,7 @@ class CasePage:
     def put(self, key: str, value: str) -> str:
         """Set a value of the case; the refusal, empty where it was taken."""
         try:
-            self.desk.workspace.set_value(self.case, key, value)
+            self.desk.put(self.case, key, value)
         except ValvetrainError as error:
             return sentence_of(error, key)
         self.refresh()

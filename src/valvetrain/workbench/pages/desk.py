@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from valvetrain.workbench.jobs import Jobs
@@ -18,11 +19,12 @@ MOST_CHAINS = 3
 
 @dataclass
 class OpenChain:
-    """A chain, the text of the case it holds, and the curve of that case."""
+    """A chain, the text of the case as it now stands, what was changed since the chain was built, and the curve of the case."""
 
     chain: LiveChain
     text: str
-    base: LiveResult
+    changes: dict[str, str] = field(default_factory=dict)
+    base: LiveResult | None = None
 
 
 @dataclass
@@ -35,8 +37,20 @@ class Desk:
     chains: dict[CaseId, OpenChain] = field(default_factory=dict)
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def chain(self, case: CaseId) -> OpenChain:
-        """The chain of a case as it stands, begun where there is none; blocks for seconds then, so a page calls it in a thread."""
+    def put(self, case: CaseId, key: str, value: str) -> None:
+        """Set a value of a case; a chain that holds the case is told of the change, and need not be begun anew.
+
+        Raises :class:`InputError`, and changes nothing, for a value that is refused.
+        """
+        before = self.workspace.text(case)
+        self.workspace.set_value(case, key, value)
+        found = self.chains.get(case)
+        if found is not None and found.text == before and value:
+            found.changes = {**found.changes, key: value}
+            found.text, found.base = self.workspace.text(case), None
+
+    def chain(self, case: CaseId) -> tuple[OpenChain, LiveResult]:
+        """The chain of a case as it stands, begun where there is none, and its curve; blocks for seconds then."""
         with self._lock:
             text = self.workspace.text(case)
             found = self.chains.pop(case, None)
@@ -44,22 +58,26 @@ class Desk:
                 found.chain.close()
                 found = None
             if found is None:
-                chain = LiveChain(text, folder=self.workspace.case_folder(case))
-                found = OpenChain(chain, text, chain.curve())
+                self._close_oldest()
+                found = OpenChain(LiveChain(text, folder=self.workspace.case_folder(case)), text)
             self.chains[case] = found
-            while len(self.chains) > MOST_CHAINS:
-                self.chains.pop(next(iter(self.chains))).chain.close()
-            return found
+            if found.base is None:
+                found.base = found.chain.curve(found.changes)
+            return found, found.base
+
+    def _close_oldest(self) -> None:
+        while len(self.chains) >= MOST_CHAINS:
+            self.chains.pop(next(iter(self.chains))).chain.close()
 
     async def moved(self, case: CaseId, key: str, value: str) -> tuple[LiveResult, LiveResult]:
         """The curve of a case, and that by the chain with ``value`` at ``key``."""
-        opened = await asyncio.to_thread(self.chain, case)
-        return opened.base, await asyncio.to_thread(opened.chain.curve, *moved_to(key, value))
+        opened, base = await asyncio.to_thread(self.chain, case)
+        return base, await asyncio.to_thread(opened.chain.curve, *moved_to(opened.changes, key, value))
 
     async def by_rod(self, case: CaseId, key: str, value: str) -> tuple[LiveResult, LiveResult]:
         """The curve of a case by the chain, and that by the rod with ``value`` at ``key``."""
-        opened = await asyncio.to_thread(self.chain, case)
-        return opened.base, await asyncio.to_thread(opened.chain.rod, *moved_to(key, value))
+        opened, base = await asyncio.to_thread(self.chain, case)
+        return base, await asyncio.to_thread(opened.chain.rod, *moved_to(opened.changes, key, value))
 
     def close(self) -> None:
         """End all chains."""
@@ -69,6 +87,10 @@ class Desk:
             self.chains.clear()
 
 
-def moved_to(key: str, value: str) -> tuple[dict[str, str], str]:
-    """Changes of the case, and the engine speed, that a place of the slider stands for."""
-    return ({}, value) if key == ENGINE_SPEED else ({key: value}, "")
+def moved_to(changes: Mapping[str, str], key: str, value: str) -> tuple[dict[str, str], str]:
+    """Changes of the case, and the engine speed, that a place of the slider stands for.
+
+    >>> moved_to({"a": "1"}, "b", "2"), moved_to({}, "engine_speed", "5000 rpm")
+    (({'a': '1', 'b': '2'}, ''), ({}, '5000 rpm'))
+    """
+    return (dict(changes), value) if key == ENGINE_SPEED else ({**changes, key: value}, "")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 
 from fastapi import FastAPI, Request
@@ -31,6 +32,11 @@ def register(app: FastAPI, desk: Desk) -> None:
     @app.get("/rest/{case}/{stamp}")
     def rest(case: str, stamp: str) -> Response:
         return _part(lambda: report_rest(desk.workspace.run(f"{case}/{stamp}")))
+
+    @app.get("/job/{case}")
+    def job(case: str) -> Response:
+        newest = next(iter(desk.jobs.jobs(case, 1)), None)
+        return JSONResponse(None if newest is None else asdict(newest))
 
     @app.get("/download/{case}/{stamp}/{kind}")
     def download(case: str, stamp: str, kind: str) -> Response:

@@ -74,11 +74,11 @@ export default {
       this.tabs.forEach((tab) => tab.sections.forEach((section) => { section.hidden = tab.key !== key; }));
       this.drawNear();
     },
-    // What stands in or near the window is drawn at once, the rest as it comes near.
+    // The first figure, and what stands in or near the window, are drawn at once, the rest as it comes near.
     drawNear() {
-      this.$refs.place.querySelectorAll("section:not([hidden]) .plot[data-chart]").forEach((box) => {
+      this.$refs.place.querySelectorAll("section:not([hidden]) .plot[data-chart]").forEach((box, place) => {
         const frame = box.getBoundingClientRect();
-        if (frame.width && frame.top < window.innerHeight + 100) { valvetrainFigures.draw(box); }
+        if (frame.width && (place === 0 || frame.top < window.innerHeight + 100)) { valvetrainFigures.draw(box); }
       });
     },
     step(event, by) {

@@ -15,7 +15,13 @@ export default {
     },
     step() { return this.chosen ? this.chosen.step : 1; },
   },
-  watch: { quantities() { if (!this.chosen) { this.key = ""; } else if (!this.asked) { this.value = this.chosen.value; } } },
+  // The case changed: what was moved is moved no more, and the curve is asked for anew.
+  watch: { quantities() {
+    if (!this.chosen) { this.key = ""; return; }
+    this.asked = false;
+    this.value = this.chosen.value;
+    this.ask();
+  } },
   methods: {
     words(value) { return Number(Number(value).toPrecision(5)).toString(); },
     given() { return this.words(this.value) + (this.chosen.unit ? " " + this.chosen.unit : ""); },
