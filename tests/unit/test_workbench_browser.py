@@ -20,9 +20,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from system_parts import program
+from valvetrain.measurements.cycles_file import write_cycles
+from valvetrain.measurements.measured_cycles import MeasuredCycles
 
 pytest.importorskip("nicegui")
 sync_api = pytest.importorskip("playwright.sync_api")
@@ -262,6 +265,21 @@ def test_files_of_a_run_are_handed_out(bench, page, finished, tmp_path):
     assert any(name.endswith("run.json") for name in names) and any(name.endswith(".nc") for name in names)
     assert {Path(name).suffix for name in zipfile.ZipFile(paths["Tables (CSV)"]).namelist()} == {".csv"}
     assert tomllib.loads(paths["Case file"].read_text("utf-8"))["spring"]["wire_diameter"]["value"] == "3.7709 mm"
+
+
+def test_measured_cycles_are_laid_over_a_run(bench, page, finished, tmp_path):
+    """The test is made up: a level of 500 N, 7 N up and down in two repeats, so its mean is known."""
+    angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
+    values = 500.0 + np.outer([7.0, -7.0], np.ones(360))
+    test = write_cycles(tmp_path / "level.csv", [MeasuredCycles("seat_force", "N", angle, values, 70 * np.pi, synthetic=True)])
+    page.goto(f"{bench.url}/run/{finished}")
+    page.set_input_files("#test-file", str(test))
+    page.wait_for_selector("#test-verdict", timeout=30_000)
+    page.wait_for_selector(".panel .plot .scatterlayer .trace", state="attached")
+    drawn = page.evaluate("Array.from(document.querySelector('.panel .plot')._fullData, (trace) => Array.from(trace.y).slice(0, 5))")
+    assert any(all(abs(value - 500) < 1e-3 for value in values) for values in drawn if values)
+    page.set_input_files("#test-file", {"name": "broken.csv", "mimeType": "text/csv", "buffer": b"\x00\x01 no test"})
+    page.locator(".upload [role=alert]").wait_for()
 
 
 def test_a_file_that_is_no_case_is_refused_and_a_case_opens(bench, page, tmp_path):

@@ -46,7 +46,7 @@ def _sections(run: Run) -> tuple[str, str, int]:
 def _seen_first(sections: str) -> set[str]:
     """Keys of the figures of the sections that are seen first."""
     parts = sections.split('<section id="')[1:]
-    shown = [part for part in parts if part.partition('"')[0] in FIRST] or parts[:1]
+    shown = [part for part in parts if part.partition('"')[0] in FIRST] or parts[:2]
     return {key for part in shown for key in _CHART.findall(part)}
 
 

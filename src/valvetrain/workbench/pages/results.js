@@ -42,7 +42,7 @@ export default {
         const rank = (section) => (ORDER.includes(section.id) ? ORDER.indexOf(section.id) : ORDER.length);
         const first = sections.filter((section) => FIRST.includes(section.id));
         const others = sections.filter((section) => !FIRST.includes(section.id)).sort((one, other) => rank(one) - rank(other));
-        this.tabs = [{ key: "overview", title: "Overview", sections: first.length ? first : [others.shift()] },
+        this.tabs = [{ key: "overview", title: "Overview", sections: first.length ? first : others.splice(0, 2) },
           ...others.map((section) => ({ key: section.id, title: SHORT[section.id] || section.querySelector("h2").textContent, sections: [section] }))];
         this.choose(this.tabs.some((tab) => tab.key === this.chosen) ? this.chosen : "overview");
       }

@@ -28,7 +28,8 @@ def run_head(desk: Desk, run: Run, full: bool) -> None:
                     tag("dt", name)
                     tag("dd", value)
     else:
-        tag("p", f"{models_of(run)}; {speeds_of(run)}", "said")
+        if run.models or run.engine_speeds:
+            tag("p", f"{models_of(run)}; {speeds_of(run)}", "said")
     for sentence in run.failures:
         tag("p", sentence, "alert")
     with tag("div", classes="row"):
