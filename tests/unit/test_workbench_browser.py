@@ -374,9 +374,8 @@ def test_dark_is_kept_and_colours_every_figure(bench, page, finished):
     page.reload()
     shown(page)
     page.wait_for_selector(".plot .main-svg", state="attached")
-    paper = page.evaluate("getComputedStyle(document.body).backgroundColor")
-    figure = page.evaluate("document.querySelector('.plot .main-svg').style.background")
-    assert paper == "rgb(25, 25, 25)" == figure
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(20, 20, 20)"
+    assert "invert" in page.evaluate("getComputedStyle(document.querySelector('.plot')).filter")
     assert not [one["id"] for one in axe.Axe().run(page).response["violations"] if one["id"] == "color-contrast"]
 
 

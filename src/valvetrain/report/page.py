@@ -246,7 +246,8 @@ def render(page: Page, gaps: Gaps | None = None) -> str:
     library, moving = plotly_script() if drawn else "", _moving(page)
     return _template("page.html.j2").render(
         page=page, drawn=drawn, style=page_style(), script=page_script(), plotly=library, moving=moving,
-        mover=motion_script() if moving else "",
+        mover=motion_script() if moving else "", header=_css_words(f"{page.title} – {page.kicker}"),
+        still={key: picture for key, picture in ((chart.key, _still(chart)) for chart in charts(page)) if picture},
     )  # fmt: skip
 
 
@@ -254,7 +255,7 @@ def render_part(sections: Sequence[Section]) -> str:
     """Sections with the data of their figures as HTML to stand in another page, which brings style, script and Plotly."""
     page = Page("", "", "", (), tuple(sections))
     drawn = {chart.key: _drawn(chart, None) for chart in charts(page)}
-    return _template("part.html.j2").render(page=page, drawn=drawn, moving=_moving(page))
+    return _template("part.html.j2").render(page=page, drawn=drawn, moving=_moving(page), still={})
 
 
 def _moving(page: Page) -> list[Motion]:
@@ -285,6 +286,21 @@ def _environment() -> jinja2.Environment:
 
 def _template(name: str) -> jinja2.Template:
     return _environment().get_template(name)
+
+
+def _still(chart: Chart) -> str:
+    """The figure for a reader without scripts; nothing where it cannot be drawn, which the figure says itself."""
+    from valvetrain.report.svg_chart import svg
+
+    try:
+        return svg(chart)
+    except Exception:  # one picture must not cost the page
+        return ""
+
+
+def _css_words(words: str) -> str:
+    """Words as a string of a style sheet, whatever stands in them."""
+    return '"' + "".join(sign if sign.isalnum() or sign in " .,-–()/" else f"\\{ord(sign):x} " for sign in words[:120]) + '"'
 
 
 def _drawn(chart: Chart, gaps: Gaps | None) -> str:

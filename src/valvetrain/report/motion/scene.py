@@ -60,7 +60,7 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
 
     Raises
     ------
-    InputError : parts that cannot be built
+    InputError : spring models of a run that the case does not know
 
     Examples
     --------
@@ -74,6 +74,10 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
         return None
     ranked = sorted(runs, key=_worth, reverse=True)
     chosen = [run for run in runs if any(run is one for one in ranked[: limits.variants])]
+    try:
+        _problem(study.record, (), ())
+    except InputError:  # words of a case that holds no parts
+        return None
     share = min(limits.run_size, limits.size // len(chosen))
     variants = tuple(one for run in chosen if (one := _variant(study, run, share, limits.frames)) is not None)
     if not variants:

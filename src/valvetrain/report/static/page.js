@@ -6,17 +6,6 @@ const valvetrainFigures = (function () {
   // Below this width (px) panels stand in one column; plotly_chart.py lays the two-column form out for no less.
   const NARROW = 700;
   const figures = new Map();
-  // On a dark page every colour of a figure has its lightness turned round: paper dark, ink light, the hue kept.
-  function turned(colour) {
-    const part = [1, 3, 5].map(function (place) { return parseInt(colour.slice(place, place + 2), 16) / 255; });
-    const light = (Math.max.apply(null, part) + Math.min.apply(null, part)) / 2, shift = 0.97 - 0.87 * light - light;
-    return "#" + part.map(function (value) {
-      return Math.round(255 * Math.min(1, Math.max(0, value + shift))).toString(16).padStart(2, "0");
-    }).join("");
-  }
-  function shaded(text) {
-    return document.documentElement.dataset.theme === "dark" ? text.replace(/#[0-9a-f]{6}\b/gi, turned) : text;
-  }
   function isNarrow(box) {
     // A figure behind a tab has no width yet; its section has.
     return (box.clientWidth || (box.closest("section") || document.body).clientWidth) < NARROW;
@@ -28,10 +17,10 @@ const valvetrainFigures = (function () {
   }
   // The content of a figure, JSON text, drawn into a box; a box that is drawn already changes in place.
   function show(box, text) {
-    const content = JSON.parse(shaded(text));
+    const content = JSON.parse(text);
     if (content.gap) { box.textContent = content.gap; box.className = "gap"; box.style.height = "auto"; return; }
     const again = figures.has(box);
-    figures.set(box, { content: content, narrow: isNarrow(box), text: text });
+    figures.set(box, { content: content, narrow: isNarrow(box) });
     Plotly[again ? "react" : "newPlot"](box, content.data, layoutOf(box, content), config);
   }
   function draw(box) {
@@ -42,16 +31,16 @@ const valvetrainFigures = (function () {
     show(box, source.textContent);
   }
   // A page that grows or shrinks past the limit changes between one column and several; boxes that are gone are forgotten.
-  function refit(always) {
+  function refit() {
     figures.forEach(function (known, box) {
       if (!box.isConnected) { figures.delete(box); return; }
-      if (always) { show(box, known.text); } else if (known.narrow !== isNarrow(box)) {
+      if (known.narrow !== isNarrow(box)) {
         known.narrow = isNarrow(box);
         Plotly.react(box, known.content.data, layoutOf(box, known.content), config);
       }
     });
   }
-  window.addEventListener("resize", function () { refit(false); });
+  window.addEventListener("resize", refit);
   // Figures are drawn when they come near the window: the page opens at once however many there are.
   const watcher = new IntersectionObserver(function (entries) {
     entries.forEach(function (entry) { if (entry.isIntersecting) { draw(entry.target); watcher.unobserve(entry.target); } });
@@ -67,6 +56,49 @@ const valvetrainFigures = (function () {
       if (source && typeof valvetrainMotion !== "undefined") { box.mounted = valvetrainMotion.mount(box, JSON.parse(source.textContent)); }
     });
   }, { rootMargin: "600px 0px" });
+
+  // Data of a figure as text: two columns a line, seven digits; words that a spreadsheet would take for a formula are disarmed.
+  function readable(words) {
+    return '"' + (/^[=+\-@\t\r]/.test(words) ? "'" : "") + words.replace(/"/g, '""') + '"';
+  }
+  const KINDS = { f4: Float32Array, f8: Float64Array, i4: Int32Array, i2: Int16Array, i1: Int8Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Array };
+  function listed(form) {
+    if (!form || !form.bdata) { return Array.from(form || []).flat(); }
+    const raw = atob(form.bdata), bytes = new Uint8Array(raw.length);
+    for (let place = 0; place < raw.length; place += 1) { bytes[place] = raw.charCodeAt(place); }
+    return Array.from(new KINDS[form.dtype](bytes.buffer), function (value) { return Number(value.toPrecision(7)); });
+  }
+  function columnsOf(content) {
+    const columns = [];
+    content.data.forEach(function (trace) {
+      const x = listed(trace.x), y = listed(trace.y), z = listed(trace.z);
+      if (!trace.z) { columns.push([trace.meta[0], x], [trace.meta[1], y]); return; }
+      columns.push([trace.meta[0], z.map(function (_, place) { return x[place % x.length]; })]);
+      columns.push([trace.meta[1], z.map(function (_, place) { return y[Math.floor(place / x.length)]; })], [trace.meta[2], z]);
+    });
+    return columns;
+  }
+  function asText(content) {
+    const columns = columnsOf(content), rows = Math.max(...columns.map(function (column) { return column[1].length; }));
+    const lines = [columns.map(function (column) { return readable(column[0]); }).join(",")];
+    for (let row = 0; row < rows; row += 1) {
+      lines.push(columns.map(function (column) { return row < column[1].length && !Number.isNaN(column[1][row]) ? column[1][row] : ""; }).join(","));
+    }
+    return lines.join("\r\n") + "\r\n";
+  }
+  function wireTables(root) {
+    root.querySelectorAll("figcaption button[data-csv]").forEach(function (button) {
+      button.hidden = false;
+      button.addEventListener("click", function () {
+        const content = JSON.parse(document.getElementById("data-" + button.dataset.csv).textContent);
+        const link = document.createElement("a");
+        link.href = URL.createObjectURL(new Blob(["\ufeff" + asText(content)], { type: "text/csv" }));
+        link.download = button.dataset.csv + ".csv";
+        link.click();
+        setTimeout(function () { URL.revokeObjectURL(link.href); }, 1000);
+      });
+    });
+  }
 
   function wireLegends(root) {
     root.querySelectorAll(".legend button").forEach(function (button) {
@@ -122,12 +154,13 @@ const valvetrainFigures = (function () {
     wireLegends(root);
     wireTabs(root);
     wireFilters(root);
+    wireTables(root);
     watch(root);
     root.querySelectorAll("details").forEach(function (part) {
       part.addEventListener("toggle", function () { part.querySelectorAll(".plot").forEach(function (box) { if (part.open) { draw(box); } }); });
     });
   }
-  return { wire: wire, watch: watch, show: show, draw: draw, refit: refit };
+  return { wire: wire, watch: watch, show: show, draw: draw };
 })();
 (function () {
   if (document.documentElement.dataset.workbench !== undefined) { return; }

@@ -45,7 +45,6 @@ _TURN = """() => {
   const theme = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
   document.documentElement.dataset.theme = theme;
   try { localStorage.setItem("valvetrain-theme", theme); } catch (error) { /* kept for this page only */ }
-  if (typeof valvetrainFigures !== "undefined") { valvetrainFigures.refit(true); }
 }"""
 
 

@@ -11,6 +11,8 @@ from valvetrain.workbench.kept import Run
 
 _DATA = re.compile(r'<script type="application/json" id="(?:data|motion)-([^"]*)">[^<]*</script>\n?')
 _FIGURE = re.compile(r'<script type="application/json" id="data-([^"]*)">([^<]*)</script>')
+#: Pictures for readers without scripts.
+_WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>\n?", re.DOTALL)
 _CHART = re.compile(r'data-chart="([^"]*)"')
 #: Sections that are seen first, whose figures come with them.
 FIRST = ("answers", "force", "verdict")
@@ -40,7 +42,7 @@ def _sections(run: Run) -> tuple[str, str, int]:
     start, end = text.find('<section id="'), text.rfind("\n<footer>")
     if start < 0 or end < start:
         raise InputError("the report of this run has no sections; run it again", run.run_id)
-    return text[start:end], text, end
+    return _WITHOUT_SCRIPTS.sub("", text[start:end]), text, end
 
 
 def _seen_first(sections: str) -> set[str]:
