@@ -71,16 +71,17 @@ def refuse_foreign_files(text: str) -> None:
             )
 
 
-def _files(item: Any, depth: int = 0) -> list[str]:
-    if depth > 64:
-        return []
+def _files(tree: Any) -> list[str]:
+    """Every text under a key ``file``, with a note or without."""
     found: list[str] = []
-    if isinstance(item, dict):
-        named = item.get("file")
-        value = named.get("value") if isinstance(named, dict) else named
-        found += [value] if isinstance(value, str) else []
-    for inner in item.values() if isinstance(item, dict) else item if isinstance(item, list) else ():
-        found += _files(inner, depth + 1)
+    left = [tree]
+    while left:
+        item = left.pop()
+        if isinstance(item, dict):
+            named = item.get("file")
+            value = named.get("value") if isinstance(named, dict) else named
+            found += [value] if isinstance(value, str) else []
+        left += item.values() if isinstance(item, dict) else item if isinstance(item, list) else ()
     return found
 
 
