@@ -17,6 +17,7 @@ from types import MappingProxyType
 from typing import Any
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
 
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 #: Chains that live at a time in one server, and the fast model and the rod.
@@ -165,7 +166,13 @@ class _Worker:
     def _begun(self) -> subprocess.Popen[bytes]:
         process = self._process
         if process is None or process.poll() is not None:
-            environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
+            environment = {
+                **os.environ,
+                BESIDE_VARIABLE: "1",
+                "OPENBLAS_NUM_THREADS": "1",
+                "OMP_NUM_THREADS": "1",
+                "NUMBA_NUM_THREADS": "1",
+            }
             process = self._process = subprocess.Popen(
                 [sys.executable, "-m", "valvetrain.workbench.live_worker"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL, env=environment, start_new_session=True,
