@@ -67,7 +67,7 @@ def stand_in(folder: Path, grace: float = 1.0) -> list[str]:
     return [sys.executable, "-c", code]
 
 
-def wait_for(what: Callable[[], object], longest: float = 20.0) -> object:
+def wait_for(what: Callable[[], object], longest: float = 60.0) -> object:
     """What ``what`` gives once it is true; a failure after ``longest`` seconds."""
     last = time.monotonic() + longest
     while not (found := what()):

@@ -12,8 +12,11 @@ import zipfile
 import pytest
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
 from valvetrain.parameters.loading import LIBRARY, parse_case
-from valvetrain.studies.run_store import Inputs, find_run, keep, link_latest, new_folder
+from valvetrain.studies.run_store import Inputs, collect_inputs, find_run, keep, link_latest, new_folder
+from valvetrain.workbench.form import read_change
+from valvetrain.workbench.jobs import JobRequest, Jobs
 from valvetrain.workbench.workspace import MOST_CASES, Workspace
 from workbench_parts import SMALL
 
@@ -102,10 +105,35 @@ def test_a_case_names_no_file_elsewhere(workspace, file):
     table = f"[lift_law]\nkind = 'measured'\nfile = {json.dumps(file)}\n"
     with pytest.raises(InputError, match="not beside the case"):
         workspace.upload("a.toml", table.encode())
-    name = workspace.upload("small.toml", SMALL.encode())
-    for change in (lambda: workspace.replace_text(name, table), lambda: workspace.set_value(name, "lift_law.file", file)):
-        with pytest.raises(InputError, match="not beside the case"):
-            change()
+    name, law = workspace.upload("small.toml", SMALL.encode()), f"{{ kind = 'table', file = {json.dumps(file)} }}"
+    study = (
+        f"outputs = ['preload']\nchanges = {{ 'lift_law.file' = {json.dumps(file)} }}\n[[vary]]\nkey = 'spring.mass'\nvalues = '1, 2 g'\n"
+    )
+    with Jobs(workspace) as jobs:
+        for change in (
+            lambda: workspace.replace_text(name, table), lambda: workspace.set_value(name, "lift_law.file", file),
+            lambda: workspace.set_value(name, "lift_law", law), lambda: read_change(SMALL, "lift_law.file", file),
+            lambda: jobs.submit(JobRequest("run", name, settings={"lift_law.file": file})),
+            lambda: jobs.submit(JobRequest("run", name, settings={"lift_law": law})),
+            lambda: jobs.submit(JobRequest("study", name, study=study)),
+        ):  # fmt: skip
+            with pytest.raises(InputError, match="not beside the case"):
+                change()
+
+
+@pytest.mark.parametrize("file", ["/etc/hostname", "../case.toml", "a/b.csv", "linked.csv"])
+def test_the_process_of_a_job_opens_no_file_elsewhere(tmp_path, monkeypatch, file):
+    """Whatever came past the door, the reader of a job and of a slider opens what lies beside the case and nothing else."""
+    os.symlink("/etc/hostname", tmp_path / "linked.csv")
+    text = f"[lift_law]\nkind = 'table'\nfile = {json.dumps(file)}\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\n"
+    with pytest.raises(InputError) as opened:
+        parse_case(text, "case", tmp_path)
+    assert "elsewhere than beside the case" not in str(opened.value)
+    monkeypatch.setenv(BESIDE_VARIABLE, "1")
+    with pytest.raises(InputError, match="elsewhere than beside the case"):
+        parse_case(text, "case", tmp_path)
+    with pytest.raises(InputError):
+        collect_inputs("case", text, tmp_path, {})
 
 
 def test_a_table_beside_a_case_is_read_and_goes_with_its_copies(workspace):

@@ -28,7 +28,7 @@ def result_rows(results: Sequence[ResultDifference]) -> list[tuple[str, ...]]:
     """Rows of the numbers that both runs have and that differ: what is asked first, then the largest difference.
 
     >>> result_rows([ResultDifference("peak_spring_force", "massless", "N", 800.0, 840.0)])
-    [('Largest spring force', 'massless', '800', '840', 'N', '+5 %')]
+    [('peak spring force', 'massless', '800', '840', 'N', '+5.0 %')]
     """
     first = [name for names in TOPICS.values() for name in names]
     place = {name: index for index, name in enumerate(first)}

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Mapping
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.overrides import REMOVED, read_assignment
+from valvetrain.parameters.overrides import REMOVED, read_assignment, with_values
 from valvetrain.units.text import clipped
 
 _PLAIN_FILE = re.compile(r"[^\W_][\w.+ -]*")
@@ -54,15 +55,16 @@ def with_name(text: str, name: str) -> str:
     return with_value(text, "name", f'"{name}"')
 
 
-def refuse_foreign_files(text: str) -> None:
-    """Refuse a case that names a file elsewhere than beside itself, whatever reads it later.
+def refuse_foreign_files(text: str, changes: Mapping[str, Any] | None = None) -> None:
+    """Refuse a case, as it is with ``changes`` (key path -> value), that names a file elsewhere than beside it, whatever reads it later.
 
-    Raises :class:`InputError` with the name.
+    Raises :class:`InputError` with the name, or where a change leads nowhere.
     """
     try:
-        tree = tomllib.loads(text)
+        tree: Mapping[str, Any] = tomllib.loads(text)
     except (ValueError, RecursionError):
         return  # the reader says what is wrong with it
+    tree = with_values(tree, changes) if changes else tree
     for name in _files(tree):
         if not _PLAIN_FILE.fullmatch(name) or ".." in name:
             shown = clipped(name, 60)
@@ -71,16 +73,17 @@ def refuse_foreign_files(text: str) -> None:
             )
 
 
-def _files(item: Any, depth: int = 0) -> list[str]:
-    if depth > 64:
-        return []
+def _files(tree: Any) -> list[str]:
+    """Every text under a key ``file``, with a note or without."""
     found: list[str] = []
-    if isinstance(item, dict):
-        named = item.get("file")
-        value = named.get("value") if isinstance(named, dict) else named
-        found += [value] if isinstance(value, str) else []
-    for inner in item.values() if isinstance(item, dict) else item if isinstance(item, list) else ():
-        found += _files(inner, depth + 1)
+    left = [tree]
+    while left:
+        item = left.pop()
+        if isinstance(item, dict):
+            named = item.get("file")
+            value = named.get("value") if isinstance(named, dict) else named
+            found += [value] if isinstance(value, str) else []
+        left += item.values() if isinstance(item, dict) else item if isinstance(item, list) else ()
     return found
 
 

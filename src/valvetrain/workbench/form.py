@@ -20,6 +20,7 @@ from valvetrain.parameters.schema_installed import CardBlock, CoilContactModel, 
 from valvetrain.parameters.schema_types import StrictModel
 from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.train_schema import PARTS, TrainModel
+from valvetrain.workbench.edits import refuse_foreign_files
 from valvetrain.workbench.form_fields import FieldOf, field_of, words_of
 
 FieldKind = Literal["number", "text", "choice", "flag", "curve"]
@@ -133,6 +134,7 @@ def read_change(case_text: str, key: str, value_text: str, folder: Path = Path()
     A value that only reads as text, such as the title ``24``, is taken as text. Raises :class:`InputError` with the reader's sentence.
     """
     path, value = read_assignment(f"{key}={value_text}", key)
+    refuse_foreign_files(case_text, {path: value})
     try:
         return path, value, parse_case(case_text, "case", folder, "case", {path: value})
     except InputError:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
 from valvetrain.solution.atomic import is_living, write_bytes, write_text
 from valvetrain.studies.cost import Limits, memory_words, time_words
 from valvetrain.studies.unfinished_runs import unfinished_runs
@@ -102,7 +103,13 @@ class JobProcess:
         words = command_words(self.request, f"jobs/{self.job_id}/{name}", self.workers, self.limits, kept)
         bounds = [str(self.limits.seconds), str(self.limits.bytes), str(folder / LOCK)]
         reading, writing = os.pipe()
-        environment = {**os.environ, "VALVETRAIN_PROGRESS": str(writing), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+        environment = {
+            **os.environ,
+            "VALVETRAIN_PROGRESS": str(writing),
+            BESIDE_VARIABLE: "1",
+            "OPENBLAS_NUM_THREADS": "1",
+            "OMP_NUM_THREADS": "1",
+        }
         try:
             with (folder / ANSWER).open("wb") as answer, (folder / COMPLAINTS).open("wb") as complaints:
                 self._process = subprocess.Popen(

@@ -17,6 +17,7 @@ from types import MappingProxyType
 from typing import Any
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
 
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 #: Chains that live at a time in one server, and the fast model and the rod.
@@ -76,8 +77,9 @@ class LiveChain:
                 raise InputError(f"{MOST_LIVE} sliders are in use; close one of them", "slider")
             LiveChain._living += 1
         self._closed = False
-        self._chain = _Worker(case_text, folder, spring_model or FAST, LONGEST_CURVE)
+        self._chain = _Worker(case_text, folder, spring_model or FAST, LONGEST_CURVE, warm=True)
         self._rod = _Worker(case_text, folder, ROD, LONGEST_ROD)
+        self._chain.begin()
 
     def curve(self, changes: Mapping[str, str] = _NOTHING, engine_speed: str = "") -> LiveResult:
         """The curve of the case with ``changes`` (key path -> text, as ``--set`` takes them); a refusal is its ``sentence``.
@@ -114,10 +116,11 @@ class LiveChain:
 
 
 class _Worker:
-    """The process, started at its first use and again after it was ended."""
+    """The process, started at its first use and again after it was ended; ``warm``: it computes a curve before it is asked for one."""
 
-    def __init__(self, case_text: str, folder: Path, spring_model: str, longest: float) -> None:
-        self._first = json.dumps({"case_text": case_text, "folder": str(folder), "spring_model": spring_model, "memory": MEMORY})
+    def __init__(self, case_text: str, folder: Path, spring_model: str, longest: float, warm: bool = False) -> None:
+        told = {"case_text": case_text, "folder": str(folder), "spring_model": spring_model, "memory": MEMORY, "warm": warm}
+        self._first = json.dumps(told)
         self._longest, self._process, self._closed = longest, None, False
         self._turn, self._last = threading.Lock(), 0
         self._busy = False
@@ -149,6 +152,11 @@ class _Worker:
                 return LiveResult(sentence=f"the curve {words}; ask for fewer elements or a higher speed")
             return _result(json.loads(line))
 
+    def begin(self) -> None:
+        """Start the process, so that it is ready when it is asked."""
+        with self._turn:
+            self._begun()
+
     def stop(self) -> None:
         """End the process if it computes."""
         self._last += 1
@@ -165,13 +173,21 @@ class _Worker:
     def _begun(self) -> subprocess.Popen[bytes]:
         process = self._process
         if process is None or process.poll() is not None:
-            environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
+            environment = {
+                **os.environ,
+                BESIDE_VARIABLE: "1",
+                "OPENBLAS_NUM_THREADS": "1",
+                "OMP_NUM_THREADS": "1",
+                "NUMBA_NUM_THREADS": "1",
+            }
             process = self._process = subprocess.Popen(
                 [sys.executable, "-m", "valvetrain.workbench.live_worker"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL, env=environment, start_new_session=True,
             )  # fmt: skip
             assert process.stdin is not None
-            process.stdin.write(self._first.encode() + b"\n")
+            with suppress(OSError):  # one that has ended at once is found out when it is asked
+                process.stdin.write(self._first.encode() + b"\n")
+                process.stdin.flush()
         return process
 
     @staticmethod

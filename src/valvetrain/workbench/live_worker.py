@@ -105,6 +105,8 @@ def main() -> None:
     _bound(float(first["memory"]))
     threading.Thread(target=_listen, args=(lines,), daemon=True).start()
     case = LiveCase(first["case_text"], Path(first["folder"]), first["spring_model"])
+    if first["warm"]:
+        case.answer({}, "")
     while True:
         asked = json.loads(lines.get())
         answer = case.answer(asked["changes"], asked["engine_speed"])

@@ -17,6 +17,7 @@ from valvetrain.registry import find
 from valvetrain.studies.cost import Cost, Limits, refuse_cost
 from valvetrain.units import si_speeds
 from valvetrain.units.text import clipped
+from valvetrain.workbench.edits import refuse_foreign_files
 
 JobKind = Literal["run", "compare", "sweep", "static", "modes", "study"]
 #: Options that a kind takes besides those of all, by their long names.
@@ -103,7 +104,9 @@ def check_request(request: JobRequest, case: Case) -> None:
             f"more than {MOST_SETTINGS} values, or one longer than {LONGEST_WORD} characters, are set; edit the case instead", "settings"
         )
     if request.kind == "study":
-        _study_tree(request.study)
+        tree = _study_tree(request.study)
+        given = tree.get("changes")
+        refuse_foreign_files(case.text, dict(given) if isinstance(given, dict) else None)
 
 
 def command_words(request: JobRequest, file: str, workers: int, limits: Limits, folder: str) -> list[str]:

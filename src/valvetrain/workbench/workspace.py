@@ -164,7 +164,7 @@ class Workspace:
 
     def parse(self, case: CaseId, toml: str, changes: Mapping[str, Any] | None = None) -> Case:
         """``toml`` as the case would be read, with the files beside it and ``changes``; :class:`InputError` otherwise."""
-        refuse_foreign_files(toml)
+        refuse_foreign_files(toml, changes)
         return parse_case(toml, case, self._file(case).parent, case, changes)
 
     def replace_text(self, case: CaseId, toml: str) -> None:
