@@ -24,8 +24,8 @@ from valvetrain.workbench.pages.run_list import run_table
 from valvetrain.workbench.pages.run_view import earlier, run_head
 from valvetrain.workbench.workspace import CaseId
 
-#: Time between two looks at a job (s).
-LOOK = 0.1
+#: Time between two looks at a job (s), and how many of them are one where no job goes on.
+LOOK, SLOW_LOOK = 0.05, 10
 #: Groups of the form that are open at first, and earlier runs listed.
 OPEN_GROUPS, MOST_RUNS = 1, 8
 
@@ -56,6 +56,7 @@ class CasePage:
         self.job: JobStatus | None = None
         self.shown_run = ""
         self.moved: tuple[str, LiveResult] | None = None
+        self.looks = -1
 
     # -- layout ----------------------------------------------------------------------------------------------------------
 
@@ -84,7 +85,6 @@ class CasePage:
                     self.head = tag("div", classes="run-head")
                     self.results = Results()
                     self.list = tag("div", classes="run-list")
-        self.look()
         ui.timer(LOOK, self.look)
 
     # -- the form --------------------------------------------------------------------------------------------------------
@@ -185,7 +185,7 @@ class CasePage:
         place = "sweep" if wish.get("kind") == "sweep" else "speeds"
         self.desk.workspace.remember(self.case, place, str(wish.get("speeds", "")))
         self.desk.workspace.remember(self.case, "models", ",".join(map(str, wish.get("models", ()))))
-        self.look()
+        self.looks = -1
 
     def cancel(self) -> None:
         """Stop the job that is shown."""
@@ -200,25 +200,30 @@ class CasePage:
             except ValvetrainError as error:
                 ui.notify(str(error))
 
-    def look(self) -> None:
+    async def look(self) -> None:
         """Show how the newest job of the case stands, and its run when there is one."""
+        self.looks += 1
+        if self.looks % SLOW_LOOK and (self.job is None or self.job.ended):
+            return
         newest = next(iter(self.desk.jobs.jobs(self.case, 1)), None)
-        if newest != self.job or (newest is not None and not newest.ended):
+        if newest != self.job:
             self.job = newest
             self.panel.show(job_shown(newest))
             self.order.tell(busy=newest is not None and not newest.ended)
-        wanted = newest.run_id if newest is not None and newest.ended and newest.run_id else self.shown_run
-        if not wanted or wanted != self.shown_run:
-            self.show_run(wanted)
+        if newest is not None and newest.ended and newest.run_id and newest.run_id != self.shown_run:
+            self.results.show(f"/part/{newest.run_id}")
+            await asyncio.sleep(0.02)  # its figures first, then what stands around them
+            await self.show_run(newest.run_id)
+        elif not self.shown_run:
+            await self.show_run("")
 
-    def show_run(self, run_id: str) -> None:
-        """Show the results of a run; without an id those of the newest of the case."""
-        runs = self.desk.workspace.runs(self.case) if not self.shown_run or run_id != self.shown_run else []
+    async def show_run(self, run_id: str) -> None:
+        """Show a run, the newest of the case where none is named, with the earlier ones below it."""
+        runs = await asyncio.to_thread(self.desk.workspace.runs, self.case)
         chosen: Run | None = next((one for one in runs if one.run_id == run_id), None) or next(iter(runs), None)
-        if chosen is None or chosen.run_id == self.shown_run:
-            self.shown_run = self.shown_run or "none"
+        self.shown_run = run_id or (chosen.run_id if chosen is not None else "none")
+        if chosen is None:
             return
-        self.shown_run = chosen.run_id
         self.results.show(f"/part/{chosen.run_id}")
         self.head.clear()
         with self.head:

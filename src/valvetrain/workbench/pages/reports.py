@@ -25,24 +25,26 @@ def report_part(run: Run) -> str:
 
     Raises :class:`InputError` for a run without a report.
     """
-    sections, text, end = _sections(run)
-    return sections + "\n" + "".join(match[0] for match in _DATA.finditer(text, end) if match[1] in _seen_first(sections))
+    sections, data = _taken_apart(run)
+    first = _seen_first(sections)
+    return sections + "\n" + "".join(match[0] for match in _DATA.finditer(data) if match[1] in first)
 
 
 def report_rest(run: Run) -> str:
     """The data of the other figures and moving pictures."""
-    sections, text, end = _sections(run)
+    sections, data = _taken_apart(run)
     first = _seen_first(sections)
-    return "".join(match[0] for match in _DATA.finditer(text, end) if match[1] not in first)
+    return "".join(match[0] for match in _DATA.finditer(data) if match[1] not in first)
 
 
-def _sections(run: Run) -> tuple[str, str, int]:
-    """The sections, the whole page, and where the sections end."""
+def _taken_apart(run: Run) -> tuple[str, str]:
+    """The sections of a report, and the data that stand between them and its scripts."""
     text = _report(run)
     start, end = text.find('<section id="'), text.rfind("\n<footer>")
     if start < 0 or end < start:
         raise InputError("the report of this run has no sections; run it again", run.run_id)
-    return _WITHOUT_SCRIPTS.sub("", text[start:end]), text, end
+    scripts = text.find("\n<script>", end)
+    return _WITHOUT_SCRIPTS.sub("", text[start:end]), text[end : scripts if scripts > 0 else len(text)]
 
 
 def _seen_first(sections: str) -> set[str]:
