@@ -182,6 +182,22 @@ def test_a_wrong_unit_is_refused_in_its_place_and_the_valid_value_kept(bench, pa
     assert field.input_value() == before
 
 
+def test_what_is_being_typed_outlives_the_answer_to_the_field_before(bench, page, finished):
+    open_case(bench, page)
+    page.locator("summary", has_text="Spring: damping").click()
+    first, second = page.get_by_label("Ratio", exact=True), page.get_by_label("Ratio frequency", exact=True)
+    first.fill("0.017")
+    first.press("Tab")  # sets it; its answer comes while the next field is typed in
+    second.press_sequentially("64", delay=5)
+    page.wait_for_timeout(700)
+    assert bench.case()["spring"]["damping"]["ratio"] == 0.017
+    assert "64" in second.input_value()
+    second.press("Escape")
+    first.fill("0.016")
+    first.press("Enter")
+    page.wait_for_timeout(300)
+
+
 def test_a_reload_and_another_tab_find_the_job_which_is_then_cancelled(bench, page, finished):
     open_case(bench, page)
     page.locator("#model-multi-mass").uncheck()

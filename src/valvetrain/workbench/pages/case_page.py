@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from typing import Any
 
 from nicegui import events, ui
@@ -77,7 +78,13 @@ class CasePage:
                     shown = shown_groups(groups)
                     self.form = Form(shown, [one["key"] for one in shown if one["key"]][:OPEN_GROUPS], self.change)
                 with tag("div", classes="outputs"):
-                    handlers: dict[str, Handler] = {"move": self.move, "moving": self.moving, "rest": self.rest, "keep": self.keep}
+                    handlers: dict[str, Handler] = {
+                        "begin": self.begin,
+                        "move": self.move,
+                        "moving": self.moving,
+                        "rest": self.rest,
+                        "keep": self.keep,
+                    }
                     quantities = sliding(groups)
                     self.order = Order(choices_for(self.read, quantities, kept), self.estimate, self.start)
                     self.panel = JobPanel(self.cancel, self.again)
@@ -120,6 +127,11 @@ class CasePage:
 
     # -- the slider --------------------------------------------------------------------------------------------------------
 
+    async def begin(self) -> None:
+        """The list of quantities is opened: the chain is begun meanwhile."""
+        with suppress(ValvetrainError):
+            await asyncio.to_thread(self.desk.chain, self.case)
+
     async def move(self, event: events.GenericEventArguments) -> None:
         """The slider moved: the curve by the chain."""
         key, value = str(event.args["key"]), str(event.args["value"])
@@ -128,8 +140,8 @@ class CasePage:
         except ValvetrainError as error:
             self.slider.answer([], [], sentence_of(error))
             return
-        if not found.angle_deg:
-            self.slider.answer([], [], found.sentence)
+        if not base.angle_deg or not found.angle_deg:
+            self.slider.answer([], [], found.sentence or base.sentence)
             return
         self.moved = (value, found)
         self.slider.answer(live_lines(base, found, None, value), live_numbers(base, found), found.sentence)
@@ -143,7 +155,7 @@ class CasePage:
             self.slider.rod_answer([], sentence_of(error))
             return
         moved = self.moved[1] if self.moved is not None and self.moved[0] == value else None
-        if moved is None or not found.angle_deg:
+        if moved is None or not base.angle_deg or not found.angle_deg:
             self.slider.rod_answer([], "" if found.skipped else found.sentence)
             return
         self.slider.rod_answer(live_lines(base, moved, found, value), f"The rod took {found.seconds:.1f} s. {found.sentence}".strip())

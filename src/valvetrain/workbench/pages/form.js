@@ -2,7 +2,7 @@
 export default {
   emits: ["change"],
   props: { groups: Array, open: Array },
-  data() { return { texts: {}, refused: {}, sent: {}, wanted: "", opened: {} }; },
+  data() { return { texts: {}, refused: {}, typing: {}, wanted: "", opened: {} }; },
   created() { this.groups.forEach((group) => { this.opened[group.key] = (this.open || []).includes(group.key) && window.innerWidth > 900; }); this.take(); },
   watch: { groups() { this.take(); } },
   computed: {
@@ -18,16 +18,19 @@ export default {
   methods: {
     take() {
       this.groups.forEach((group) => group.fields.forEach((field) => {
-        if (!this.refused[field.key]) { this.texts[field.key] = field.text; }
+        if (!this.refused[field.key] && !this.typing[field.key]) { this.texts[field.key] = field.text; }
       }));
     },
+    // What is being typed is never overwritten by an answer to an earlier field.
+    type(field, value) { this.typing[field.key] = true; this.texts[field.key] = value; },
     send(field, value) {
+      delete this.typing[field.key];
       if (value === field.text && !this.refused[field.key]) { return; }
       if (value === field.text) { this.back(field); return; }
       this.texts[field.key] = value;
       this.$emit("change", { key: field.key, value });
     },
-    back(field) { this.texts[field.key] = field.text; delete this.refused[field.key]; },
+    back(field) { delete this.typing[field.key]; this.texts[field.key] = field.text; delete this.refused[field.key]; },
     answer(key, sentence) { if (sentence) { this.refused[key] = sentence; } else { delete this.refused[key]; } },
     seek(key) {
       const group = this.groups.find((one) => one.fields.some((field) => field.key === key));
@@ -62,11 +65,11 @@ export default {
           <option v-for="word in field.choices" :key="word" :value="word">{{ word }}</option>
         </select>
         <textarea v-else-if="field.text.length > 36" :id="place(field.key)" :value="texts[field.key]" autocomplete="off" spellcheck="false" :rows="Math.min(6, Math.ceil(field.text.length / 38))"
-          :aria-invalid="refused[field.key] ? 'true' : null" :aria-describedby="told(field)" @change="send(field, $event.target.value)"
+          :aria-invalid="refused[field.key] ? 'true' : null" :aria-describedby="told(field)" @input="type(field, $event.target.value)" @change="send(field, $event.target.value)"
           @keydown.enter.prevent="send(field, $event.target.value)" @keydown.escape="back(field)"></textarea>
         <input v-else type="text" :id="place(field.key)" :value="texts[field.key]" autocomplete="off" spellcheck="false" :list="field.choices.length ? place(field.key) + '-list' : null"
           :placeholder="field.usual ? 'usual: ' + field.usual : ''" :required="field.required" :aria-invalid="refused[field.key] ? 'true' : null"
-          :aria-describedby="told(field)" @change="send(field, $event.target.value)" @keydown.escape="back(field)">
+          :aria-describedby="told(field)" @input="type(field, $event.target.value)" @change="send(field, $event.target.value)" @keydown.escape="back(field)">
         <datalist v-if="field.kind !== 'choice' && field.choices.length" :id="place(field.key) + '-list'"><option v-for="word in field.choices" :key="word" :value="word"></option></datalist>
       </template>
       <p v-if="refused[field.key]" class="refusal" :id="place(field.key) + '-refusal'" role="alert">{{ refused[field.key] }}

@@ -1,10 +1,10 @@
 // One quantity on a slider: while it moves the lumped chain answers, the newest wish first; when it rests the rod may answer too.
 export default {
-  emits: ["move", "moving", "rest", "keep"],
+  emits: ["begin", "move", "moving", "rest", "keep"],
   props: { quantities: Array, speed: String, rod: Boolean },
   data() {
     return { key: "", value: 0, text: "", sentence: "", numbers: [], lines: [], asked: false, waiting: null, busy: false, slow: false, rodWanted: this.rod,
-      rodSays: "", took: 0, times: [], started: 0, rested: null, kept: "" };
+      rodSays: "", took: 0, times: [], started: 0, rested: null, typed: null, kept: "" };
   },
   computed: {
     chosen() { return this.quantities.find((one) => one.key === this.key); },
@@ -28,6 +28,7 @@ export default {
     pick() { this.value = this.chosen ? this.chosen.value : 0; this.kept = ""; this.rodSays = ""; if (this.chosen) { this.asked = false; this.ask(); } },
     move(value) { this.value = Number(value); this.asked = true; this.kept = ""; this.ask(); },
     type(text) {
+      this.typed = null;
       const value = Number.parseFloat(text);
       if (Number.isFinite(value)) { this.move(value); } else { this.sentence = "Type a number in " + (this.chosen.unit || "the unit shown") + "."; }
     },
@@ -69,7 +70,7 @@ export default {
       if (figure) { this.lines = key; this.draw(figure); }
     },
     keep() { this.asked = false; this.kept = "Kept: " + this.given() + "."; this.$emit("keep", { key: this.key, value: this.given() }); },
-    reset() { this.value = this.chosen.value; this.asked = false; this.kept = ""; this.ask(); },
+    reset() { this.typed = null; this.value = this.chosen.value; this.asked = false; this.kept = ""; this.ask(); },
     toggleRod() { if (this.rodWanted) { this.rest(); } else { clearTimeout(this.rested); } },
   },
   template: `
@@ -77,14 +78,15 @@ export default {
   <div class="split"><h2 id="live-title">What if</h2><p class="hint">The lumped chain follows a quantity while you move it{{ speed ? ", at " + speed : "" }}.</p></div>
   <div class="row end live-row">
     <div class="labelled quantity"><label for="live-quantity">Quantity</label>
-      <select id="live-quantity" v-model="key" @change="pick"><option value="" disabled>choose …</option>
+      <select id="live-quantity" v-model="key" @change="pick" @focus.once="$emit('begin')"><option value="" disabled>choose …</option>
         <optgroup v-for="[name, list] in grouped" :key="name" :label="name"><option v-for="one in list" :key="one.key" :value="one.key">{{ one.label }}</option></optgroup>
       </select></div>
     <template v-if="chosen">
       <div class="labelled slide"><label for="live-slider">{{ chosen.label }}: {{ words(chosen.low) }} to {{ words(chosen.high) }} {{ chosen.unit }}</label>
         <input id="live-slider" type="range" :min="chosen.low" :max="chosen.high" :step="step" :value="value" :aria-valuetext="given()" @input="move($event.target.value)"></div>
       <div class="labelled number"><label for="live-value">{{ chosen.unit ? "Value (" + chosen.unit + ")" : "Value" }}</label>
-        <input id="live-value" type="text" inputmode="decimal" :value="words(value)" @change="type($event.target.value)" @keydown.escape="reset"></div>
+        <input id="live-value" type="text" inputmode="decimal" :value="typed ?? words(value)" @input="typed = $event.target.value"
+          @change="type($event.target.value)" @keydown.escape="reset"></div>
     </template>
   </div>
   <div class="row" v-if="chosen">
@@ -93,6 +95,7 @@ export default {
     <button type="button" class="button small" :disabled="!asked" @click="reset">Back to the case</button>
     <span class="said" role="status">{{ [kept, rodSays].filter(Boolean).join(" ") }}</span>
   </div>
+  <p v-if="busy && !numbers.length" class="said" role="status">The chain is being started.</p>
   <p v-if="sentence" class="refusal" role="alert">{{ sentence }}</p>
   <dl class="numbers" v-if="numbers.length"><div v-for="one in numbers" :key="one.label"><dt>{{ one.label }}</dt><dd>{{ one.value }} <small>{{ one.unit }}</small></dd></div></dl>
   <div v-show="numbers.length" class="plot" ref="plot" role="group" aria-label="Spring force over the cam angle: case, moved quantity and rod" style="height:300px"></div>
