@@ -5,6 +5,7 @@ Evidence: the charts and grids the page was rendered from, Hooke's law, and a te
 
 from __future__ import annotations
 
+import json
 import time
 
 import numpy as np
@@ -16,9 +17,9 @@ from valvetrain.measurements.cycles_file import write_cycles
 from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.parameters.loading import parse_case
 from valvetrain.report.json import study_json
-from valvetrain.report.page import Cards, Figure, Grid, Text, _all, render
+from valvetrain.report.page import Cards, Figure, Grid, Motion, Text, _all, render
 from valvetrain.report.plotly_chart import figure
-from valvetrain.report.read_page import PageFigure, PageSentence, PageTable, sections_of
+from valvetrain.report.read_page import PageFigure, PageMotion, PageSentence, PageTable, sections_of
 from valvetrain.studies.run_store import Inputs, keep
 from valvetrain.workbench.answers import compare, figures, kept_study, numbers, overlay, sections
 from valvetrain.workbench.workspace import Workspace
@@ -62,6 +63,10 @@ def test_every_figure_and_table_of_a_page_is_read_back(study):
         assert [(part.key, part.title, part.caption) for part in parts] == [
             (one.key, one.title, " ".join(one.caption.split())) for one in charts
         ]
+        moving = [block for block in blocks if isinstance(block, Motion)]
+        played = [part for part in found.parts if isinstance(part, PageMotion)]
+        told = [(one.key, one.title, " ".join(one.caption.split()), json.loads(one.data), one.still) for one in moving]
+        assert [(part.key, part.title, part.caption, part.data, part.still) for part in played] == told
         grids = [block for block in blocks if isinstance(block, Grid)]
         cards = [card for block in blocks if isinstance(block, Cards) for card in block.cards]
         tables = [part for part in found.parts if isinstance(part, PageTable)]
