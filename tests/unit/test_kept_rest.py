@@ -23,7 +23,9 @@ def small(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize(("command", "more"), [("static", ("--steps", "4")), ("modes", ("--count", "3"))])
+@pytest.mark.parametrize(
+    ("command", "more"), [("static", ("--steps", "4")), pytest.param("modes", ("--count", "3"), marks=pytest.mark.long)]
+)
 def test_springs_at_rest_are_kept_as_a_run_is(small, command, more):
     plain = json.loads(call(command, "small.toml", *more, "--json").stdout)
     assert not (small / "runs").exists()
