@@ -5,6 +5,7 @@ Evidence: the charts and grids the page was rendered from, Hooke's law, and a te
 
 from __future__ import annotations
 
+import json
 import time
 
 import numpy as np
@@ -16,9 +17,9 @@ from valvetrain.measurements.cycles_file import write_cycles
 from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.parameters.loading import parse_case
 from valvetrain.report.json import study_json
-from valvetrain.report.page import Cards, Figure, Grid, Text, _all, render
+from valvetrain.report.page import Cards, Figure, Grid, Motion, Text, _all, render
 from valvetrain.report.plotly_chart import figure
-from valvetrain.report.read_page import PageFigure, PageSentence, PageTable, sections_of
+from valvetrain.report.read_page import PageFigure, PageMotion, PageSentence, PageTable, sections_of
 from valvetrain.studies.run_store import Inputs, keep
 from valvetrain.workbench.answers import compare, figures, kept_study, numbers, overlay, sections
 from valvetrain.workbench.workspace import Workspace
@@ -28,6 +29,13 @@ from workbench_parts import SMALL
 @pytest.fixture(scope="module")
 def study():
     return vt.simulate(parse_case(SMALL, "small"), "3000, 4000 rpm", spring_models=["massless", "multi-mass"])
+
+
+@pytest.fixture(scope="module")
+def read(study):
+    """The page of the study, and what is read back of it."""
+    page = vt.study_page(study)
+    return page, sections_of(render(page))
 
 
 @pytest.fixture(scope="module")
@@ -49,12 +57,11 @@ def runs(study, tmp_path_factory):
     return found
 
 
-def test_every_figure_and_table_of_a_page_is_read_back(study):
+def test_every_figure_and_table_of_a_page_is_read_back(read):
     """Nothing is lost or invented: figures with their data, tables cell by cell, in the order of the page."""
-    page = vt.study_page(study)
-    read = sections_of(render(page))
-    assert [(one.key, one.title) for one in read] == [(one.key, one.title) for one in page.sections]
-    for drawn, found in zip(page.sections, read, strict=True):
+    page, back = read
+    assert [(one.key, one.title) for one in back] == [(one.key, one.title) for one in page.sections]
+    for drawn, found in zip(page.sections, back, strict=True):
         blocks = list(_all(drawn.blocks))
         charts = [block.chart for block in blocks if isinstance(block, Figure)]
         parts = [part for part in found.parts if isinstance(part, PageFigure)]
@@ -62,6 +69,10 @@ def test_every_figure_and_table_of_a_page_is_read_back(study):
         assert [(part.key, part.title, part.caption) for part in parts] == [
             (one.key, one.title, " ".join(one.caption.split())) for one in charts
         ]
+        moving = [block for block in blocks if isinstance(block, Motion)]
+        played = [part for part in found.parts if isinstance(part, PageMotion)]
+        told = [(one.key, one.title, " ".join(one.caption.split()), json.loads(one.data), one.still) for one in moving]
+        assert [(part.key, part.title, part.caption, part.data, part.still) for part in played] == told
         grids = [block for block in blocks if isinstance(block, Grid)]
         cards = [card for block in blocks if isinstance(block, Cards) for card in block.cards]
         tables = [part for part in found.parts if isinstance(part, PageTable)]
@@ -72,18 +83,17 @@ def test_every_figure_and_table_of_a_page_is_read_back(study):
         assert len([part for part in found.parts if isinstance(part, PageSentence)]) >= len(texts)
 
 
-def test_parts_behind_tabs_know_their_tab(study):
-    (coils,) = [one for one in sections_of(render(vt.study_page(study))) if one.key == "energy"]
-    assert {part.tab for part in coils.parts} == {"3000 rpm", "4000 rpm"}
+def test_parts_behind_tabs_know_their_tab(read):
+    (energy,) = [one for one in read[1] if one.key == "energy"]
+    assert {part.tab for part in energy.parts} == {"3000 rpm", "4000 rpm"}
 
 
-def test_words_of_a_case_are_words_and_no_markup(study):
+def test_words_of_a_case_are_words_and_no_markup(read):
     """What a stranger wrote into a title comes back as he wrote it, and ends no script."""
     from dataclasses import replace
 
     evil = "</script><script>alert(1)</script><b>&amp;"
-    page = vt.study_page(study)
-    page = replace(page, sections=tuple(replace(one, title=evil) for one in page.sections))
+    page = replace(read[0], sections=tuple(replace(one, title=evil) for one in read[0].sections))
     assert {one.title for one in sections_of(render(page))} == {evil}
 
 
@@ -125,9 +135,9 @@ def test_two_runs_are_compared(runs):
 def test_a_test_made_from_a_run_is_not_refuted_and_one_shifted_is(runs, tmp_path):
     study, _ = kept_study(runs[0])
     run = next(one for one in study.solutions if one.label == "multi-mass" and round(one.engine_speed * 30 / np.pi) == 4000)
-    angle = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
+    angle = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
     curve = np.interp(angle + 2 * np.pi, run.cam_angle, run.channel("seat_force"))
-    drawn = curve + np.random.default_rng(1).normal(0.0, 5.0, (6, 180))
+    drawn = curve + np.random.default_rng(1).normal(0.0, 5.0, (6, 90))
 
     def content(values: np.ndarray, cam_speed: float = run.engine_speed / 2) -> bytes:
         cycles = MeasuredCycles("spring_force", "N", angle, values, cam_speed=cam_speed, synthetic=True)

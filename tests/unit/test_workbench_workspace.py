@@ -65,6 +65,8 @@ def test_a_value_is_set_as_on_the_command_line_and_comments_stay(workspace):
     assert "drawing 17" not in workspace.text(name), "the source of the earlier value is none of the new one"
     workspace.set_value(name, "spring.options.multi-mass.elements", "7")
     assert workspace.read(name).springs[0].options["multi-mass"] == {"elements": 7}
+    workspace.set_value(name, "title", "24")
+    assert workspace.read(name).title == "24"
     workspace.set_value(name, "spring.options.multi-mass.elements", "")
     assert "elements" not in workspace.text(name)
 

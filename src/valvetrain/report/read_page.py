@@ -17,10 +17,11 @@ from valvetrain.errors import InputError
 
 #: Largest page that is read (bytes).
 MOST_BYTES = 200_000_000
-_SCRIPT = re.compile(r'<script(?: type="application/json" id="data-([^"]*)")?[^>]*>(.*?)</script>', re.DOTALL)
+_SCRIPT = re.compile(r'<script(?: type="application/json" id="(data|motion)-([^"]*)")?[^>]*>(.*?)</script>', re.DOTALL)
 #: Elements without content.
 _EMPTY = ("meta", "link", "br", "path", "circle", "img", "input", "hr", "rect", "line")
-_STYLE = re.compile(r"<style>.*?</style>", re.DOTALL)
+_LEFT_OUT = re.compile(r"<style>.*?</style>|<noscript>.*?</noscript>", re.DOTALL)
+_STILL = re.compile(r'data-motion="([^"]*)">(.*?)<noscript>', re.DOTALL)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,18 @@ class PageFigure:
     plotly: Mapping[str, Any]
     tab: str = ""
     legend: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class PageMotion:
+    """A moving picture: ``data`` is what the page's own script mounts, ``still`` an SVG element until it does; ``tab`` as of a figure."""
+
+    key: str
+    title: str
+    caption: str
+    data: Mapping[str, Any]
+    still: str
+    tab: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,13 +74,16 @@ class PageSentence:
     tab: str = ""
 
 
+PagePart = PageFigure | PageMotion | PageTable | PageSentence
+
+
 @dataclass(frozen=True, eq=False)
 class PageSection:
     """A section of the page: ``key``, ``title`` and its ``parts`` in order."""
 
     key: str
     title: str
-    parts: tuple[PageFigure | PageTable | PageSentence, ...]
+    parts: tuple[PagePart, ...]
 
 
 def read_page(path: Path) -> tuple[PageSection, ...]:
@@ -89,11 +105,12 @@ def sections_of(text: str, where: str = "page") -> tuple[PageSection, ...]:
     if '<meta name="generator" content="valvetrain">' not in text[:4000]:
         raise InputError("is no report page; repeat the run", where)
     try:
-        figures = {match[1]: json.loads(match[2]) for match in _SCRIPT.finditer(text) if match[1]}
+        told = {(match[1], match[2]): json.loads(match[3]) for match in _SCRIPT.finditer(text) if match[1]}
     except (ValueError, RecursionError):
         raise InputError("is damaged; repeat the run", where) from None
-    reader = _Reader(figures)
-    reader.feed(_STYLE.sub("", _SCRIPT.sub("", text)))
+    bare = _SCRIPT.sub("", text)
+    reader = _Reader(told, dict(_STILL.findall(bare)))
+    reader.feed(_LEFT_OUT.sub("", bare))
     reader.close()
     return tuple(reader.sections)
 
@@ -101,17 +118,17 @@ def sections_of(text: str, where: str = "page") -> tuple[PageSection, ...]:
 class _Reader(HTMLParser):
     """Follows the elements of the page's template."""
 
-    def __init__(self, figures: Mapping[str, Any]) -> None:
+    def __init__(self, told: Mapping[tuple[str, str], Any], stills: Mapping[str, str]) -> None:
         super().__init__(convert_charrefs=True)
-        self.figures, self.sections = figures, list[PageSection]()
-        self._key, self._title, self._parts = "", "", list[PageFigure | PageTable | PageSentence]()
+        self.told, self.stills, self.sections = told, stills, list[PageSection]()
+        self._key, self._title, self._parts = "", "", list[PagePart]()
         self._words: list[str] | None = None
         self._open: list[tuple[str, dict[str, str]]] = []
         self._tabs: list[list[str]] = []
         self._tab = ""
         self._figure: dict[str, Any] = {}
         self._table: dict[str, Any] = {}
-        self._card = ""
+        self._card = self._caption = ""
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         """Remember what begins."""
@@ -119,12 +136,17 @@ class _Reader(HTMLParser):
         if tag not in _EMPTY:
             self._open.append((tag, given))
         kind = given.get("class", "").split()
+        if tag == "button" and any(name == "figcaption" for name, _ in self._open):
+            self._caption, self._words = "".join(self._words or ()), None  # its words are none of the caption's
+            return
         if tag == "section":
             self._key, self._title, self._parts, self._tab = given.get("id", ""), "", [], ""
         elif tag == "figure":
             self._figure = {"key": "", "title": "", "caption": "", "legend": []}
         elif tag == "div" and "plot" in kind:
             self._figure["key"] = given.get("data-chart", "")
+        elif tag == "div" and "moving" in kind:
+            self._figure["motion"] = given.get("data-motion", "")
         elif tag in ("path", "circle") and self._figure and given.get("stroke"):
             self._figure["colour"] = given["stroke"]
         elif tag == "div" and "tabs" in kind:
@@ -169,7 +191,8 @@ class _Reader(HTMLParser):
             else:
                 self._card = words
         elif tag == "figcaption":
-            self._figure["caption"] = words
+            self._figure["caption"] = words or " ".join(self._caption.split())
+            self._caption = ""
         elif tag == "caption":
             self._table["title"] = words
         elif tag in ("th", "td") and self._table:
@@ -212,7 +235,11 @@ class _Reader(HTMLParser):
 
     def _end_figure(self) -> None:
         told, self._figure = self._figure, {}
-        drawn = self.figures.get(told["key"])
+        if "motion" in told:
+            data, still = self.told.get(("motion", told["motion"]), {}), self.stills.get(told["motion"], "")
+            self._parts.append(PageMotion(told["motion"], told["title"], told["caption"], data, still, self._tab))
+            return
+        drawn = self.told.get(("data", told["key"]))
         if isinstance(drawn, dict) and "data" in drawn:
             self._parts.append(PageFigure(told["key"], told["title"], told["caption"], drawn, self._tab, tuple(told["legend"])))
         elif isinstance(drawn, dict) and "gap" in drawn:

@@ -15,7 +15,7 @@ from valvetrain.parameters.loading import read_case
 from valvetrain.report.compare_test_page import compare_test_page
 from valvetrain.report.headlines import TOPICS
 from valvetrain.report.page import render
-from valvetrain.report.read_page import PageFigure, PageSection, PageSentence, PageTable, read_page, sections_of
+from valvetrain.report.read_page import PageFigure, PageMotion, PageSection, PageSentence, PageTable, read_page, sections_of
 from valvetrain.report.run_differences import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
 from valvetrain.solution.definition import is_defined, label_of, shown
 from valvetrain.solution.netcdf import load_netcdf
@@ -28,7 +28,7 @@ from valvetrain.workbench.kept import Run
 from valvetrain.workbench.names import inside
 
 #: Parts of an answer, by the names that pages know them by.
-AnswerFigure, AnswerTable, AnswerSection, AnswerSentence = PageFigure, PageTable, PageSection, PageSentence
+AnswerFigure, AnswerTable, AnswerSection, AnswerSentence, AnswerMotion = PageFigure, PageTable, PageSection, PageSentence, PageMotion
 #: Largest file of a test (bytes), and rows of a comparison.
 MOST_TEST, MOST_ROWS = 20_000_000, 200
 

@@ -22,7 +22,11 @@ def with_value(text: str, key: str, text_value: str) -> str:
     >>> with_value("[spring]\\ntotal_coils = 6 # counted\\n", "spring.total_coils", "7")
     '[spring]\\ntotal_coils = 7 # counted\\n'
     """
-    path, value = read_assignment(f"{key}={text_value}", key)
+    return with_change(text, *read_assignment(f"{key}={text_value}", key))
+
+
+def with_change(text: str, path: str, value: Any) -> str:
+    """As :func:`with_value`, with the value as the file holds it; :data:`REMOVED` removes the key."""
     document = _document(text)
     table: Any = document
     *heads, last = path.split(".")

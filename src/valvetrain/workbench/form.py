@@ -128,7 +128,7 @@ def check(case_text: str, key: str, value_text: str, folder: Path = Path()) -> s
     return None
 
 
-def read_change(case_text: str, key: str, value_text: str, folder: Path = Path()) -> tuple[str, Any, Case]:
+def read_change(case_text: str, key: str, value_text: str, folder: Path = Path(), where: str = "case") -> tuple[str, Any, Case]:
     """The change as the reader takes it: key path, value, and the changed case.
 
     A value that only reads as text, such as the title ``24``, is taken as text. Raises :class:`InputError` with the reader's sentence.
@@ -136,13 +136,13 @@ def read_change(case_text: str, key: str, value_text: str, folder: Path = Path()
     path, value = read_assignment(f"{key}={value_text}", key)
     refuse_foreign_files(case_text, {path: value})
     try:
-        return path, value, parse_case(case_text, "case", folder, "case", {path: value})
+        return path, value, parse_case(case_text, where, folder, where, {path: value})
     except InputError:
         if value is REMOVED or isinstance(value, str):
             raise
         with_text = None
         try:
-            with_text = parse_case(case_text, "case", folder, "case", {path: value_text.strip()})
+            with_text = parse_case(case_text, where, folder, where, {path: value_text.strip()})
         except InputError:
             pass
         if with_text is None:

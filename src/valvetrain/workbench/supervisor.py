@@ -20,7 +20,7 @@ from contextlib import suppress
 from pathlib import Path
 
 #: What a job is given to write what it finished, once it is asked to stop; time between two looks at the server, and at the memory (s).
-GRACE, LOOK, WEIGH = 8.0, 0.1, 0.5
+GRACE, LOOK, WEIGH = 15.0, 0.1, 0.5
 #: What is run: the command line of this package.
 PROGRAM = [sys.executable, "-m", "valvetrain"]
 #: Exit codes of this process beside those of the command line: ended for its time, for its memory.

@@ -23,7 +23,8 @@ from valvetrain.parameters.loading import LIBRARY, library_names, list_cases, pa
 from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.solution.atomic import lock, write_bytes, write_text
 from valvetrain.units.text import clipped
-from valvetrain.workbench.edits import refuse_foreign_files, with_name, with_value
+from valvetrain.workbench.edits import refuse_foreign_files, with_change, with_name
+from valvetrain.workbench.form import read_change
 from valvetrain.workbench.kept import Run, RunFiles, delete_kept, file_of, kept_run, list_kept
 from valvetrain.workbench.names import case_name, checked_name, inside
 from valvetrain.workbench.store import Store
@@ -179,7 +180,9 @@ class Workspace:
 
         Raises :class:`InputError` with the reader's sentence, and changes nothing, for a value that is refused.
         """
-        text = with_value(self.text(case), key, text_value)
+        before = self.text(case)
+        path, value, _ = read_change(before, key, text_value, self.case_folder(case), case)
+        text = with_change(before, path, value)
         self.parse(case, text)
         write_text(self._file(case), text)
 
