@@ -33,7 +33,8 @@ FEWEST_FRAMES = 120
 MOST_SPANS = 60
 #: Forces beside the picture: words, channel, colour; the first that a run has of each line, three at most.
 _FORCES = (("spring on retainer", "retainer_force"), ("spring on seat", "seat_force"), ("cam contact", "cam_contact_force"))
-_FORCE_COLOURS = (theme.SERIES[0], theme.SERIES[1], theme.SERIES[3])
+#: Readable on light and on dark paper.
+_FORCE_COLOURS = ("#3f7fd6", "#d9772b", "#9b6bc4")
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +68,7 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
     >>> import valvetrain as vt
     >>> picture = moving_picture(vt.simulate("job-t", "2000 rpm", spring_models=["multi-mass"]))
     >>> [variant.label for variant in picture.variants], len(picture.variants[0].springs)
-    (['multi-mass'], 2)
+    (['multi-mass'], 1)
     """
     runs = [run for run in study.solutions if run.has("valve_lift") and len(run.time) > 2]
     if study.over_speed or not runs or not study.record.text:

@@ -8,7 +8,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import Cycle
-from valvetrain.report.motion.colours import colourings_of
+from valvetrain.report.motion.colours import colourings_of, slope_stress
 from valvetrain.report.motion.parts import Array, Places, SpringDrawing
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.chain_layout import local_compliance
@@ -60,12 +60,24 @@ def draw_spring(
         told += (
             "the installed shape is that of the static curve" if _curve(rest) else "the installed shape follows the wire's compliance",
         )
+    colourings = colourings_of(cycle, channel, coil, wire, nodes, sample)
+    if installed.wire is not None and cycle.solution.model != "finite-element" and _knows_turns(cycle, channel["axial_displacement"], wire):
+        colourings.insert(0, slope_stress(wire, coil, moved, closed_force(cycle, name)))
+        told += ("stress follows from the slope of the coils by the textbook's torsion, for the model gives no section loads",)
     spring = SpringDrawing(
         name, coil, wire.mean_diameter.value(coil) / 2, wire.wire_diameter.value(coil) / 2, 1.0 if wire.hand == "right" else -1.0,
         heights, moved, wire.free_length - precompression - travel,
-        tuple(colourings_of(cycle, channel, coil, wire, nodes, sample)),
+        tuple(colourings),
     )  # fmt: skip
     return spring, (*notes, *told)
+
+
+def closed_force(cycle: Cycle, name: str) -> float:
+    """Force (N) of a spring while the valve is closed, the mean of both ends, in which surge cancels."""
+    lift = cycle.channel("valve_lift")
+    closed = lift <= lift.min() + 0.01 * np.ptp(lift)
+    ends = [cycle.solution.channel_of(name, one) for one in ("retainer_force", "seat_force")]
+    return float(np.mean([cycle.channel(one)[closed].mean() for one in ends if cycle.solution.has(one)] or [0.0]))
 
 
 def compliance_share(wire: SpringDefinition, coil: Array) -> Array:
@@ -116,6 +128,17 @@ def wire_of(installed: InstalledSpring, valve_lift: float) -> tuple[SpringDefini
     return wire, precompression, (words,)
 
 
+def _shares(places: Array, wire: SpringDefinition) -> bool:
+    """Whether places along the wire are shares 0..1 of a uniform spring, not turns."""
+    first, last = wire.free_coils
+    return bool(places[0] >= -1e-9 and places[-1] <= 1 + 1e-9 < last - first)
+
+
+def _knows_turns(cycle: Cycle, name: str, wire: SpringDefinition) -> bool:
+    places = cycle.solution.arrays.along(name) if cycle.solution.has(name) else None
+    return places is not None and len(places) > 4 and not _shares(places, wire)
+
+
 def _nodes(cycle: Cycle, name: str, wire: SpringDefinition) -> tuple[Array, Places, tuple[str, ...]]:
     """Coil numbers that are drawn, ascending from tip to tip, their places among the model's wire points (-1: none), and notes."""
     turns = wire.total_coils
@@ -126,7 +149,7 @@ def _nodes(cycle: Cycle, name: str, wire: SpringDefinition) -> tuple[Array, Plac
     notes: tuple[str, ...] = ()
     own = np.asarray(places, dtype=float)
     first, last = wire.free_coils
-    if own[0] >= -1e-9 and own[-1] <= 1 + 1e-9 < last - first:
+    if _shares(own, wire):
         own, notes = (
             first + own * (last - first),
             ("the model knows shares of a uniform spring, not turns: they are spread evenly over the free turns",),
