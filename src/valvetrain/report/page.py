@@ -250,8 +250,24 @@ def render(page: Page, gaps: Gaps | None = None) -> str:
     template = environment.get_template("page.html.j2")
     return template.render(
         page=page, drawn=drawn, style=style, script=_static("page.js"), plotly=library, legend=legend_entries, dashes=_DASHES,
-        moving=moving, mover=motion_script() if moving else "",
+        moving=moving, mover=motion_script() if moving else "", header=_css_words(f"{page.title} – {page.kicker}"),
+        still={key: picture for key, picture in ((chart.key, _still(chart)) for chart in charts(page)) if picture},
     )  # fmt: skip
+
+
+def _still(chart: Chart) -> str:
+    """The figure for a reader without scripts; nothing where it cannot be drawn, which the figure says itself."""
+    from valvetrain.report.svg_chart import svg
+
+    try:
+        return svg(chart)
+    except Exception:  # one picture must not cost the page
+        return ""
+
+
+def _css_words(words: str) -> str:
+    """Words as a string of a style sheet, whatever stands in them."""
+    return '"' + "".join(sign if sign.isalnum() or sign in " .,-–()/" else f"\\{ord(sign):x} " for sign in words[:120]) + '"'
 
 
 def _drawn(chart: Chart, gaps: Gaps | None) -> str:
