@@ -200,6 +200,9 @@ def test_the_report_mounts_it_and_nothing_scrolls_sideways(browser, report, tmp_
     visit.settle()
     assert visit.page.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
     assert ink(visit.page) > 0.04 and visit.said == [] and len(visit.asked) == 1
+    assert not visit.page.locator(".vtm-view svg").is_visible()
+    visit.page.emulate_media(media="print")
+    assert visit.page.locator(".vtm-view svg").is_visible() and not visit.page.locator(".vtm canvas").is_visible()
     visit.context.close()
 
 

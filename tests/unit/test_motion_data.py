@@ -160,3 +160,12 @@ def test_a_chain_shows_the_stress_and_the_page_says_where_it_comes_from():
     assert any("slope of the coils" in note for note in variant.notes)
     nominal = 1e-6 * study.solutions[0].quantities["nominal_peak_shear_stress"]
     assert 0.9 < variant.springs[0].colourings[0].values.max() / nominal < 1.3
+
+
+def test_a_run_that_cannot_be_drawn_is_named_and_the_others_are(study):
+    strange = replace(rod_run(), provenance=replace(rod_run().provenance, label="lost", model="no-such-model"))
+    picture = moving_picture(replace(study, solutions=(study.solutions[0], strange)))
+    assert [one.label for one in picture.variants] == ["finite-element"]
+    assert picture.notes[0].startswith("lost at 5600 rpm could not be drawn: ") and "no-such-model" in picture.notes[0]
+    with pytest.raises(vt.InputError, match="no-such-model"):
+        moving_picture(replace(study, solutions=(strange,)))

@@ -19,6 +19,7 @@ from valvetrain.report.motion.parts import Array, Moving, Places, Series, Spring
 from valvetrain.report.motion.springs import draw_spring
 from valvetrain.report.motion.train import TrainDrawing, draw_train
 from valvetrain.report.words import speed_words
+from valvetrain.solution.gaps import reason
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
@@ -80,12 +81,22 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
     except InputError:  # words of a case that holds no parts
         return None
     share = min(limits.run_size, limits.size // len(chosen))
-    variants = tuple(one for run in chosen if (one := _variant(study, run, share, limits.frames)) is not None)
+    variants, failed = [], []
+    for run in chosen:
+        try:
+            found = _variant(study, run, share, limits.frames)
+            variants += [found] if found is not None else []
+        except Exception as error:  # one run must not cost the others
+            failed.append((run, error))
     if not variants:
+        if failed:
+            raise failed[0][1]
         return None
-    notes = () if len(chosen) == len(runs) else (f"{len(chosen)} of {len(runs)} runs are drawn; 'valvetrain animate' draws any of them.",)
+    notes = [f"{run.label} at {speed_words(run.engine_speed)} could not be drawn: {reason(error)}" for run, error in failed]
+    if len(chosen) < len(runs):
+        notes.append(f"{len(chosen)} of {len(runs)} runs are drawn; 'valvetrain animate' draws any of them")
     title = "Train and spring over the cam turn" if any(one.bodies for one in variants) else "Spring over the cam turn"
-    return Moving(title, one_range(variants), notes)
+    return Moving(title, one_range(tuple(variants)), tuple(notes))
 
 
 def _worth(run: Solution) -> tuple[int, float]:
