@@ -15,6 +15,8 @@ from valvetrain.springs.stress import bergstraesser
 RISING = ("#8fa3b5", "#5b8fc9", "#3f6fd1", "#8a4fc4", "#d14a7a", "#e8503a", "#a3131c")
 NEAR = ("#b3131c", "#ef7d2e", "#e9c46a", "#a9b4bf", "#8f9aa6")
 BOTH_WAYS = ("#1f4fb0", "#4f86d9", "#a9bdd3", "#9aa3ad", "#e0b59b", "#dd6b3a", "#a8201a")
+#: Keys of the colourings.
+COLOURS = ("stress", "contact", "gap", "velocity")
 #: Gaps (mm) from here on look alike.
 WIDEST_GAP = 1.0
 _ALONG = {"stress": "inner_fibre_shear_stress", "velocity": "axial_velocity"}
@@ -44,7 +46,7 @@ def colourings_of(
     pairs = _pairs(cycle, channel["coil_gap"], wire)
     if pairs is not None:
         places, upper, length = pairs
-        name = next(one for one in ("coil_contact_peak_force", "coil_contact_force") if cycle.solution.has(channel[one]))
+        name = "coil_contact_peak_force" if cycle.solution.has(channel["coil_contact_peak_force"]) else "coil_contact_force"
         force = largest_between(cycle.channel(channel[name])[:, places], sample) / length / 1e3
         found.append(_rising("contact", "contact force per mm of wire", "N/mm", _on_nodes(force, upper, coil, 0.0, np.maximum)))
         gap = 1e3 * cycle.channel(channel["coil_gap"])[:, places][sample]

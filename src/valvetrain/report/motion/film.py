@@ -14,6 +14,7 @@ import numpy as np
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.report import theme
+from valvetrain.report.motion.colours import COLOURS
 from valvetrain.report.motion.parts import Array, Variant
 from valvetrain.report.motion.project import colouring_of, flat_shapes, shades
 from valvetrain.report.words import number, rpm
@@ -41,7 +42,9 @@ class FilmRequest:
     colour: str = ""
 
     def check(self) -> None:
-        """Raise :class:`InputError` for what lies beyond the bounds."""
+        """Raise :class:`InputError` for what lies beyond the bounds and for a colour that no wire has."""
+        if self.colour and self.colour not in COLOURS:
+            raise InputError(f"there is no colour '{self.colour[:40]}'; use {', '.join(COLOURS)}", "--colour")
         if not 1 <= self.duration <= LONGEST:
             raise InputError(f"a film of {self.duration:g} s is too short or too long; choose 1 to {LONGEST:g} s", "--duration")
         if not NARROWEST <= self.picture_width <= WIDEST:

@@ -154,9 +154,10 @@ def _springs(
     travel = train.travel if train is not None else cycle.channel("valve_lift")[sample]
     springs: list[SpringDrawing] = []
     notes: tuple[str, ...] = ()
-    for name, installed in zip(run.springs, member.springs, strict=False):
+    shared = len(run.springs) < len(member.springs)
+    for name, installed in zip(("outer", "inner") if shared else run.springs, member.springs, strict=False):
         rest = study.at_rest(run.model, name) or next((one for one in study.rest if one.spring in (name, installed.name)), None)
-        drawn, told = draw_spring(installed, name, cycle, sample, travel, rest)
+        drawn, told = draw_spring(installed, name, cycle, sample, travel, rest, shared)
         notes += tuple(words for words in told if words not in notes)
         if drawn is not None:
             springs.append(drawn)

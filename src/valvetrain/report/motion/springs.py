@@ -23,7 +23,7 @@ _CHANNELS = (
 
 
 def draw_spring(
-    installed: InstalledSpring, name: str, cycle: Cycle, sample: Places, travel: Array, rest: SpringAtRest | None
+    installed: InstalledSpring, name: str, cycle: Cycle, sample: Places, travel: Array, rest: SpringAtRest | None, shared: bool = False
 ) -> tuple[SpringDrawing | None, tuple[str, ...]]:
     """One spring over the frames, and sentences on what is reconstructed.
 
@@ -35,6 +35,7 @@ def draw_spring(
     sample : (frame,) samples drawn
     travel : (frame,) displacement (m) of the retainer towards the seat
     rest : the spring at rest, whose static curve gives the installed shape where the run does not
+    shared : springs that rub on each other ran as one, so forces are of both; the run tells the coils of the outer one alone
 
     Returns
     -------
@@ -43,7 +44,8 @@ def draw_spring(
     wire, precompression, notes = wire_of(installed, float(np.max(travel, initial=0.0)))
     if wire is None:
         return None, notes
-    channel = {one: cycle.solution.channel_of(name, one) for one in _CHANNELS}
+    known = not shared or name != "inner"
+    channel = {one: cycle.solution.channel_of(name, one) if known else "" for one in _CHANNELS}
     coil, nodes, told = _nodes(cycle, channel["axial_displacement"], wire)
     exact = cycle.solution.has(channel["axial_position"], channel["axial_displacement"])
     if np.any(nodes >= 0):
@@ -51,7 +53,8 @@ def draw_spring(
         moved[:, nodes >= 0] = cycle.channel(channel["axial_displacement"])[sample][:, nodes[nodes >= 0]]
     else:
         moved = -travel[:, None] * compliance_share(wire, coil)
-        told = ("this model moves no coils: they are spread over the wire by its compliance, as in slow motion",)
+        whose = "this model moves no coils" if known else "of springs that rub the run tells the coils of the outer one alone"
+        told = (f"{whose}: they are spread over the wire by its compliance, as in slow motion",)
     if exact:
         both = (cycle.solution.channel(channel[one])[0, nodes] for one in ("axial_position", "axial_displacement"))
         heights = next(both) - next(both)
@@ -61,7 +64,12 @@ def draw_spring(
             "the installed shape is that of the static curve" if _curve(rest) else "the installed shape follows the wire's compliance",
         )
     colourings = colourings_of(cycle, channel, coil, wire, nodes, sample)
-    if installed.wire is not None and cycle.solution.model != "finite-element" and _knows_turns(cycle, channel["axial_displacement"], wire):
+    if (
+        not shared
+        and installed.wire is not None
+        and cycle.solution.model != "finite-element"
+        and _knows_turns(cycle, channel["axial_displacement"], wire)
+    ):
         colourings.insert(0, slope_stress(wire, coil, moved, closed_force(cycle, name)))
         told += ("stress follows from the slope of the coils by the textbook's torsion, for the model gives no section loads",)
     spring = SpringDrawing(
