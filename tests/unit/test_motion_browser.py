@@ -200,6 +200,9 @@ def test_the_report_mounts_it_and_nothing_scrolls_sideways(browser, report, tmp_
     visit.settle()
     assert visit.page.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
     assert ink(visit.page) > 0.04 and visit.said == [] and len(visit.asked) == 1
+    assert not visit.page.locator(".vtm-view svg").is_visible()
+    visit.page.emulate_media(media="print")
+    assert visit.page.locator(".vtm-view svg").is_visible() and not visit.page.locator(".vtm canvas").is_visible()
     visit.context.close()
 
 
@@ -244,3 +247,12 @@ def test_the_script_is_one_text_that_evaluates_nothing():
 
 def test_the_data_are_whole_json(study):
     assert json.loads(motion_json(moving_picture(study)))["version"] == 1
+
+
+def test_nothing_serious_is_wrong_for_screen_readers(browser, report, tmp_path):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    visit = Visit(browser, report, tmp_path, 390)
+    visit.page.wait_for_selector(".vtm canvas")
+    found = axe.Axe().run(visit.page).response["violations"]
+    assert [one["id"] for one in found if one["impact"] in ("serious", "critical")] == []
+    visit.context.close()

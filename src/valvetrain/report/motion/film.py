@@ -14,8 +14,9 @@ import numpy as np
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.report import theme
+from valvetrain.report.motion.colours import COLOURS
 from valvetrain.report.motion.parts import Array, Variant
-from valvetrain.report.motion.project import Flat, colouring_of, flat_shapes, shades
+from valvetrain.report.motion.project import colouring_of, flat_shapes, shades
 from valvetrain.report.words import number, rpm
 from valvetrain.solution.atomic import write_bytes
 
@@ -41,7 +42,9 @@ class FilmRequest:
     colour: str = ""
 
     def check(self) -> None:
-        """Raise :class:`InputError` for what lies beyond the bounds."""
+        """Raise :class:`InputError` for what lies beyond the bounds and for a colour that no wire has."""
+        if self.colour and self.colour not in COLOURS:
+            raise InputError(f"there is no colour '{self.colour[:40]}'; use {', '.join(COLOURS)}", "--colour")
         if not 1 <= self.duration <= LONGEST:
             raise InputError(f"a film of {self.duration:g} s is too short or too long; choose 1 to {LONGEST:g} s", "--duration")
         if not NARROWEST <= self.picture_width <= WIDEST:
@@ -135,8 +138,11 @@ def _pictures(variant: Variant, frames: list[int], request: FilmRequest) -> Iter
     for frame in frames:
         picture = base.copy()
         draw = ImageDraw.Draw(picture)
-        for one in flat_shapes(variant, frame, request.colour):
-            _fill(draw, one, place)
+        shapes = [one for one in flat_shapes(variant, frame, request.colour) if len(one.points) > 2]
+        pixels, first = place.at(np.concatenate([one.points for one in shapes])), 0
+        for one in shapes:
+            draw.polygon(pixels[first : first + len(one.points)], fill=one.colour)
+            first += len(one.points)
         _cursor(draw, variant, frame, place)
         yield picture.resize((width, height), Image.Resampling.LANCZOS)
 
@@ -174,11 +180,6 @@ class _Place:
         across = x0 + (x1 - x0) * np.asarray(cam_angle) / (2 * np.pi)
         down = y1 - (y1 - y0) * (np.asarray(force) - self.low) / (self.high - self.low)
         return list(zip(across.tolist(), down.tolist(), strict=True))
-
-
-def _fill(draw: ImageDraw, one: Flat, place: _Place) -> None:
-    if len(one.points) > 2:
-        draw.polygon(place.at(one.points), fill=one.colour)
 
 
 def _still_parts(draw: ImageDraw, variant: Variant, place: _Place, request: FilmRequest) -> None:
