@@ -9,7 +9,7 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON VENV LOWEST
 
-.PHONY: help run test test-long validate bench identify uncertainty lint pins clean environment-run environment-test parts mutants faults fuzz
+.PHONY: help run test test-long validate bench identify uncertainty lint pins clean environment-run environment-test parts mutants faults fuzz workbench
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
@@ -23,6 +23,7 @@ help:
 	@echo "make mutants   seed faults into copies of the source and tell the share that the tests notice (ARGS=\"--sample 40\")"
 	@echo "make faults    kill workers, parents and the solver at random moments, fill the disk; what was lost (ARGS=200: so many faults)"
 	@echo "make fuzz      ask about mutants of cases, runs of mutants and damaged result files (ARGS=1000, or ARGS=\"--files 500\")"
+	@echo "make workbench  measure the workbench in a browser, and its longer tests: finite elements, both widths"
 	@echo "make pins      resolve the pinned versions anew (needs a network)"
 	@echo "make clean     remove the environment, caches and results"
 
@@ -71,6 +72,10 @@ test-long: environment-test parts
 
 fuzz: environment-test
 	$(ONE_THREAD) nice $(BIN)/python -m fuzz $(ARGS)
+
+workbench: environment-test parts
+	$(BIN)/python scripts/measure_workbench.py $(ARGS)
+	VALVETRAIN_LONG=1 $(PYTEST) tests/unit/test_workbench_browser.py
 
 pins:
 	@bash scripts/pins.sh
