@@ -9,11 +9,12 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON VENV LOWEST
 
-.PHONY: help run test validate bench identify uncertainty lint pins clean environment-run environment-test parts mutants faults fuzz guides
+.PHONY: help run test test-long validate bench identify uncertainty lint pins clean environment-run environment-test parts mutants faults fuzz guides
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
 	@echo "make test      set up, then run all tests (PYTHON=python3.12: by that interpreter; LOWEST=1: with the lowest versions allowed)"
+	@echo "make test-long the tests that make test leaves out for their length (some minutes)"
 	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
 	@echo "make bench     measure the speed of the main parts"
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
@@ -65,6 +66,9 @@ mutants: environment-test
 faults: environment-test
 	nice $(BIN)/python scripts/faults.py $(ARGS)
 	VALVETRAIN_LONG=1 nice $(PYTEST) tests/unit/test_study_dask.py
+
+test-long: environment-test parts
+	VALVETRAIN_LONG=1 $(PYTEST) -m long $(ARGS)
 
 fuzz: environment-test
 	$(ONE_THREAD) nice $(BIN)/python -m fuzz $(ARGS)

@@ -9,20 +9,16 @@ import pytest
 
 from how_to_parts import FOLDER, PAGES, ROOT, Guide, number_of, rows_of_study
 
-#: Guides whose command takes seconds: run with VALVETRAIN_LONG=1 only.
+#: Guides whose command takes seconds: asked by make test-long.
 LONG = ("01", "02", "03", "05", "06", "15", "16")
 LARGEST_PICTURE = 60_000
 QUESTIONS = 20
 
 
-def cases() -> list:
-    """All guides, the long ones marked."""
-    wanted = os.environ.get("VALVETRAIN_LONG") == "1"
-    skip = pytest.mark.skipif(not wanted, reason="takes seconds; VALVETRAIN_LONG=1 runs it")
-    return [pytest.param(path, id=path.stem, marks=[skip] if path.name[:2] in LONG else []) for path in PAGES]
+CASES = [pytest.param(path, id=path.stem, marks=[pytest.mark.long] if path.name[:2] in LONG else []) for path in PAGES]
 
 
-@pytest.mark.parametrize("path", cases())
+@pytest.mark.parametrize("path", CASES)
 def test_a_guide_prints_what_its_command_gives(path, tmp_path, monkeypatch):
     guide = Guide(path)
     monkeypatch.chdir(tmp_path)
