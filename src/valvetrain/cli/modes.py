@@ -46,7 +46,7 @@ def modes(
     case: CaseArgument,
     count: Annotated[int, typer.Option("--count", metavar="N", help="Number of modes, lowest first.")] = 24,
     compression: Annotated[
-        str | None, typer.Option("--compression", metavar="LENGTH", help="Compression about which modes are computed: '7 mm' (default: installed).")
+        str | None, typer.Option("--compression", metavar="LENGTH", help="Compression to compute them at: '7 mm' (default: installed).")
     ] = None,
     attached_mass: Annotated[
         str | None,

@@ -60,7 +60,7 @@ def rig(
     sampling_rate: Annotated[str | None, asks("--sampling-rate", "FREQUENCY", "Where the file has no times: '100 kHz'.")] = None,
     span: Annotated[str | None, asks("--span", "TIMES", "First and last time that are used: '2, 5 s'.")] = None,
     keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Keep outlier cycles too.")] = False,
-    case: Annotated[str | None, asks("--case", "CASE", "Case whose lift tells what cam angle the mark is.")] = None,
+    case: Annotated[str | None, asks("--case", "CASE", "Case whose lift gives the cam angle of the mark.")] = None,
     settings: SetOption = None,
     offset: Annotated[str | None, asks("--offset", "ANGLE", "Cam angle of the case at the mark, instead of by the lift.")] = None,
     engine_speed: SpeedOption = None, spring: SpringOption = None,

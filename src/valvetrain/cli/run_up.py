@@ -20,7 +20,7 @@ def register(app: typer.Typer) -> None:
 def run_up(
     request: StudyRequest,
     first: Annotated[str, typer.Option("--from", metavar="SPEED", help="Engine speed at the start, in steady motion.")] = "1000 rpm",
-    last: Annotated[str, typer.Option("--to", metavar="SPEED", help="Engine speed at the end; a lower one than at the start is a run-down.")]
+    last: Annotated[str, typer.Option("--to", metavar="SPEED", help="Engine speed at the end; a lower one is a run-down.")]
     = "6000 rpm",
     duration: Annotated[str, typer.Option("--duration", metavar="TIME", help="Duration of the run-up.")] = "2 s",
 ) -> None:  # fmt: skip

@@ -40,7 +40,7 @@ def register(app: typer.Typer) -> None:
 
 def scan(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Point cloud or mesh: PLY, STL, OBJ or text with x, y, z; read by content.")],
-    unit: Annotated[str, asks("--unit", "UNIT", "Unit of the coordinates, such as mm, m or inch, where the file does not tell.")] = "",
+    unit: Annotated[str, asks("--unit", "UNIT", "Unit of the coordinates, such as mm, m or inch, where the file gives none.")] = "",
     material: Annotated[str, asks("--material", "NAME", "Wire by name (default: the design's, else EN 10270-2 VDSiCr).")] = "",
     name: Annotated[str, typer.Option("--name", metavar="NAME", help="Name of the spring in the results.")] = "spring",
     turn_over: Annotated[bool, typer.Option("--turn-over", help="Swap the ends: the end taken as upper becomes the lower one.")] = False,

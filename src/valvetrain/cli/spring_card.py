@@ -28,7 +28,7 @@ def register(app: typer.Typer) -> None:
 
 
 def spring_card(
-    table: Annotated[Path | None, typer.Argument(metavar="[TABLE]", help="File of a spring tester with heights and forces; without it give two loads.")] = None,
+    table: Annotated[Path | None, typer.Argument(metavar="[TABLE]", help="File of a spring tester; without it give two loads.")] = None,
     wire_diameter: Annotated[str | None, asks("--wire-diameter", "LENGTH", "Diameter of the wire, such as '4.2 mm'.")] = None,
     outer_diameter: Annotated[str | None, asks("--outer-diameter", "LENGTH", "Outer diameter of the coils.")] = None,
     top_outer_diameter: Annotated[str | None, asks("--top-outer-diameter", "LENGTH", "Of a beehive: outer diameter at the top.")] = None,
