@@ -107,11 +107,10 @@ def _wire(spring: SpringDrawing, frame: int, key: str, view: tuple[float, float]
     for low, high in pairwise(edges):
         side = (low + high) / 2
         light = side * (across[:-1] @ LIGHT[:2]) + np.sqrt(1 - side**2) * LIGHT[2]
-        tones = base * (0.42 + 0.68 * np.clip(light, 0.0, 1.0))[:, None]
+        tones = np.clip(base * (0.42 + 0.68 * np.clip(light, 0.0, 1.0))[:, None], 0, 255).round().astype(int).tolist()
         lower, upper = (seen[:, :2] + edge * half * across for edge in (low - 0.04, high + 0.04))
-        found += [
-            Flat(np.array([lower[k], lower[k + 1], upper[k + 1], upper[k]]), _rgb(tones[k]), float(depth[k])) for k in range(len(depth))
-        ]  # fmt: skip
+        quads = np.stack([lower[:-1], lower[1:], upper[1:], upper[:-1]], axis=1)
+        found += [Flat(quads[k], (tone[0], tone[1], tone[2]), float(depth[k])) for k, tone in enumerate(tones)]
     return found
 
 
