@@ -54,7 +54,8 @@ def spoken(path: Path) -> Iterator[tuple[int, str]]:
 
 
 @pytest.mark.parametrize("text", ["the time march", "mass that rides on the retainer", "both ends held", "units are read at the door",
-                                  "The house: rooms", "loads its room on first use", "let the train go" " or lets go", "Goes on where it was cut."])  # fmt: skip
+                                  "The house: rooms", "loads its room on first use", "let the train go" " or lets go",
+                                  "Goes on where it was cut."])  # fmt: skip
 def test_the_rule_catches_what_it_should(text):
     assert findings("here", text)
 
