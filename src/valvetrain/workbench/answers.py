@@ -20,7 +20,7 @@ from valvetrain.report.run_differences import INPUT_HEADS, RESULT_HEADS, input_r
 from valvetrain.solution.definition import is_defined, label_of, shown
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.study import Study
-from valvetrain.studies.compare_test import compare_study_with_test
+from valvetrain.studies.compare_test import ModelAgainstTest, compare_study_with_test
 from valvetrain.studies.run_differences import input_differences, result_differences
 from valvetrain.studies.run_store import KeptRun
 from valvetrain.system.build import build
@@ -127,6 +127,15 @@ def overlay(run: Run, name: str, test_data: bytes, quantity: str = "", channel: 
     ------
     InputError : a file that the reader refuses, with its sentence; a quantity or speed that no run has
     """
+    found = against(run, name, test_data, quantity, channel)
+    parts = sections_of(render(compare_test_page(found))) if found.runs else ()
+    drawn = [part for section in parts for part in section.parts if isinstance(part, PageFigure)]
+    said = tuple(part.words for section in parts if section.key == "verdict" for part in section.parts if isinstance(part, PageSentence))
+    return Overlaid(drawn[0] if drawn else None, said or found.failures or ("no run of this kind completed",), tuple(parts))
+
+
+def against(run: Run, name: str, test_data: bytes, quantity: str = "", channel: int = 0) -> ModelAgainstTest:
+    """The run against the test; arguments and errors as :func:`overlay`."""
     if len(test_data) > MOST_TEST:
         raise InputError(f"is larger than {MOST_TEST / 1e6:.0f} MB; cut the recording into cycles first", name[:60])
     study, case = kept_study(run)
@@ -135,13 +144,9 @@ def overlay(run: Run, name: str, test_data: bytes, quantity: str = "", channel: 
         path = inside(Path(folder), f"test{suffix}")
         path.write_bytes(test_data)
         try:
-            found = compare_study_with_test(study, case, path, quantity=quantity, channel=channel)
+            return compare_study_with_test(study, case, path, quantity=quantity, channel=channel)
         except InputError as error:
             raise InputError(error.reason, error.where.replace(str(path), name[:60]).replace(path.name, name[:60])) from None
-    parts = sections_of(render(compare_test_page(found))) if found.runs else ()
-    drawn = [part for section in parts for part in section.parts if isinstance(part, PageFigure)]
-    said = tuple(part.words for section in parts if section.key == "verdict" for part in section.parts if isinstance(part, PageSentence))
-    return Overlaid(drawn[0] if drawn else None, said or found.failures or ("no run of this kind completed",), tuple(parts))
 
 
 def kept_study(run: Run) -> tuple[Study, Case]:

@@ -607,7 +607,7 @@ function mount(element, data) {
 
   function say() {
     const turn = 120000 / one.rpm, place = between(one, state.angle);
-    const parts = ["cam angle " + state.angle.toFixed(1) + "°", "time " + (turn * state.angle / 360).toFixed(2) + " ms", "valve lift " + at(one.lift, place).toFixed(3) + " mm"];
+    const parts = ["cam angle " + state.angle.toFixed(1) + "°", "time " + (turn * state.angle / 360).toFixed(2) + " ms", "valve lift " + at(one.lift, place).toFixed(3).replace("-", "\u2212") + " mm"];
     one.forces.forEach(function (force) { parts.push(force.words + " " + number(plot.value(force, state.angle)) + " N"); });
     now.textContent = parts.join(" · ") + " · 1/" + state.slow + " of real time: a cam turn in " + number(turn * state.slow / 1000) + " s";
     slider.value = String(state.angle);
