@@ -1,0 +1,132 @@
+"""The pages of the API: one per folder of the package, with the public names that it holds, from their docstrings."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+from pathlib import Path
+
+from docutils import nodes
+from generated import heading, keep
+
+import valvetrain
+
+#: Folder -> heading of its page, in the order of reading: what one begins with first.
+FOLDERS = {
+    "studies": "Runs and studies",
+    "parameters": "Springs, materials and cases",
+    "springs": "Spring models",
+    "solution": "Results",
+    "measurements": "Measurements",
+    "identification": "Identification",
+    "report": "Reports and files",
+    "quantities": "Quantities of results",
+    "system": "The problem that is solved",
+    "cam": "Lift laws",
+    "contact": "Contact laws",
+    "cosserat": "The geometrically exact rod",
+    "": "Errors and citations",
+}
+INTRODUCTION = """All names of ``import valvetrain as vt``, one page per folder of the package. Arguments are given one by one with unit and shape.
+Numbers without a unit are SI: m, N, s, kg, rad, rad/s, Pa. Wherever a dimension is due, a text with a unit such as ``"3000 rpm"`` or a
+quantity of the package pint is as good. What cannot exist is refused by :class:`valvetrain.InputError`, one sentence with the remedy.
+
+"""
+
+
+def names_by_folder() -> dict[str, list[str]]:
+    """Public names by folder of the package, in the order of ``valvetrain.__all__``."""
+    found: dict[str, list[str]] = {}
+    for name in valvetrain.__all__[1:]:
+        folder, dot, _ = valvetrain._HOMES[name].partition(".")
+        found.setdefault(folder if dot else "", []).append(name)
+    return found
+
+
+def first_line(name: str) -> str:
+    """What a name is, in one line."""
+    return " ".join(inspect.getdoc(getattr(valvetrain, name)).split("\n\n")[0].split())
+
+
+def entry(name: str) -> str:
+    """The full text of one name."""
+    thing = getattr(valvetrain, name)
+    kind = "autofunction" if inspect.isroutine(thing) else "autoexception" if issubclass(thing, Exception) else "autoclass"
+    members = "" if kind == "autofunction" else "   :members:\n"
+    return heading(name, "-") + f".. {kind}:: valvetrain.{name}\n{members}\n"
+
+
+def page(folder: str, names: list[str]) -> str:
+    """One page: what the folder is, its names with a line each, then each in full."""
+    module = importlib.import_module(f"valvetrain.{folder}" if folder else "valvetrain")
+    told = f"{inspect.getdoc(module) or ''}\n\nFolder ``src/valvetrain/{folder}``.\n\n" if folder else ""
+    rows = "".join(f"   * - :obj:`~valvetrain.{name}`\n     - {first_line(name)}\n" for name in names)
+    listed = f".. list-table::\n   :widths: 25 75\n   :class: api-names\n\n{rows}\n"
+    return heading(FOLDERS[folder], "=") + told + listed + "".join(map(entry, names))
+
+
+def pages() -> dict[str, str]:
+    """File name -> text of all pages."""
+    found = names_by_folder()
+    assert set(found) == set(FOLDERS), f"folders with public names and headings of pages differ: {set(found) ^ set(FOLDERS)}"
+    written = {f"{folder or 'errors'}.rst": page(folder, found[folder]) for folder in FOLDERS}
+    tree = ".. toctree::\n   :maxdepth: 1\n\n" + "".join(f"   {name.removesuffix('.rst')}\n" for name in written)
+    return {"index.rst": heading("API", "=") + INTRODUCTION + tree, **written}
+
+
+def write(app) -> None:
+    """Write the pages before the sources are read."""
+    keep(Path(app.srcdir) / "api", pages())
+
+
+def resolve(app, env, node, contnode):
+    """A name written with the module that holds it, or with the letters ``vt.``, leads to the public name.
+
+    Names of other packages, and of ours that are not public but exist, are shown without a link; one that does not exist is a warning.
+    """
+    if node.get("refdomain") != "py":
+        return None
+    target = node["reftarget"]
+    public = public_name(target)
+    if public is not None and public != target:
+        place = env.domains.python_domain.objects.get(public)
+        if place:
+            link = app.builder.get_relative_uri(node["refdoc"], place.docname) + f"#{place.node_id}"
+            return nodes.reference("", "", contnode, refuri=link, internal=True)
+    if target.partition(".")[0] not in ("valvetrain", "vt") and "." in target or exists(target):
+        return contnode
+    return None
+
+
+def public_name(target: str) -> str | None:
+    """``valvetrain.Name`` or ``valvetrain.Name.member`` of a dotted name of any module of the package; None where it has none."""
+    parts = target.removeprefix("vt.").removeprefix("valvetrain.").split(".")
+    for place, part in enumerate(parts):
+        if part in valvetrain._HOMES:
+            return ".".join(["valvetrain", *parts[place:]])
+    return None
+
+
+def exists(target: str) -> bool:
+    """Whether a dotted name of the package, public or not, is there."""
+    if "." not in target:
+        return any(hasattr(importlib.import_module(f"valvetrain.{home}"), target) for home in set(valvetrain._HOMES.values()))
+    parts = target.split(".")
+    for split in range(len(parts), 0, -1):
+        try:
+            thing = importlib.import_module(".".join(parts[:split]))
+        except ImportError:
+            continue
+        for part in parts[split:]:
+            if not hasattr(thing, part):
+                return False
+            thing = getattr(thing, part)
+        return True
+    return False
+
+
+def setup(app):
+    """Write the pages of a build and resolve its names."""
+    app.connect("builder-inited", write)
+    app.connect("missing-reference", resolve)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
