@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from valvetrain.report import theme
-from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, stems
+from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, stems, thin
 from valvetrain.report.svg_chart import svg
 
 
@@ -34,12 +34,11 @@ def _panel(traces, x_axis, y_axis, layout) -> Panel:
     words: tuple[str, ...] = ()
     for place, trace in traces:
         colour = theme.SERIES[place % len(theme.SERIES)]
-        if trace.type in ("bar", "box") and trace.type == "bar" and isinstance(trace.x[0], str):
+        if trace.type == "bar" and isinstance(trace.x[0], str):
             words = tuple(trace.x)
-        layers += _layers(trace, colour, len(traces))
-    y_words = ()
-    x_log, y_log = x_axis.type == "log", y_axis.type == "log"
-    if x_log:
+        layers += _layers(trace, colour)
+    y_log = y_axis.type == "log"
+    if x_axis.type == "log":
         raise ValueError("a logarithmic x axis is not drawn")
     x_range = tuple(x_axis.range) if x_axis.range else None
     if words:
@@ -48,10 +47,10 @@ def _panel(traces, x_axis, y_axis, layout) -> Panel:
     x_label = x_axis.title.text or ""
     if words:
         x_label = (x_label + ": " if x_label else "") + ", ".join(words)
-    return Panel(x_label, y_axis.title.text or "", tuple(layers), x_range=x_range, y_range=y_range, y_log=y_log, y_words=y_words)
+    return Panel(x_label, y_axis.title.text or "", tuple(layers), x_range=x_range, y_range=y_range, y_log=y_log)
 
 
-def _layers(trace, colour: str, beside: int) -> list[Layer]:
+def _layers(trace, colour: str) -> list[Layer]:
     name = trace.name or ""
     if trace.type == "heatmap":
         bar = trace.colorbar.title.text or ""
@@ -59,8 +58,7 @@ def _layers(trace, colour: str, beside: int) -> list[Layer]:
         return [HeatMap(_numbers(trace.x), _numbers(trace.y), np.asarray(trace.z, dtype=float), words, unit or "1")]
     if trace.type == "bar":
         x = np.arange(len(trace.x), dtype=float) if isinstance(trace.x[0], str) else _numbers(trace.x)
-        base = 0.0
-        along, up = stems(x, _numbers(trace.y), base)
+        along, up = stems(x, _numbers(trace.y))
         return [Line(along, up, name, trace.marker.color or colour, width=28.0)]
     if trace.type not in ("scatter", "scattergl"):
         raise ValueError(f"traces of kind {trace.type} are not drawn")
@@ -68,7 +66,7 @@ def _layers(trace, colour: str, beside: int) -> list[Layer]:
     x, y = _numbers(trace.x), _numbers(trace.y)
     shown = trace.showlegend is not False
     dash = trace.line.dash if trace.line.dash in ("dash", "dot", "dashdot") else "solid"
-    line = Line(x, y, name, trace.line.color or colour, width=trace.line.width or 1.7, dash=dash, in_legend=shown)
+    line = Line(*thin(x, y), name, trace.line.color or colour, width=trace.line.width or 1.7, dash=dash, in_legend=shown)
     texts = tuple(str(one) for one in trace.text) if trace.text is not None and "text" in mode else ()
     marks = Marks(x, y, name, trace.marker.color or trace.line.color or colour, labels=texts, in_legend=shown and "lines" not in mode)
     return [one for word, one in (("lines", line), ("markers", marks)) if word in mode]
