@@ -42,12 +42,12 @@ def _panel(traces, x_axis, y_axis, layout) -> Panel:
         raise ValueError("a logarithmic x axis is not drawn")
     x_range = tuple(x_axis.range) if x_axis.range else None
     if words:
-        x_range = (-0.6, len(words) - 0.4)
+        x_range = (0.4, len(words) + 0.6)
     y_range = tuple(y_axis.range) if y_axis.range and not y_log else None
     x_label = x_axis.title.text or ""
     if words:
-        x_label = (x_label + ": " if x_label else "") + ", ".join(words)
-    return Panel(x_label, y_axis.title.text or "", tuple(layers), x_range=x_range, y_range=y_range, y_log=y_log)
+        x_label = (x_label + ": " if x_label else "") + ", ".join(f"{place} {word}" for place, word in enumerate(words, 1))
+    return Panel(x_label, y_axis.title.text or "", tuple(layers), x_range=x_range, x_step=1.0 if words else None, y_range=y_range, y_log=y_log)
 
 
 def _layers(trace, colour: str) -> list[Layer]:
@@ -57,7 +57,7 @@ def _layers(trace, colour: str) -> list[Layer]:
         words, _, unit = bar.rstrip(")").partition(" (")
         return [HeatMap(_numbers(trace.x), _numbers(trace.y), np.asarray(trace.z, dtype=float), words, unit or "1")]
     if trace.type == "bar":
-        x = np.arange(len(trace.x), dtype=float) if isinstance(trace.x[0], str) else _numbers(trace.x)
+        x = np.arange(1.0, len(trace.x) + 1) if isinstance(trace.x[0], str) else _numbers(trace.x)
         along, up = stems(x, _numbers(trace.y))
         return [Line(along, up, name, trace.marker.color or colour, width=28.0)]
     if trace.type not in ("scatter", "scattergl"):

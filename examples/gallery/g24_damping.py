@@ -13,7 +13,7 @@ import valvetrain as vt
 
 ratios = np.array([0.005, 0.01, 0.02, 0.04, 0.08])
 figure = go.Figure()
-for speed in ("4400 rpm", "4600 rpm"):
+for speed in ("4530 rpm", "4730 rpm"):
     force = []
     for ratio in ratios:
         case = vt.load_case("job-t", {"spring.damping": {"ratio": float(ratio), "ratio_frequency": "400 Hz"}, "operation.cycles": 8})
