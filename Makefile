@@ -9,14 +9,14 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON VENV LOWEST
 
-.PHONY: help run test validate bench identify uncertainty lint docs docs-check pins clean environment-run environment-test parts mutants faults fuzz
+.PHONY: help run test test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
 	@echo "make test      set up, then run all tests (PYTHON=python3.12: by that interpreter; LOWEST=1: with the lowest versions allowed)"
+	@echo "make test-long the tests that make test leaves out for their length (some minutes)"
 	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
 	@echo "make docs      the documentation site in build/docs, gallery run, any warning a failure"
-	@echo "make docs-check  make docs, then the whole gallery, the whole tutorial and the site in a browser"
 	@echo "make bench     measure the speed of the main parts"
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
 	@echo "make uncertainty  error bars of the published case anew; after make identify or a change of the rod"
@@ -50,9 +50,6 @@ docs: environment-test
 	$(ONE_THREAD) $(BIN)/python -m sphinx -b html -n -W --keep-going -q -d build/doctrees docs build/docs
 	@echo "build/docs/index.html"
 
-docs-check: docs parts
-	VALVETRAIN_LONG=1 $(ONE_THREAD) $(BIN)/python -m pytest -q tests/examples/test_gallery.py tests/examples/test_tutorial.py tests/examples/test_site.py
-
 bench: environment-run
 	$(ONE_THREAD) $(BIN)/python -m benchmarks $(ARGS)
 
@@ -73,6 +70,9 @@ mutants: environment-test
 faults: environment-test
 	nice $(BIN)/python scripts/faults.py $(ARGS)
 	VALVETRAIN_LONG=1 nice $(PYTEST) tests/unit/test_study_dask.py
+
+test-long: environment-test parts
+	VALVETRAIN_LONG=1 $(PYTEST) -m long $(ARGS)
 
 fuzz: environment-test
 	$(ONE_THREAD) nice $(BIN)/python -m fuzz $(ARGS)

@@ -13,7 +13,7 @@ def mathml(latex: str, node: nodes.Node, block: bool) -> str:
     """One equation; what the converter does not know is a warning of the build and stays readable as it was written."""
     try:
         return latex2mathml.tex2mathml(latex, as_block=block)
-    except MathError as error:
+    except (MathError, IndexError, AttributeError, KeyError, TypeError, ValueError) as error:  # its ways to say that it cannot
         LOG.warning("equation cannot be set: %s in %s", error, latex.strip(), location=node)
         return f"<code>{nodes.unescape(latex)}</code>"
 

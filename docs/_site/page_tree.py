@@ -8,12 +8,12 @@ from __future__ import annotations
 import re
 from pathlib import Path, PurePosixPath
 
-from docutils import nodes
+from sphinx import addnodes
 
 #: Page -> pages whose place in the tree is below it: those it links to, in the order of the links.
 PARENTS = ("user-guide", "reference", "evidence", "development", "decisions/README", "how-to/README", "theory/README")
 #: File of the repository -> its page of the site.
-ELSEWHERE = {"CHANGELOG.md": "changes", "CONTRIBUTING.md": "contributing", "README.md": "index"}
+ELSEWHERE = {"CHANGELOG": "changes", "CONTRIBUTING": "contributing"}
 LINK = re.compile(r"\]\(([\w./-]+?\.md)(?:#[\w-]*)?\)")
 
 
@@ -35,24 +35,28 @@ def extend(app, docname: str, content: list[str]) -> None:
         content[0] += f"\n\n```{{toctree}}\n:hidden:\n\n{listed}{more}\n```\n"
 
 
-def resolve(app, env, node, contnode):
-    """A link from a page that stands outside of the site, or to a folder: to its page here, or shown without a link.
+def lead(app, doctree) -> None:
+    """Links that leave the site: to the page here that shows that file, or, to another file of the repository, words without a link.
 
-    What is no file of the repository stays a warning.
+    A link to what is no file of the repository stays as it is, and is a warning of the build.
     """
-    if node.get("reftype") != "myst":
-        return None
-    target = node["reftarget"].partition("#")[0]
-    page = ELSEWHERE.get(PurePosixPath(target).name)
-    if page is not None:
-        return nodes.reference("", "", contnode, refuri=app.builder.get_relative_uri(node["refdoc"], page), internal=True)
     docs = Path(app.srcdir)
-    places = ((docs / node["refdoc"]).parent / target, docs.parent / target)
-    return contnode if any(place.exists() for place in places) else None
+    for node in list(doctree.findall(addnodes.pending_xref)):
+        if node.get("reftype") != "myst":
+            continue
+        target = node["reftarget"]
+        name = PurePosixPath(target).name
+        page = ELSEWHERE.get(name.removesuffix(".md"))
+        here = (docs / app.env.docname).parent
+        places = [place / (target.lstrip("/") + ending) for place in (here, docs, docs.parent) for ending in ("", ".md")]
+        if page is not None and not (node.get("refdomain") == "doc" and target in app.env.found_docs):
+            node["refdomain"], node["reftarget"], node["reftargetid"] = "doc", page, None
+        elif node.get("refdomain") != "doc" and any(place.exists() for place in places):
+            node.replace_self(node.children)
 
 
 def setup(app):
     """Read the links when a page is read, and resolve those that leave the site."""
     app.connect("source-read", extend)
-    app.connect("missing-reference", resolve)
+    app.connect("doctree-read", lead)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,6 +1,6 @@
 """The small programs of the gallery run, print what is kept beside this file, and end in a figure whose axes carry units.
 
-The quick half runs with all tests, 6 s together; the others with ``VALVETRAIN_LONG=1``, and in every build of the documentation.
+The quick half runs with all tests, 6 s together; the others with ``make test-long``, and in every build of the documentation.
 Answers that changed for a reason are written anew by ``python tests/examples/test_gallery.py``.
 """
 
@@ -10,7 +10,6 @@ import ast
 import contextlib
 import io
 import json
-import os
 import runpy
 import sys
 from pathlib import Path
@@ -22,7 +21,6 @@ FOLDER = ROOT / "examples" / "gallery"
 ANSWERS = Path(__file__).with_name("gallery_answers.json")
 PROGRAMS = sorted(FOLDER.glob("*.py"))
 QUICK = {"g01", "g02", "g04", "g08", "g09", "g10", "g12", "g16", "g18", "g19", "g22", "g23", "g25"}
-LONG = bool(os.environ.get("VALVETRAIN_LONG"))
 
 
 def answer(path: Path) -> tuple[list[str], object]:
@@ -39,10 +37,10 @@ def axis_titles(figure) -> list[str]:
     return [layout[name].title.text for name in layout if name[1:5] == "axis" and layout[name].title.text]
 
 
-@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", [pytest.param(path, marks=[] if path.stem[:3] in QUICK else [pytest.mark.long], id=path.stem) for path in PROGRAMS]
+)
 def test_a_program_answers_and_draws(path):
-    if path.stem[:3] not in QUICK and not LONG:
-        pytest.skip("runs with VALVETRAIN_LONG=1 and in the build of the documentation")
     import plotly.graph_objects as go
 
     printed, figure = answer(path)

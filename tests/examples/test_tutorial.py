@@ -1,32 +1,39 @@
 """Examples: the commands of docs/tutorial.md run as they stand, in order, and print what the page shows.
 
-The two sweeps, 20 s together, run with ``VALVETRAIN_LONG=1``. ``python scripts/write_tutorial.py`` writes the page anew.
+The two sweeps, 20 s together, run with ``make test-long``. ``python scripts/write_tutorial.py`` writes the page anew.
 """
 
 from __future__ import annotations
 
-import os
+import contextlib
 import re
 import runpy
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = runpy.run_path(str(ROOT / "scripts" / "write_tutorial.py"))
 PAGE = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
-LONG = bool(os.environ.get("VALVETRAIN_LONG"))
 
 
-def test_every_command_prints_what_the_page_shows(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    found = [
-        (step["command"], step["printed"], printed)
-        for step, printed in SCRIPT["run_page"](PAGE, lambda command: LONG or "valvetrain sweep" not in command)
-    ]
-    assert len(found) == (6 if LONG else 4)
-    assert not [command for command, shown, printed in found if shown != printed]
-    if LONG:
-        for name, picture in SCRIPT["pictures"](tmp_path).items():
-            assert (ROOT / "docs" / "pictures" / name).read_text(encoding="utf-8") == picture, name
+def found(folder: Path, wanted=lambda command: True) -> list[tuple[str, str, str]]:
+    """Command, what the page shows of it and what it prints."""
+    with contextlib.chdir(folder):
+        return [(step["command"], step["printed"], printed) for step, printed in SCRIPT["run_page"](PAGE, wanted)]
+
+
+def test_the_quick_commands_print_what_the_page_shows(tmp_path):
+    printed = found(tmp_path, lambda command: "valvetrain sweep" not in command)
+    assert len(printed) == 4 and not [command for command, shown, now in printed if shown != now]
+
+
+@pytest.mark.long
+def test_all_commands_print_what_the_page_shows_and_its_pictures_are_drawn_from_them(tmp_path):
+    printed = found(tmp_path)
+    assert len(printed) == 6 and not [command for command, shown, now in printed if shown != now]
+    for name, picture in SCRIPT["pictures"](tmp_path).items():
+        assert (ROOT / "docs" / "pictures" / name).read_text(encoding="utf-8") == picture, name
 
 
 def test_every_command_of_the_page_is_a_step():

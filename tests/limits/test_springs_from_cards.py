@@ -149,6 +149,7 @@ def test_rate_preload_and_length_of_the_table_are_those_of_the_spring(tested):
     assert tested.worst_by_rod < 0.015 * 830
 
 
+@pytest.mark.long
 def test_the_answer_depends_neither_on_the_stations_of_the_table_nor_on_the_points_of_the_fit(table, tested, monkeypatch):
     """Every second station, and half the places along the wire and half the forces at which the fit looks."""
     monkeypatch.setattr(closing_coils, "PLACES", closing_coils.PLACES // 2 + 1)
@@ -179,6 +180,7 @@ def test_a_table_of_an_even_pitch_far_from_bind_tells_no_progression_and_little_
     assert float(np.max(fit.stations.spread)) > 0.3e-3
 
 
+@pytest.mark.long
 def test_the_end_that_closes_first_is_a_choice_that_turns_the_spring_round(table, tested):
     card = vt.card_of_table(table, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0)
     other = vt.spring_from_tester(table, card, "upper", 47e-3)

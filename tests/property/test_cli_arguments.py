@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import random
 from unittest.mock import patch
 
@@ -13,7 +14,11 @@ from hypothesis import strategies as st
 from unit.cli_parts import SMALL, call
 from valvetrain.parameters.loading import LIBRARY
 
-FEW = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FEW = settings(
+    max_examples=600 if os.environ.get("VALVETRAIN_LONG") == "1" else 60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
 WORDS = st.one_of(
     st.text(max_size=30),
     st.sampled_from([
@@ -80,7 +85,7 @@ def test_any_option_of_a_study(command, option, value):
     assert_civil(call(command, "job-c", f"{option}={value}"))
 
 
-@settings(FEW, max_examples=100)
+@FEW
 @given(st.sampled_from(TEXTS), st.integers(0, 2**32 - 1), st.sampled_from(["cut", "drop", "double", "swap", "noise"]))
 def test_any_damaged_case_file(tmp_path, text, seed, damage):
     path = tmp_path / "damaged.toml"

@@ -31,9 +31,10 @@ def test_the_usual_train_is_found_in_a_few_steps(monkeypatch):
     assert left < 1e-7 and asked < 150
 
 
-def test_a_heavy_valve_that_sinks_by_small_steps_is_found(monkeypatch):
+def test_a_heavy_valve_that_sinks_a_long_way_is_found_by_growing_steps(monkeypatch):
+    """By steps of 0.2 mm alone its 12 mm took some 360 sums of forces, of finite elements half a minute."""
     left, asked = searched(monkeypatch, train__valve__mass="125 kg")
-    assert left < 1e-6 and asked > 300
+    assert left < 1e-6 and asked < 250
 
 
 def test_contacts_too_hard_for_the_tangent_end_the_search(monkeypatch):

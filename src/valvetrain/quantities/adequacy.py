@@ -11,12 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import fdtrc, fdtri
+from scipy.special import chdtrc, chdtri, fdtrc, fdtri
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.words import number
 
 Array = NDArray[np.float64]
+#: Degrees of freedom from which on Fisher's ratio is chi square over its own: they differ by some 1e-8 there.
+MANY = 1e8
 #: Share of adequate models that a test may refute.
 LEVEL = 0.05
 #: A gap in the angles stands for this many steps at most.
@@ -147,12 +149,12 @@ def p_words(p_value: float) -> str:
 
 def critical_ratio(first: float, second: float, level: float) -> float:
     """Ratio that the chance ``level`` exceeds; ``second`` may be infinite."""
-    return float(fdtri(first, min(second, 1e12), 1 - level))
+    return float(chdtri(first, level) / first) if second > MANY else float(fdtri(first, second, 1 - level))
 
 
 def chance(ratio: float, first: float, second: float) -> float:
     """Chance that Fisher's ratio with such degrees of freedom is larger than ``ratio``."""
-    return float(fdtrc(first, min(second, 1e12), ratio))
+    return float(chdtrc(first, first * ratio)) if second > MANY else float(fdtrc(first, second, ratio))
 
 
 def adequacy_test(

@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 CURVE_POINTS = 33
 #: Steps of the search for rest without a thousandth of progress after which it ends.
 PATIENCE = 25
+#: Largest step (m) of the search: where it holds for LONG_WAY steps in a row the way is long, and it doubles.
+LARGEST_STEP = 2e-4
+LONG_WAY = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +62,7 @@ def static_equilibrium(system: TrainSystem, cam_angle: float, start: Array | Non
     damping = 1e3
     residual = generalised_forces(system, q, cam_angle, spring_force)
     sizes: list[float] = []
+    largest, capped = LARGEST_STEP, 0
     for _ in range(200):
         size = float(np.sum(residual**2 / scale))
         sizes.append(size)
@@ -67,12 +71,15 @@ def static_equilibrium(system: TrainSystem, cam_angle: float, start: Array | Non
         shifted = (generalised_forces(system, q + 1e-9 * row, cam_angle, spring_force) for row in np.eye(len(q)))
         tangent = np.array([(forces - residual) / 1e-9 for forces in shifted]).T
         step = np.linalg.solve(-tangent + damping * np.diag(scale), residual)
-        step *= min(1.0, 2e-4 / max(float(np.max(np.abs(step))), 1e-30))
+        share = min(1.0, largest / max(float(np.max(np.abs(step))), 1e-30))
+        step *= share
         trial = generalised_forces(system, q + step, cam_angle, spring_force)
         if float(np.sum(trial**2 / scale)) <= size:
             q, residual, damping = q + step, trial, max(damping / 5, 1e-3)
+            capped = capped + 1 if share < 1.0 else 0
+            largest *= 2.0 if capped > LONG_WAY else 1.0
         else:
-            damping *= 10
+            damping, largest, capped = damping * 10, LARGEST_STEP, 0
         if float(np.max(np.abs(residual))) < 1e-7 or damping > 1e18:
             break
     return q
