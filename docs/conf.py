@@ -10,10 +10,10 @@ DOCS = Path(__file__).resolve().parent
 sys.path.insert(0, str(DOCS / "_site"))
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import valvetrain  # noqa: E402
 from gallery_figures import scrape  # noqa: E402
 from sphinx_gallery.sorting import FileNameSortKey  # noqa: E402
 
+import valvetrain  # noqa: E402
 
 project = "valvetrain"
 author = "The valvetrain developers"

@@ -21,7 +21,9 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "tutorial.md"
 PICTURES = ROOT / "docs" / "pictures"
 #: A command with what it prints, or an addition to the case file.
-STEP = re.compile(r"^```bash\n(?P<command>.*?)^```\n\n```text\n(?P<printed>.*?)^```$|^```toml\n(?P<added>.*?)^```$", re.MULTILINE | re.DOTALL)
+STEP = re.compile(
+    r"^```bash\n(?P<command>.*?)^```\n\n```text\n(?P<printed>.*?)^```$|^```toml\n(?P<added>.*?)^```$", re.MULTILINE | re.DOTALL
+)
 BLUE, RED = "#1f5aa6", "#a33b53"
 
 
@@ -61,7 +63,9 @@ def pictures(folder: Path) -> dict[str, str]:
 
     run = vt.load_netcdf(next((folder / "run").glob("*.nc")))
     angle = np.degrees(run.cam_angle - run.cam_angle[0])
-    lift = Panel("cam angle (deg)", "valve lift (mm)", (Line(angle, 1e3 * run.channel("valve_lift"), "", BLUE),), x_range=(0, 360), x_step=45)
+    lift = Panel(
+        "cam angle (deg)", "valve lift (mm)", (Line(angle, 1e3 * run.channel("valve_lift"), "", BLUE),), x_range=(0, 360), x_step=45
+    )
     cam = Panel(
         "cam angle (deg)", "force on the cam (N)", (Line(angle, run.channel("cam_contact_force"), "", RED),), x_range=(0, 360), x_step=45
     )

@@ -9,8 +9,8 @@ from generated import heading
 
 from valvetrain.cli.main import app as program
 
-INTRODUCTION = """One section per command. ``valvetrain COMMAND --help`` prints the same. ``CASE`` is a case that ships, a case file or the folder of a kept
-run. Exit codes: 0 done, 1 a run or a part of its answer failed, 2 wrong input, 130 interrupted (143 by SIGTERM).
+INTRODUCTION = """One section per command. ``valvetrain COMMAND --help`` prints the same. ``CASE`` is a case that ships, a case file or
+the folder of a kept run. Exit codes: 0 done, 1 a run or a part of its answer failed, 2 wrong input, 130 interrupted (143 by SIGTERM).
 
 """
 
@@ -27,7 +27,7 @@ def rows(command) -> str:
         if one.name == "help":
             continue
         if one.param_type_name == "argument":
-            word = one.make_metavar(None) if False else (one.metavar or one.name.upper())
+            word = one.metavar or one.name.upper()
         else:
             word = ", ".join(one.opts) + ("" if one.is_flag else f" {one.metavar or one.type.name.upper()}")
         found.append(f"   * - ``{word}``\n     - {literal(' '.join((getattr(one, 'help', '') or '').split()))}\n")

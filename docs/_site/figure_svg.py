@@ -47,7 +47,9 @@ def _panel(traces, x_axis, y_axis, layout) -> Panel:
     x_label = x_axis.title.text or ""
     if words:
         x_label = (x_label + ": " if x_label else "") + ", ".join(f"{place} {word}" for place, word in enumerate(words, 1))
-    return Panel(x_label, y_axis.title.text or "", tuple(layers), x_range=x_range, x_step=1.0 if words else None, y_range=y_range, y_log=y_log)
+    return Panel(
+        x_label, y_axis.title.text or "", tuple(layers), x_range=x_range, x_step=1.0 if words else None, y_range=y_range, y_log=y_log
+    )
 
 
 def _layers(trace, colour: str) -> list[Layer]:

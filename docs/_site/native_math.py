@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from docutils import nodes
 from docutils.utils.math import MathError, latex2mathml
 from sphinx.util import logging
@@ -9,8 +11,19 @@ from sphinx.util import logging
 LOG = logging.getLogger(__name__)
 
 
+#: What the converter does not take -> what it takes: bare digits in fractions, sizes of brackets, dots, an exponent without a base.
+SAME = (
+    (re.compile(r"\\([td]?frac)(\d)(\d)"), r"\\\1{\2}{\3}"),
+    (re.compile(r"\\[bB]igg?[lrm]?(?![A-Za-z])\s*"), ""),
+    (re.compile(r"\\dots(?![a-z])"), r"\\ldots"),
+    (re.compile(r"^\s*\^"), r"\\,^"),
+)
+
+
 def mathml(latex: str, node: nodes.Node, block: bool) -> str:
     """One equation; what the converter does not know is a warning of the build and stays readable as it was written."""
+    for pattern, instead in SAME:
+        latex = pattern.sub(instead, latex)
     try:
         return latex2mathml.tex2mathml(latex, as_block=block)
     except (MathError, IndexError, AttributeError, KeyError, TypeError, ValueError) as error:  # its ways to say that it cannot

@@ -6,7 +6,6 @@ A valve of 100 g meets its seat at 0.5 m/s. Force over penetration is a loop, an
 motion. Three laws of equal stiffness, all asked for a coefficient of restitution of 0.7.
 """
 
-import numpy as np
 import plotly.graph_objects as go
 from scipy.integrate import solve_ivp
 

@@ -2,8 +2,8 @@
 Which tolerance makes the force scatter?
 ========================================
 
-The wire and the installed height of a spring scatter. Sobol indices tell which of them makes the largest force scatter: the total share of a
-tolerance is the part of the variance that would go with it.
+The wire and the installed height of a spring scatter. Sobol indices tell which of them makes the largest force scatter: the total share of
+a tolerance is the part of the variance that would go with it.
 """
 
 import plotly.graph_objects as go

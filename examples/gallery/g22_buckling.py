@@ -14,7 +14,9 @@ import valvetrain as vt
 slenderness = np.linspace(2.0, 8.0, 241)
 figure = go.Figure()
 for words, coefficient in (("both ends fixed", 0.5), ("one end hinged", 0.7), ("both ends hinged", 1.0)):
-    share = np.array([vt.buckling_compression(0.022 * one, "22 mm", seating_coefficient=coefficient) / (0.022 * one) for one in slenderness])
+    share = np.array(
+        [vt.buckling_compression(0.022 * one, "22 mm", seating_coefficient=coefficient) / (0.022 * one) for one in slenderness]
+    )
     share[np.isinf(share)] = np.nan
     figure.add_scatter(x=slenderness, y=100 * share, name=words)
     print(f"{words}: never below a slenderness of {slenderness[np.isfinite(share)][0]:.1f}")

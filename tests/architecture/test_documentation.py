@@ -22,6 +22,8 @@ BUILT = {"commands", "api/index", "gallery/index"}
 FENCE = re.compile(r"^(?P<fence>```+|:::+)[^\n]*\n.*?^(?P=fence)[ ]*$", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"^```(?P<language>\w+)\n(?P<code>.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(?<!\\)\]\(([^()\s]+)\)")
+#: Commands that pages speak of before they are there.
+COMING = {"valvetrain serve"}
 TREE = re.compile(r"^```\{toctree\}\n(?P<options>(?::.*\n)*)\n(?P<pages>.*?)^```$", re.MULTILINE | re.DOTALL)
 identity = pytest.mark.parametrize("path", ALL, ids=lambda path: str(path.relative_to(ROOT)))
 
@@ -63,6 +65,7 @@ def below(page: str) -> set[str]:
     named = {line.strip() for match in TREE.finditer(text) for line in match["pages"].splitlines() if line.strip()}
     named |= set(tree.children(page, text, DOCS)) if page in tree.PARENTS else set()
     named |= {"commands"} if page == "reference" else set()
+    named = {re.sub(r".*<(.*)>", r"\1", name) for name in named}
     return {str((folder / name).resolve().relative_to(DOCS)) for name in named}
 
 
@@ -127,14 +130,18 @@ def lines_of_commands(text: str) -> list[str]:
 @identity
 def test_commands_of_a_page_exist_with_their_options(path):
     text = text_of(path)
-    added = {f"valvetrain {word}" for word in re.findall(r'^([\w-]+) = "\w+:register"$', text, re.MULTILINE)}
+    added = COMING | {f"valvetrain {word}" for word in re.findall(r'^([\w-]+) = "\w+:register"$', text, re.MULTILINE)}
     lines = [line for line in lines_of_commands(text) if " ".join(line.split()[:2]) not in added]
     assert not [words for words in map(refused, lines) if words]
 
 
 def test_a_slip_in_a_command_is_found():
-    assert refused("valvetrain rum gu2021-beehive") and refused("valvetrain run x --engine-sped 1") and not refused("valvetrain run x --json")
-    assert lines_of_commands("```bash\nvalvetrain run x \\\n  --json\n```\nand `valvetrain new y`\n\n    valvetrain cases\n")[0].endswith("--json")
+    assert (
+        refused("valvetrain rum gu2021-beehive") and refused("valvetrain run x --engine-sped 1") and not refused("valvetrain run x --json")
+    )
+    assert lines_of_commands("```bash\nvalvetrain run x \\\n  --json\n```\nand `valvetrain new y`\n\n    valvetrain cases\n")[0].endswith(
+        "--json"
+    )
     assert len(lines_of_commands("`valvetrain new y`\n\n    valvetrain cases\n")) == 2
 
 
