@@ -27,7 +27,7 @@ FOLDERS = {
     "cosserat": "The geometrically exact rod",
     "": "Errors and citations",
 }
-INTRODUCTION = """All names of ``import valvetrain as vt``, one page per folder of the package. Arguments stand one by one with unit and shape.
+INTRODUCTION = """All names of ``import valvetrain as vt``, a page per folder of the package. Arguments stand one by one with unit and shape.
 Numbers without a unit are SI: m, N, s, kg, rad, rad/s, Pa. Wherever a dimension is due, a text with a unit such as ``"3000 rpm"`` or a
 quantity of the package pint is as good. What cannot exist is refused by :class:`valvetrain.InputError`, one sentence with the remedy.
 
