@@ -58,6 +58,8 @@ html_js_files = ["figures.js"]
 html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False
+html_show_search_summary = False  # would fetch each page, which a browser refuses to pages opened as files
+html_context = {"default_mode": "auto"}
 html_theme_options = {
     "logo": {"text": "valvetrain"},
     "header_links_before_dropdown": 8,
