@@ -9,7 +9,7 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON VENV LOWEST
 
-.PHONY: help run test test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz
+.PHONY: help run test test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
@@ -24,6 +24,7 @@ help:
 	@echo "make mutants   seed faults into copies of the source and tell the share that the tests notice (ARGS=\"--sample 40\")"
 	@echo "make faults    kill workers, parents and the solver at random moments, fill the disk; what was lost (ARGS=200: so many faults)"
 	@echo "make fuzz      ask about mutants of cases, runs of mutants and damaged result files (ARGS=1000, or ARGS=\"--files 500\")"
+	@echo "make guides    draw the pictures of docs/how-to anew and compute every number of the guides"
 	@echo "make pins      resolve the pinned versions anew (needs a network)"
 	@echo "make clean     remove the environment, caches and results"
 
@@ -76,6 +77,10 @@ test-long: environment-test parts
 
 fuzz: environment-test
 	$(ONE_THREAD) nice $(BIN)/python -m fuzz $(ARGS)
+
+guides: environment-test
+	$(ONE_THREAD) nice $(BIN)/python scripts/write_how_to_pictures.py
+	VALVETRAIN_LONG=1 nice $(PYTEST) tests/examples/test_how_to.py
 
 pins:
 	@bash scripts/pins.sh

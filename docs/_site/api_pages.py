@@ -35,12 +35,12 @@ quantity of the package pint is as good. What cannot exist is refused by :class:
 
 
 def names_by_folder() -> dict[str, list[str]]:
-    """Public names by folder of the package, in the order of ``valvetrain.__all__``."""
+    """Public names by folder of the package, those of its ``api`` first, else in the order of ``valvetrain.__all__``."""
     found: dict[str, list[str]] = {}
     for name in valvetrain.__all__[1:]:
         folder, dot, _ = valvetrain._HOMES[name].partition(".")
         found.setdefault(folder if dot else "", []).append(name)
-    return found
+    return {folder: sorted(names, key=lambda name: valvetrain._HOMES[name] != f"{folder}.api") for folder, names in found.items()}
 
 
 def first_line(name: str) -> str:

@@ -14,15 +14,17 @@ from sphinx import addnodes
 PARENTS = ("user-guide", "reference", "evidence", "development", "decisions/README", "how-to/README", "theory/README")
 #: File of the repository -> its page of the site.
 ELSEWHERE = {"CHANGELOG": "changes", "CONTRIBUTING": "contributing"}
+#: Pages of the first page, whoever else links to them.
+FIRST = ("tutorial.md", "index.md")
 LINK = re.compile(r"\]\(([\w./-]+?\.md)(?:#[\w-]*)?\)")
 
 
 def children(page: str, text: str, docs: Path) -> list[str]:
-    """Pages that a page links to and that stand in ``docs``, relative to its folder, each once; not itself, no other parent's pages."""
-    found = []
+    """Pages below a page, relative to its folder: those it links to, each once, of a page in a folder those of that folder."""
+    found, reach = [], docs / PurePosixPath(page).parent
     for target in dict.fromkeys(LINK.findall(text)):
-        path = (docs / PurePosixPath(page).parent / target).resolve()
-        if path.is_relative_to(docs) and path.is_file() and path != docs / f"{page}.md":
+        path = (reach / target).resolve()
+        if path.is_relative_to(reach) and path.is_file() and path != docs / f"{page}.md" and target not in FIRST:
             found.append(target.removesuffix(".md"))
     return found
 

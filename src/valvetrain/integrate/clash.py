@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.integrate.clash_kernels import hardest_blow
 from valvetrain.solution.event import Detail, Event
 from valvetrain.springs.contract import ContactWatch
 
@@ -17,7 +18,7 @@ RESTING_ANGLE = TURN / 12
 #: Longest that coils take to give a blow (s): the time within which neighbours that touch belong to one clash.
 BLOW_TIME = 0.3e-3
 #: Lengths at which a blow is looked for, as shares of that.
-BLOW_LENGTHS = tuple(2.0 ** (-step / 4) for step in range(17))
+BLOW_LENGTHS = 2.0 ** (-np.arange(17) / 4)
 #: Statistic that says that a solution's clashes were found by the integrator, and on which spacing.
 RECORDED = "contact_record_interval_duration"
 
@@ -79,30 +80,7 @@ def blow_impulse(time: Array, force: Array) -> float:
     pad, count = int(np.ceil(reach)) + 1, len(force)
     area = np.concatenate(([0.0], np.cumsum(0.5 * (force[1:] + force[:-1])))) * step
     area = np.concatenate((np.zeros(pad), area, np.full(2 * pad, area[-1])))
-    begun, before, ended, held, part = np.empty((5, count))
-
-    def fill(out: Array, shift: float) -> None:
-        """Area up to ``shift`` steps after every begin; in place, for a resting contact is thousands of samples long."""
-        whole = int(np.floor(shift))
-        first, share = pad + whole, shift - whole
-        np.multiply(area[first : first + count], 1 - share, out=out)
-        np.multiply(area[first + 1 : first + 1 + count], share, out=part)
-        np.add(out, part, out=out)
-
-    fill(begun, 0.0)
-    fill(before, -reach)
-    np.subtract(begun, before, out=before)
-    largest = 0.0
-    for share in BLOW_LENGTHS:
-        fill(ended, share * reach)
-        fill(held, (1 + share) * reach)
-        np.subtract(held, ended, out=held)
-        np.maximum(before, held, out=held)
-        np.multiply(held, share, out=held)
-        np.subtract(ended, begun, out=ended)
-        np.subtract(ended, held, out=ended)
-        largest = max(largest, float(ended.max()))
-    return largest
+    return float(hardest_blow(area, pad, count, reach, BLOW_LENGTHS))
 
 
 def steps_between(watch: ContactWatch | None, time_step: float) -> int:

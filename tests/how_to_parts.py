@@ -1,0 +1,219 @@
+"""The guides of docs/how-to as the tests read them: one command, one picture, and a table of numbers that the command gives."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from typer.testing import CliRunner
+
+from valvetrain.cli.main import app
+from valvetrain.cli.new import write_template
+from valvetrain.studies.points.evaluate import evaluate
+from valvetrain.studies.points.plan import read_plan
+from valvetrain.studies.points.study_file import read_study_file
+from valvetrain.units import unit_factor
+
+ROOT = Path(__file__).resolve().parents[1]
+FOLDER = ROOT / "docs" / "how-to"
+PAGES = sorted(FOLDER.glob("[0-9][0-9]-*.md"))
+#: Words of a page -> state of a train whose modes are told.
+STATES = {"valve closed": "closed", "full lift": "full_lift"}
+_NUMBER = re.compile(r"^([-−+]?[\d.]+)(?: to ([-−]?[\d.]+))?\s*(.*)$")
+_COMMANDS_WITHOUT_PAGE = ("run", "sweep")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One number of a guide: ``quantity``, where it is taken, its printed ``value`` and its ``unit``."""
+
+    quantity: str
+    place: tuple[str, ...]
+    value: str
+    unit: str
+
+    @property
+    def decimals(self) -> int:
+        """Digits behind the point."""
+        return len(self.value.partition(".")[2])
+
+    def agrees(self, computed: float) -> bool:
+        """Whether the printed digits are those of a computed value (in the unit of the page)."""
+        printed = float(self.value.replace("−", "-"))
+        return abs(computed - printed) <= 0.6 * 10.0**-self.decimals + 1e-3 * abs(printed)
+
+
+@dataclass(frozen=True)
+class Guide:
+    """A page: its text, its one command, its picture and its numbers."""
+
+    path: Path
+
+    @property
+    def text(self) -> str:
+        """The whole page."""
+        return self.path.read_text(encoding="utf-8")
+
+    @property
+    def commands(self) -> list[str]:
+        """What stands in the shell blocks, a line each."""
+        blocks = re.findall(r"^```sh\n(.*?)^```", self.text, re.MULTILINE | re.DOTALL)
+        return [line for block in blocks for line in block.splitlines() if line.strip()]
+
+    @property
+    def words(self) -> list[str]:
+        """The command in words, without ``valvetrain``."""
+        (command,) = self.commands
+        return shlex.split(command)[1:]
+
+    @property
+    def pictures(self) -> list[Path]:
+        """The pictures of the page."""
+        return [(self.path.parent / name).resolve() for name in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", self.text)]
+
+    @property
+    def rows(self) -> list[Row]:
+        """The table of numbers."""
+        found = []
+        for line in self.text.splitlines():
+            cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+            if len(cells) == 4 and cells[0].startswith("`") and (given := _NUMBER.match(cells[2])):
+                place = tuple(part.strip() for part in cells[1].split(",") if part.strip() not in ("", "–"))
+                found.append(Row(cells[0].strip("`"), place, given[1], given[3]))
+        return found
+
+    def write_templates(self) -> None:
+        """The template cases that the page names, into the folder that is current."""
+        for name, kind in re.findall(r"`valvetrain new ([\w-]+) --kind (\w+)`", self.text):
+            if not Path(f"{name}.toml").exists():
+                write_template(name, kind)
+
+    def answer(self, folder: Path) -> dict[str, Any]:
+        """What the command prints with ``--json``."""
+        words = [str(ROOT / word) if word.startswith("examples/") else word for word in self.words]
+        words += ["--json", *(("--no-report", "--workers", "1") if words[0] in _COMMANDS_WITHOUT_PAGE else ())]
+        words += [] if words[0] in ("modes", "check") else ["--output", str(folder / "results")]
+        result = CliRunner().invoke(app, words)
+        assert result.exit_code == 0, result.output
+        answer: dict[str, Any] = json.loads(result.stdout)
+        return answer
+
+
+def in_unit(value: float, unit: str) -> float:
+    """A value in SI in the unit of the page."""
+    return value / unit_factor(unit) if unit not in ("", "1") else value
+
+
+def number_of(answer: Mapping[str, Any], row: Row) -> float:
+    """The number of a row in what its command answered, in the unit of the page."""
+    command = answer["command"]
+    if command == "study":
+        return _of_study(answer, row)
+    if command == "optimise":
+        return _of_search(answer, row)
+    if command == "identify":
+        name, _, which = row.quantity.partition(".")
+        return in_unit(answer["branches"][0]["quantities"][name][which], row.unit)
+    if command == "lift":
+        return _of_lift(answer, row)
+    if row.quantity in ("contact-loss", "float"):
+        (found,) = [one for one in answer["critical_speeds"] if one["kind"] == row.quantity]
+        bracket: float = found["begins"]["from_rest"]["lower"]["value"]
+        return bracket
+    return _of_runs(answer, row)
+
+
+def _of_runs(answer: Mapping[str, Any], row: Row) -> float:
+    if row.place and row.place[0] in STATES:
+        state = STATES[row.place[0]]
+        (train,) = [one for one in answer["train_modes"] if one["state"] == state]
+        number = int(row.quantity.rpartition("_")[2])
+        return in_unit(train["modes"][number - 1]["natural_frequency"]["value"], row.unit)
+    runs = [run for run in answer["runs"] if all(_is_at(run, place) for place in row.place)]
+    event, _, detail = row.quantity.partition(".")
+    if detail:
+        happened = [one for run in runs for one in run["events"] if one["kind"] == event]
+        largest = max(happened, key=lambda one: one["size"]["value"])
+        chosen = largest[detail] if detail in largest else largest["details"][detail]
+        turned = chosen["value"] % (2 * math.pi) if detail.endswith("cam_angle") else chosen["value"]
+        return in_unit(turned, row.unit)
+    tables = [*(run["quantities"] for run in runs), answer["quantities"], *answer["quantities_by_label"].values()]
+    found = [table[row.quantity] for table in tables if row.quantity in table]
+    assert found, f"{row.quantity} at {row.place}"
+    return in_unit(found[0]["value"], row.unit)
+
+
+def _is_at(run: Mapping[str, Any], place: str) -> bool:
+    if place.endswith("rpm"):
+        return bool(abs(run["engine_speed"]["value"] - float(place.split()[0])) < 0.5)
+    return place in (run["label"], run["model"], run["spring_set"])
+
+
+def _inputs(row: Row) -> dict[str, tuple[float, str]]:
+    """Key -> value and unit of what a row of a study was computed at."""
+    found = {}
+    for place in row.place:
+        key, _, rest = place.partition(" ")
+        given = _NUMBER.match(rest)
+        assert given is not None, place
+        found[key.strip("`")] = float(given[1]), given[3]
+    return found
+
+
+def _of_study(answer: Mapping[str, Any], row: Row) -> float:
+    keys, wanted = [one["key"] for one in answer["varied"]], _inputs(row)
+    for one in answer["rows"]:
+        given = {key: in_unit(value, wanted[key][1]) for key, value in zip(keys, one["inputs"], strict=True) if key in wanted}
+        if all(abs(given[key] - value) <= 1e-6 * max(abs(value), 1e-9) for key, (value, _) in wanted.items()):
+            place = list(answer["outputs"]).index(row.quantity)
+            return in_unit(one["outputs"][place], row.unit)
+    raise AssertionError(f"no row of the study at {row.place}")
+
+
+def rows_of_study(guide: Guide) -> dict[str, Any]:
+    """Those points of a study that its page prints, computed and shaped as the command's answer."""
+    plan = read_plan(read_study_file(ROOT / guide.words[1]))
+    draws = plan.sampler.first(plan.varied, plan.options)
+    outputs, varied = list(plan.wanted.outputs), [{"key": one.key} for one in plan.varied]
+    answer: dict[str, Any] = {"command": "study", "varied": varied, "outputs": outputs, "rows": []}
+    for draw in draws:
+        nothing = {"inputs": list(draw), "outputs": [0.0] * len(outputs)}
+        if any(_stands({**answer, "rows": [nothing]}, row) for row in guide.rows):
+            outcome = evaluate(plan.point(draw, plan.runs[0]))
+            assert outcome.status.completed, outcome.status.sentence()
+            answer["rows"].append({"inputs": list(draw), "outputs": [outcome.values[name] for name in outputs]})
+    return answer
+
+
+def _stands(answer: Mapping[str, Any], row: Row) -> bool:
+    try:
+        _of_study(answer, row)
+    except AssertionError:
+        return False
+    return True
+
+
+def _of_search(answer: Mapping[str, Any], row: Row) -> float:
+    trial = answer["of_case"] if row.place == ("case",) else answer["designs"][0]
+    named = dict(zip((one["label"] for one in answer["varied"]), trial["values"], strict=True))
+    named |= dict(zip((one["quantity"] for one in answer["objectives"]), trial["objectives"], strict=True))
+    named |= dict(zip((one["quantity"] for one in answer["constraints"]), trial["constraints"], strict=True))
+    return in_unit(named[row.quantity], row.unit)
+
+
+def _of_lift(answer: Mapping[str, Any], row: Row) -> float:
+    (lobe,) = answer["lobes"]
+    if row.quantity == "noise":
+        return in_unit(lobe["noise"], row.unit)
+    name, _, half = row.quantity.partition(" ")
+    one = lobe["figures"][name]
+    value: float = 1.959963984540054 * one["standard_deviation"] if half else one["value"]
+    if row.unit == "µm/deg²":
+        return value * 1e6 * math.radians(1) ** 2
+    return in_unit(value, row.unit)
