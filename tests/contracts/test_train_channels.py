@@ -89,12 +89,35 @@ def test_the_rigid_channels_are_the_law_and_near_the_run(ran):
     assert alike(run.channel("cam_contact_force")[opened], run.channel("rigid_contact_force")[opened], 0.25)
 
 
+def test_places_of_bodies_have_the_rates_and_strain_the_links_between_them(ran):
+    """Rates of the places are velocities that are told besides; k x + c x' of the case is the force of every elastic link."""
+    case, run = ran
+    train = case.train
+    assert alike(rate(run, "lever_angle"), run.channel("lever_speed")) and alike(
+        rate(run, "valve_tip_displacement"), run.channel("retainer_velocity")
+    )
+    links = {
+        "stem_force": (("valve_tip_displacement", "valve_lift"), train.valve.stem_stiffness, train.valve.stem_damping),
+        "support_force": (("support_displacement",), train.support.stiffness, train.support.damping),
+        "lever_bending_force": (
+            ("lever_angle", "lever_tip_angle"), train.lever.stiffness * train.lever.valve_arm**2,
+            train.lever.damping * train.lever.valve_arm**2,
+        ),
+    }  # fmt: skip
+    for force, (names, stiffness, damping) in links.items():
+        first, *second = names
+        strain = run.channel(first) - (run.channel(second[0]) if second else 0.0)
+        speed = rate(run, first) - (rate(run, second[0]) if second else 0.0)
+        assert alike(stiffness * strain + damping * speed, run.channel(force)), force
+
+
 def test_no_channel_is_without_its_relation(ran):
     _, run = ran
     known = {
         "valve_lift", "valve_velocity", "valve_acceleration", "retainer_velocity", "retainer_acceleration", "retainer_force", "seat_force",
         "static_retainer_force", "outer_retainer_force", "outer_seat_force", "inner_retainer_force", "inner_seat_force", "cam_torque",
-        "lever_speed", "piston_clearance", "rigid_valve_lift", "rigid_contact_force",
+        "lever_speed", "lever_angle", "lever_tip_angle", "support_displacement", "valve_tip_displacement", "piston_clearance",
+        "rigid_valve_lift", "rigid_contact_force",
         *(f"{place}_{word}" for place in ("cam", "valve_tip", "seat") for word in ("gap", "contact_force")),
     }  # fmt: skip
     assert not set(map(str, run.channels.data_vars)) - known - INSIDE

@@ -12,6 +12,7 @@ from valvetrain.integrate.train_run import CycleRecord, TrainState
 from valvetrain.integrate.train_tuples import LOADS, PEAK_ACCELERATION, PEAK_PLACE, PEAK_SPEED, PEAK_SPEED_ANGLE
 from valvetrain.integrate.transitions import CONTACTS_LOGGED
 from valvetrain.mechanism.crank import piston_clearance
+from valvetrain.mechanism.parts import Coordinate
 from valvetrain.solution.arrays import ChannelArrays, Variable
 from valvetrain.springs.contract import LargeSpring, SpringModel, SpringOutputs
 from valvetrain.system.train_rest import TrainRest
@@ -25,6 +26,13 @@ CONTACTS = ("cam", "tappet", "rocker", "valve tip", "seat")
 def force_name(interaction: str) -> str:
     """Channel of an interaction's force: ``valve tip`` -> ``valve_tip_contact_force``, ``pushrod bar`` -> ``pushrod_bar_force``."""
     return f"{interaction.replace(' ', '_')}{'_contact' if interaction in CONTACTS else ''}_force"
+
+
+def position_name(part: Coordinate, valve: str) -> str:
+    """Channel of a body's coordinate: ``valve_lift`` of the valve, ``tappet_displacement``, ``lever_angle`` and so on of the others."""
+    if part.name == valve:
+        return "valve_lift"
+    return f"{part.name.replace(' ', '_')}_{'angle' if part.unit == 'rad' else 'displacement'}"
 
 
 def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[CycleRecord], start: TrainState | None = None) -> ChannelArrays:
@@ -55,6 +63,10 @@ def train_channels(system: TrainSystem, rest: TrainRest, records: Sequence[Cycle
         "static_retainer_force": (rest.static_spring_force(q[:, retainer]), "N", "spring force at rest at the same lift"),
         "cam_torque": (all_of("cam_power") / speed, "N m", "torque that drives the cam"),
     }  # fmt: skip
+    for k, part in enumerate(mechanism.coordinates):
+        if k != valve:
+            words = f"{part.name}: {'turned' if part.unit == 'rad' else 'moved'} from the closed valve's rigid pose, opening positive"
+            table[position_name(part, mechanism.valve)] = (q[:, k], part.unit, words)
     turning = [k for k, part in enumerate(mechanism.coordinates) if part.unit == "rad"]
     if turning:
         table["lever_speed"] = (v[:, turning[0]], "rad/s", "turning speed of the lever")

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec
 
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, legend_entries
+from valvetrain.report.motion.script import motion_script
 from valvetrain.solution.gaps import Gaps, reason
 
 if TYPE_CHECKING:
@@ -136,7 +137,20 @@ class Listing:
     kind = "listing"
 
 
-Block = Text | Figure | Grid | Cards | Tabs | Details | Listing
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A moving picture: ``data`` is what motion.js mounts, as JSON that may stand in a script; ``still`` an SVG element until it does."""
+
+    key: str
+    title: str
+    caption: str
+    data: str
+    still: str
+
+    kind = "motion"
+
+
+Block = Motion | Text | Figure | Grid | Cards | Tabs | Details | Listing
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,10 +246,28 @@ def render(page: Page, gaps: Gaps | None = None) -> str:
     drawn = {chart.key: _drawn(chart, gaps) for chart in charts(page)}
     style = _static("page.css").replace("FONT_STACK", theme.FONT)
     library = plotly_script() if drawn else ""
+    moving = [block for section in page.sections for block in _all(section.blocks) if isinstance(block, Motion)]
     template = environment.get_template("page.html.j2")
     return template.render(
-        page=page, drawn=drawn, style=style, script=_static("page.js"), plotly=library, legend=legend_entries, dashes=_DASHES
-    )
+        page=page, drawn=drawn, style=style, script=_static("page.js"), plotly=library, legend=legend_entries, dashes=_DASHES,
+        moving=moving, mover=motion_script() if moving else "", header=_css_words(f"{page.title} – {page.kicker}"),
+        still={key: picture for key, picture in ((chart.key, _still(chart)) for chart in charts(page)) if picture},
+    )  # fmt: skip
+
+
+def _still(chart: Chart) -> str:
+    """The figure for a reader without scripts; nothing where it cannot be drawn, which the figure says itself."""
+    from valvetrain.report.svg_chart import svg
+
+    try:
+        return svg(chart)
+    except Exception:  # one picture must not cost the page
+        return ""
+
+
+def _css_words(words: str) -> str:
+    """Words as a string of a style sheet, whatever stands in them."""
+    return '"' + "".join(sign if sign.isalnum() or sign in " .,-–()/" else f"\\{ord(sign):x} " for sign in words[:120]) + '"'
 
 
 def _drawn(chart: Chart, gaps: Gaps | None) -> str:

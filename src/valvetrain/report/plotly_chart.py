@@ -31,8 +31,16 @@ def figure(chart: Chart) -> dict[str, Any]:
         suffix = "" if index == 0 else str(index + 1)
         for layer in panel.layers:
             scale = {"coloraxis": f"coloraxis{suffix}"} if isinstance(layer, HeatMap) else {"showlegend": False}
-            data.append(_trace(layer) | {"xaxis": f"x{suffix}", "yaxis": f"y{suffix}"} | scale)
+            data.append(_trace(layer) | {"meta": _columns(panel, layer)} | {"xaxis": f"x{suffix}", "yaxis": f"y{suffix}"} | scale)
     return {"data": data, "layout": _layout(chart, chart.columns, 0), "narrow": _layout(chart, 1, NARROW_PANEL)}
+
+
+def _columns(panel: Panel, layer: Layer) -> list[str]:
+    """Heads of the columns of a layer as the page gives its data away: what stands along x and y, and of a map its colour."""
+    named = f"{panel.title}, {layer.name}" if panel.title else layer.name
+    if isinstance(layer, HeatMap):
+        return [f"{named}: {panel.x_label}", f"{named}: {layer.y_words}", f"{layer.name} ({layer.unit})"]
+    return [f"{named}: {panel.x_label}", f"{named}: {panel.y_label}"]
 
 
 def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:

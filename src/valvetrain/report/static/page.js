@@ -42,6 +42,55 @@
       Plotly.restyle(box, { visible: shown }, places);
     });
   });
+  // Moving pictures are mounted when they come near, as figures are drawn.
+  const moving = new IntersectionObserver(function (entries) {
+    entries.forEach(function (entry) {
+      if (!entry.isIntersecting) { return; }
+      moving.unobserve(entry.target);
+      valvetrainMotion.mount(entry.target, JSON.parse(document.getElementById("motion-" + entry.target.dataset.motion).textContent));
+    });
+  }, { rootMargin: "600px 0px" });
+  if (typeof valvetrainMotion !== "undefined") { document.querySelectorAll("[data-motion]").forEach(function (box) { moving.observe(box); }); }
+  // Data of a figure as text: two columns a line, seven digits; words that a spreadsheet would take for a formula are disarmed.
+  function readable(words) {
+    return '"' + (/^[=+\-@\t\r]/.test(words) ? "'" : "") + words.replace(/"/g, '""') + '"';
+  }
+  const KINDS = { f4: Float32Array, f8: Float64Array, i4: Int32Array, i2: Int16Array, i1: Int8Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Array };
+  function listed(form) {
+    if (!form || !form.bdata) { return Array.from(form || []).flat(); }
+    const raw = atob(form.bdata), bytes = new Uint8Array(raw.length);
+    for (let place = 0; place < raw.length; place += 1) { bytes[place] = raw.charCodeAt(place); }
+    return Array.from(new KINDS[form.dtype](bytes.buffer), function (value) { return Number(value.toPrecision(7)); });
+  }
+  function columnsOf(content) {
+    const columns = [];
+    content.data.forEach(function (trace) {
+      const x = listed(trace.x), y = listed(trace.y), z = listed(trace.z);
+      if (!trace.z) { columns.push([trace.meta[0], x], [trace.meta[1], y]); return; }
+      columns.push([trace.meta[0], z.map(function (_, place) { return x[place % x.length]; })]);
+      columns.push([trace.meta[1], z.map(function (_, place) { return y[Math.floor(place / x.length)]; })], [trace.meta[2], z]);
+    });
+    return columns;
+  }
+  function asText(content) {
+    const columns = columnsOf(content), rows = Math.max(...columns.map(function (column) { return column[1].length; }));
+    const lines = [columns.map(function (column) { return readable(column[0]); }).join(",")];
+    for (let row = 0; row < rows; row += 1) {
+      lines.push(columns.map(function (column) { return row < column[1].length && !Number.isNaN(column[1][row]) ? column[1][row] : ""; }).join(","));
+    }
+    return lines.join("\r\n") + "\r\n";
+  }
+  document.querySelectorAll("figcaption button[data-csv]").forEach(function (button) {
+    button.hidden = false;
+    button.addEventListener("click", function () {
+      const content = JSON.parse(document.getElementById("data-" + button.dataset.csv).textContent);
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(new Blob(["\ufeff" + asText(content)], { type: "text/csv" }));
+      link.download = button.dataset.csv + ".csv";
+      link.click();
+      setTimeout(function () { URL.revokeObjectURL(link.href); }, 1000);
+    });
+  });
   const boxes = Array.from(document.querySelectorAll(".plot"));
   // Figures are drawn when they come near the window: the page opens at once however many there are.
   const watcher = new IntersectionObserver(function (entries) {

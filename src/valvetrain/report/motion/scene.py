@@ -1,0 +1,212 @@
+"""From the runs of a study to what moves: parts, frames, forces and marks of every run that can be drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.loading import parse_case
+from valvetrain.quantities.cycle import Cycle, is_closed, reported_cycle
+from valvetrain.report import theme
+from valvetrain.report.motion.colours import one_range
+from valvetrain.report.motion.frames import choose_frames
+from valvetrain.report.motion.marks import marks_of
+from valvetrain.report.motion.parts import Array, Moving, Places, Series, SpringDrawing, Variant
+from valvetrain.report.motion.springs import draw_spring
+from valvetrain.report.motion.train import TrainDrawing, draw_train
+from valvetrain.report.words import speed_words
+from valvetrain.solution.record import CaseRecord
+from valvetrain.solution.result import Solution
+from valvetrain.solution.study import Study
+from valvetrain.system.build import build
+from valvetrain.system.problem import Member, Problem
+
+_TURN = 2 * np.pi
+#: Runs in one picture, frames of one run, bytes of what moves in one run and in a whole picture, before they are written as text.
+MOST_VARIANTS, MOST_FRAMES, MOST_RUN_BYTES, MOST_BYTES = 4, 1000, 500_000, 1_000_000
+FEWEST_FRAMES = 120
+#: Clashes around which frames stand closer, most wanted first.
+MOST_SPANS = 60
+#: Forces beside the picture: words, channel, colour; the first that a run has of each line, three at most.
+_FORCES = (("spring on retainer", "retainer_force"), ("spring on seat", "seat_force"), ("cam contact", "cam_contact_force"))
+_FORCE_COLOURS = (theme.SERIES[0], theme.SERIES[1], theme.SERIES[3])
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Bounds of one picture: ``variants`` drawn, ``frames`` of each, bytes of one run (``run_size``) and of all (``size``)."""
+
+    variants: int = MOST_VARIANTS
+    frames: int = MOST_FRAMES
+    run_size: int = MOST_RUN_BYTES
+    size: int = MOST_BYTES
+
+
+def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
+    """What moves in the runs of a study, from its solutions and the parts of its case.
+
+    Parameters
+    ----------
+    study : what ``simulate`` or ``compare`` gave; runs without channels are left out
+    limits : largest number of runs and frames, and largest size
+
+    Returns
+    -------
+    The picture, or None where no run has a motion or the case cannot be built again
+
+    Raises
+    ------
+    InputError : spring models of a run that the case does not know
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> picture = moving_picture(vt.simulate("job-t", "2000 rpm", spring_models=["multi-mass"]))
+    >>> [variant.label for variant in picture.variants], len(picture.variants[0].springs)
+    (['multi-mass'], 2)
+    """
+    runs = [run for run in study.solutions if run.has("valve_lift") and len(run.time) > 2]
+    if study.over_speed or not runs or not study.record.text:
+        return None
+    ranked = sorted(runs, key=_worth, reverse=True)
+    chosen = [run for run in runs if any(run is one for one in ranked[: limits.variants])]
+    try:
+        _problem(study.record, (), ())
+    except InputError:  # words of a case that holds no parts
+        return None
+    share = min(limits.run_size, limits.size // len(chosen))
+    variants = tuple(one for run in chosen if (one := _variant(study, run, share, limits.frames)) is not None)
+    if not variants:
+        return None
+    notes = () if len(chosen) == len(runs) else (f"{len(chosen)} of {len(runs)} runs are drawn; 'valvetrain animate' draws any of them.",)
+    title = "Train and spring over the cam turn" if any(one.bodies for one in variants) else "Spring over the cam turn"
+    return Moving(title, one_range(variants), notes)
+
+
+def _worth(run: Solution) -> tuple[int, float]:
+    """Which runs are drawn where there are too many: those that know most of their coils, then the fastest."""
+    known = sum(
+        any(str(name).endswith(ending) for name in run.arrays.variables) for ending in ("_shear_stress", "coil_gap", "axial_displacement")
+    )
+    return known, run.engine_speed
+
+
+@lru_cache(maxsize=4)
+def _problem(record: CaseRecord, models: tuple[str, ...], sets: tuple[str, ...]) -> Problem:
+    return build(parse_case(record.text, record.name), spring_models=models, spring_sets=sets)
+
+
+def member_of(record: CaseRecord, run: Solution) -> Member | None:
+    """The variant of the case behind a run: springs, lift law and the parts of its train; None where the case holds none.
+
+    Raises :class:`InputError` where the case cannot be built.
+    """
+    for models, sets in (((), ()), ((run.model,), (run.spring_set,) if run.spring_set else ())):
+        members = _problem(record, models, sets).members
+        found = next((one for one in members if one.label == run.label and one.spring_set == run.spring_set), None)
+        found = found or next((one for one in members if one.model.word == run.model and one.spring_set == run.spring_set), None)
+        if found is not None:
+            return found
+    return None
+
+
+def _variant(study: Study, run: Solution, size: int, most: int) -> Variant | None:
+    member = member_of(study.record, run)
+    if member is None:
+        return None
+    cycle = reported_cycle(run)
+    if len(cycle.cam_angle) < 3:
+        return None
+    marks = marks_of(run, cycle)
+    sample = choose_frames(
+        cycle.cam_angle, min(most, max(FEWEST_FRAMES, size // _bytes_per_frame(run, member))), _peaks(run, cycle), _spans(run)
+    )
+    train = None if member.gear is None else draw_train(member, cycle, sample)
+    springs, notes = _springs(study, member, run, cycle, sample, train)
+    if not springs and train is None:
+        return None
+    return Variant(
+        run.label, f"{theme.model_words(run.label)}, {speed_words(run.engine_speed)}", run.engine_speed, sample, cycle.cam_angle[sample],
+        cycle.channel("valve_lift")[sample], springs, train.bodies if train else (), forces_of(run, cycle), marks,
+        (*notes, *(train.notes if train else ())), is_closed(run),
+    )  # fmt: skip
+
+
+def _springs(
+    study: Study, member: Member, run: Solution, cycle: Cycle, sample: Places, train: TrainDrawing | None
+) -> tuple[tuple[SpringDrawing, ...], tuple[str, ...]]:
+    travel = train.travel if train is not None else cycle.channel("valve_lift")[sample]
+    springs: list[SpringDrawing] = []
+    notes: tuple[str, ...] = ()
+    for name, installed in zip(run.springs, member.springs, strict=False):
+        rest = study.at_rest(run.model, name) or next((one for one in study.rest if one.spring in (name, installed.name)), None)
+        drawn, told = draw_spring(installed, name, cycle, sample, travel, rest)
+        notes += tuple(words for words in told if words not in notes)
+        if drawn is not None:
+            springs.append(drawn)
+    if train is not None:
+        heights = [float(spring.retainer[0] + travel[0]) for spring in springs]
+        springs = [
+            replace(spring, seat=train.seat_of(height), direction=train.axis) for spring, height in zip(springs, heights, strict=True)
+        ]
+    return tuple(springs), notes
+
+
+def forces_of(run: Solution, cycle: Cycle) -> tuple[Series, ...]:
+    """Forces on the retainer, on the seat and, in a train, at the cam, over every sample of the cycle."""
+    known = [(words, name) for words, name in _FORCES if run.has(name)]
+    return tuple(
+        Series(words, colour, cycle.cam_angle, cycle.channel(name)) for (words, name), colour in zip(known, _FORCE_COLOURS, strict=False)
+    )
+
+
+def _peaks(run: Solution, cycle: Cycle) -> list[int]:
+    """Samples of the largest and least of every force, and those before them, and of the largest lift."""
+    found: list[int] = []
+    for name in (*(name for _, name in _FORCES), "seat_force_highest", "retainer_force_highest", "valve_lift"):
+        if run.has(name):
+            values: Array = cycle.channel(name)
+            found += [int(np.argmax(values)), int(np.argmin(values))]
+    for event in run.events:
+        at = float(event.details.get("peak_cam_angle", event.cam_angle)) % _TURN
+        if len(found) < MOST_SPANS:
+            found.append(int(np.argmin(np.abs(cycle.cam_angle - at))))
+    return found
+
+
+def _spans(run: Solution) -> Sequence[tuple[float, float]]:
+    """Cam angles (rad) from the begin to the end of every clash, and of the moment around its peak, the hardest first."""
+    speed, found = run.engine_speed / 2, []
+    for event in sorted((one for one in run.events if one.kind == "clash"), key=lambda one: -one.size)[:MOST_SPANS]:
+        peak = float(event.details.get("peak_cam_angle", event.cam_angle)) % _TURN
+        found.append((peak - np.radians(1.0), peak + np.radians(1.0)))
+        first = event.cam_angle % _TURN
+        found.append((first, first + event.duration * speed))
+    return found
+
+
+def _bytes_per_frame(run: Solution, member: Member) -> int:
+    """Bytes that a frame takes at most: two per node for its place, one for each colouring; twelve per rigid body."""
+    colours = sum(
+        any(str(name).endswith(word) for name in run.arrays.variables)
+        for word in ("_shear_stress", "coil_gap", "coil_gap", "axial_velocity")
+    )
+    found = 8 if member.gear is None else 150
+    for name, spring in zip(run.springs, member.springs, strict=False):
+        channel = run.channel_of(name, "axial_displacement")
+        turns = spring.wire.total_coils if spring.wire is not None else 5.0
+        nodes = run.channel(channel).shape[1] if run.has(channel) else 8 * turns
+        bare = 0 if run.has(run.channel_of(name, "axial_position")) else 16
+        found += int(min(nodes, 16 * turns + 1) + bare) * (2 + colours)
+    return found
+
+
+def refuse_nothing(moving: Moving | None) -> Moving:
+    """The picture. Raises :class:`InputError` where there is none."""
+    if moving is None:
+        raise InputError("nothing moves here: the runs hold no channels, or the case has no spring and no train to draw")
+    return moving

@@ -1,0 +1,239 @@
+"""A train as it is drawn: every part whose geometry the case holds, to scale, at the coordinates of the solution."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from valvetrain.integrate.train_channels import position_name
+from valvetrain.mechanism.build import build_mechanism
+from valvetrain.mechanism.parts import AssembledMechanism, Interaction
+from valvetrain.mechanism.planar import unit
+from valvetrain.parameters.train import TrainParameters
+from valvetrain.quantities.cycle import Cycle
+from valvetrain.report.motion import outlines
+from valvetrain.report.motion.cam_followers import Contact, sliding_follower, turning_pad
+from valvetrain.report.motion.parts import Array, Body, Places, Shape
+from valvetrain.report.motion.springs import wire_of
+from valvetrain.system.problem import Member
+
+#: Sizes (m) that no case holds: stem end to retainer, thickness of retainer and seats, radius of pushrod, hub, arm and stem.
+TIP_TO_RETAINER, PLATE, ROD_RADIUS, HUB_RADIUS, ARM_RADIUS, STEM_RADIUS = 4e-3, 3e-3, 4e-3, 6e-3, 3.5e-3, 3.5e-3
+#: Radius (m) of a tip that the case takes for a point.
+POINTED = 1e-6
+#: Where no spring is drawn: outer radius and installed height (m) of the space for one.
+NO_SPRING = (14e-3, 40e-3)
+TO_SCALE = "To scale: lobe, follower arc or face, lever arms and pivot, pushrod length, springs, lash, lift and every gap."
+NOT_TOLD = (
+    "Of usual size, for no case holds them: tappet and pushrod diameters, stem, head, hub, arms, the place of the spring on the stem."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class TrainDrawing:
+    """Bodies over the frames; ``travel`` (frame,): retainer displacement (m) towards the seat; ``axis`` (rad): from seat to retainer;
+    ``retainer``: the closed valve's retainer plane on the axis of the stem (x, y in m)."""
+
+    bodies: tuple[Body, ...]
+    travel: Array
+    axis: float
+    retainer: tuple[float, float]
+    notes: tuple[str, ...] = ()
+
+    def seat_of(self, installed_height: float) -> tuple[float, float]:
+        """Foot (x, y in m) of a spring of that height (m) with the valve closed."""
+        x, y = unit(self.axis)
+        return self.retainer[0] - installed_height * x, self.retainer[1] - installed_height * y
+
+
+def draw_train(member: Member, cycle: Cycle, sample: Places) -> TrainDrawing:
+    """Cam, follower, lever, pushrod and valve of a train over the frames.
+
+    Parameters
+    ----------
+    member : the variant of the case that ran, a train
+    cycle : the reported cycle of its run
+    sample : (frame,) samples drawn
+
+    Returns
+    -------
+    The bodies with their poses; coordinates come from the channels of the run, those that it does not hold from rigid kinematics
+    """
+    assert member.gear is not None
+    train = member.gear.parameters
+    mechanism = member.gear.mechanism if train.model == "planar" else _planar(train, member)
+    q, notes = coordinates(mechanism, cycle, sample)
+    if train.model != "planar":
+        notes += (f"a {train.model} train knows no geometry: its parts are drawn as those of the planar train at the same coordinates",)
+    angle = cycle.cam_angle[sample]
+    still = np.zeros((len(angle), 3))
+    cam = mechanism.interactions[mechanism.interaction_index("cam")]
+    contact = Contact(cam, mechanism.tables[cam.table], train.follower)
+    pose = still.copy()
+    pose[:, 2] = contact.sense * angle
+    bodies = [Body("cam", "cam", (outlines.plate(contact.lobe(), train.cam.width / 2),), pose)]
+    bodies += _levers(train, mechanism, contact, q, angle)
+    bodies += _followers(train, contact, q)
+    bodies += _pushrod(mechanism, q)
+    stem, tip = unit(train.valve.opening_direction), stem_end(train, mechanism, contact)
+    travel, lift = q[mechanism.retainer], q[mechanism.valve]
+    bodies += _valve(train, member, tip, travel, lift)
+    retainer = (tip[0] + TIP_TO_RETAINER * stem[0], tip[1] + TIP_TO_RETAINER * stem[1])
+    return TrainDrawing(tuple(bodies), travel, train.valve.opening_direction + math.pi, retainer, (TO_SCALE, NOT_TOLD, *notes))
+
+
+def coordinates(mechanism: AssembledMechanism, cycle: Cycle, sample: Places) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """Every coordinate (m or rad) of a planar mechanism over the frames by name, and a note where rigid kinematics stand in."""
+    found: dict[str, Array] = {}
+    missing: list[str] = []
+    drive = mechanism.kinematics.drive(cycle.cam_angle[sample])
+    lift = cycle.channel("valve_lift")[sample]
+    for part in mechanism.coordinates:
+        name = position_name(part, mechanism.valve)
+        if cycle.solution.has(name):
+            found[part.name] = cycle.channel(name)[sample]
+        else:
+            missing.append(part.name)
+            rigid = lift if part.name.startswith("valve") else np.zeros_like(lift) if part.name == "support" else drive
+            found[part.name] = rigid if part.name != "pushrod" and part.name != "pushrod top" else drive
+    words = f"the run does not hold the motion of {', '.join(missing)}, drawn as rigid parts move"
+    return found, ((words,) if missing else ())
+
+
+def stem_end(train: TrainParameters, mechanism: AssembledMechanism, contact: Contact) -> tuple[float, float]:
+    """End of the closed valve's stem (x, y in m): below the lever's tip by its radius and the lash, or below the tappet."""
+    nx, ny = unit(train.valve.opening_direction)
+    tip = mechanism.interactions[mechanism.interaction_index("valve tip")]
+    row = tip.geometry_row()
+    if train.lever is None:
+        reach = contact.tappet_height() + train.lash
+        return contact.home[0] + reach * nx, contact.home[1] + reach * ny
+    reach = train.lever.tip_radius + train.lash
+    return float(row[1] + row[3] + reach * nx), float(row[2] + row[4] + reach * ny)
+
+
+def _planar(train: TrainParameters, member: Member) -> AssembledMechanism:
+    assert member.gear is not None
+    lift_of = "valve" if member.gear.mechanism.kinematics.law_of == "valve" else "tappet"
+    return build_mechanism(train.replace(model="planar"), member.valve_lift, lift_of)
+
+
+def _support(interaction: Interaction, q: Mapping[str, Array], frames: int) -> Array:
+    name = interaction.coordinates[1] if len(interaction.coordinates) > 1 else ""
+    return q[name] if name else np.zeros(frames)
+
+
+def _levers(train: TrainParameters, mechanism: AssembledMechanism, contact: Contact, q: Mapping[str, Array], angle: Array) -> list[Body]:
+    """The lever as one body, or its two halves where it bends."""
+    if train.lever is None:
+        return []
+    tip = mechanism.interactions[mechanism.interaction_index("valve tip")]
+    row, depth, none = tip.geometry_row(), 0.3 * train.cam.width, np.zeros(2)
+    support = _support(tip, q, len(angle))
+    end, tip_radius = np.array(row[3:5]), max(train.lever.tip_radius, POINTED)
+    hub = outlines.plate(outlines.circle(HUB_RADIUS), 0.9 * depth)
+    tip_shapes = (outlines.plate(outlines.bar(none, ARM_RADIUS, end, tip_radius), depth), hub)
+    drive_shapes: tuple[Shape, ...]
+    if "pushrod" in q:
+        ball = mechanism.interactions[mechanism.interaction_index("rocker")].geometry_row()[3:5]
+        drive_shapes = (outlines.plate(outlines.bar(none, ARM_RADIUS, ball, ROD_RADIUS), depth),)
+    else:
+        drive_shapes = turning_pad(contact, q[contact.driven], angle, depth, ARM_RADIUS)
+    driving, driven = tip.coordinates[0], next(name for name in ("lever",) if name in q)
+
+    def pose(name: str) -> Array:
+        return np.column_stack([row[1] + row[6] * support, row[2] + row[7] * support, row[5] * q[name]])
+
+    pin = outlines.plate(outlines.circle(0.45 * HUB_RADIUS), 1.6 * depth)
+    pivot = Body("pivot", "pivot", (pin,), pose(driven))
+    if driving == driven:
+        return [Body("lever", "lever", (*drive_shapes, *tip_shapes), pose(driven)), pivot]
+    return [Body("lever", "lever", drive_shapes, pose(driven)), Body("lever tip", "lever", tip_shapes, pose(driving)), pivot]
+
+
+def _followers(train: TrainParameters, contact: Contact, q: Mapping[str, Array]) -> list[Body]:
+    if contact.turning:
+        return []
+    height = None
+    if train.pushrod is not None:
+        height = max(float(np.dot(np.array(train.pushrod.lower_end) - contact.home, contact.axis)), 2 * ROD_RADIUS)
+    name = "tappet" if contact.driven == "tappet" else "pushrod foot"
+    return [sliding_follower(contact, q[contact.driven], name, train.cam.width, height)]
+
+
+def _pushrod(mechanism: AssembledMechanism, q: Mapping[str, Array]) -> list[Body]:
+    """The rod between its ball in the tappet and that of the rocker; its own compression shortens it."""
+    if "pushrod" not in q:
+        return []
+    joint = mechanism.interactions[mechanism.interaction_index("rocker")]
+    row, lower = joint.geometry_row(), q["pushrod"]
+    support, turn = _support(joint, q, len(lower)), row[5] * q[joint.coordinates[0]]
+    foot = np.column_stack([row[8] + row[10] * lower, row[9] + row[11] * lower])
+    ball = np.column_stack([
+        row[1] + row[6] * support + np.cos(turn) * row[3] - np.sin(turn) * row[4],
+        row[2] + row[7] * support + np.sin(turn) * row[3] + np.cos(turn) * row[4],
+    ])  # fmt: skip
+    along = ball - foot
+    direction = np.arctan2(along[:, 1], along[:, 0]) - np.pi / 2
+    rod = outlines.disc(ROD_RADIUS, 0.0, float(row[12]))
+    return [Body("pushrod", "pushrod", (rod,), np.column_stack([foot, direction]))]
+
+
+def _valve(train: TrainParameters, member: Member, tip: tuple[float, float], travel: Array, lift: Array) -> list[Body]:
+    """Stem with retainer, head, and the seats of springs and valve; the stem lies along the body's y axis."""
+    springs = spring_rooms(member, float(np.max(travel, initial=0.0)))
+    radius, length = max(one.outer for one in springs), TIP_TO_RETAINER + max(one.height for one in springs)
+    stem = min(STEM_RADIUS, 0.5 * min(one.inner for one in springs))
+    head, crown = length + 0.8 * radius, 0.95 * radius
+    nx, ny = unit(train.valve.opening_direction)
+    turn = np.full(len(lift), train.valve.opening_direction - np.pi / 2)
+
+    def pose(moved: Array) -> Array:
+        return np.column_stack([tip[0] + nx * moved, tip[1] + ny * moved, turn])
+
+    still = pose(np.zeros_like(lift))
+    poppet = outlines.turned(
+        (0.0, head + 2.5e-3), (crown, head + 2.5e-3), (crown, head + 1e-3), (crown - 2e-3, head - 1e-3), (1.3 * stem, head - 6e-3),
+        (stem, head - 9e-3), (0.0, head - 9e-3),
+    )  # fmt: skip
+    ring = outlines.turned(
+        (crown, head + 1e-3), (crown + 3e-3, head + 1e-3), (crown + 3e-3, head - 4e-3), (crown - 2e-3, head - 4e-3),
+        (crown - 2e-3, head - 1e-3), (crown, head + 1e-3),
+    )  # fmt: skip
+    bodies = [
+        Body("valve stem", "valve", (outlines.disc(stem, 0.0, head - 4e-3),), pose(travel)),
+        Body("retainer", "retainer", (outlines.disc(radius + 1e-3, TIP_TO_RETAINER - PLATE, TIP_TO_RETAINER, stem),), pose(travel)),
+        Body("valve head", "valve", (poppet,), pose(lift)),
+        Body("valve seat", "seat", (ring,), still),
+    ]
+    for one in springs:
+        bottom = TIP_TO_RETAINER + one.height
+        seat = outlines.disc(one.outer + 1e-3, bottom, bottom + PLATE, min(1.6 * stem, one.inner))
+        bodies.append(Body(f"{one.name} seat", "seat", (seat,), still))
+    return bodies
+
+
+@dataclass(frozen=True, slots=True)
+class SpringRoom:
+    """What a spring takes on the stem: largest outer and least inner radius, installed height (m)."""
+
+    name: str
+    outer: float
+    inner: float
+    height: float
+
+
+def spring_rooms(member: Member, valve_lift: float) -> tuple[SpringRoom, ...]:
+    """Room of every spring of a member that is drawn, or a usual one; ``valve_lift`` (m) as for ``wire_of``."""
+    found = []
+    for spring in member.springs:
+        wire, precompression, _ = wire_of(spring, valve_lift)
+        if wire is not None:
+            coil = np.linspace(0.0, wire.total_coils, 65)
+            outer, thick = wire.outer_diameter(coil) / 2, wire.wire_diameter.value(coil)
+            room = SpringRoom(spring.name, float(outer.max()), float((outer - thick).min()), wire.free_length - precompression)
+            found.append(room)
+    return tuple(found) or (SpringRoom("spring", NO_SPRING[0], 0.7 * NO_SPRING[0], NO_SPRING[1]),)

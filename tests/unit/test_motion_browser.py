@@ -1,0 +1,246 @@
+"""The moving picture in a real browser: it draws, steps and jumps, asks nothing of the network, and stands still where it must."""
+
+from __future__ import annotations
+
+import io
+import json
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from synthetic_study import own_study, rod_run
+from system_parts import program
+from valvetrain.parameters.loading import load_case
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.report.motion.pack import motion_json
+from valvetrain.report.motion.scene import moving_picture
+from valvetrain.report.motion.script import motion_script
+from valvetrain.report.page import Page, Section, render
+from valvetrain.report.sections.in_motion import blocks
+
+playwright = pytest.importorskip("playwright.sync_api")
+pytestmark = pytest.mark.chromium
+
+#: No file, no frame, no style element, no attribute of style, no evaluation: only the script that bears the number.
+STRICT = "default-src 'none'; script-src 'nonce-7'; style-src 'none'; connect-src 'none'; img-src 'none'"
+MOUNT = """<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>t</title>
+<meta http-equiv="Content-Security-Policy" content="POLICY">
+<script nonce="7">window.refused = [];
+document.addEventListener("securitypolicyviolation", (event) => refused.push(event.violatedDirective));</script>
+<script nonce="7">SCRIPT</script></head><body><div id="place"></div>
+<script nonce="7">valvetrainMotion.mount(document.getElementById("place"), DATA);</script></body></html>"""
+HANDLE = "document.querySelector('.vtm').parentElement.motion"
+TWO_FRAMES = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
+
+@pytest.fixture(scope="module")
+def study():
+    base = own_study((rod_run(),))
+    return replace(base, record=replace(base.record, text=load_case("gu2021-beehive").record().text))
+
+
+@pytest.fixture(scope="module")
+def browser():
+    path = program("chromium")
+    assert path
+    with playwright.sync_playwright() as driver:
+        options = ["--no-sandbox", "--enable-unsafe-swiftshader"]
+        found = driver.chromium.launch(executable_path=path, args=options)
+        yield found
+        found.close()
+
+
+class Visit:
+    """A page that was opened, and everything it said or asked for."""
+
+    def __init__(self, browser, html, folder, width=1000, **more):
+        file = folder / "page.html"
+        file.write_text(html, encoding="utf-8")
+        before = more.pop("before", "")
+        self.context = browser.new_context(viewport={"width": width, "height": 900}, offline=True, **more)
+        self.page = self.context.new_page()
+        if before:
+            self.page.add_init_script(before)
+        self.said, self.asked = [], []
+        # Reading the picture back is slow without a graphics card, which the browser says by itself.
+        self.page.on("console", lambda message: self.said.append(message.text) if "GPU stall" not in message.text else None)
+        self.page.on("pageerror", lambda error: self.said.append(str(error)))
+        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.page.goto(file.as_uri())
+
+    def handle(self, words):
+        return self.page.evaluate(f"() => {HANDLE}.{words}")
+
+    def settle(self):
+        self.page.evaluate(TWO_FRAMES)
+
+
+@pytest.fixture(scope="module")
+def strict_page(study):
+    html = MOUNT.replace("POLICY", STRICT).replace("DATA", motion_json(moving_picture(study))).replace("SCRIPT", motion_script())
+    return html
+
+
+@pytest.fixture(scope="module")
+def visit(browser, strict_page, tmp_path_factory):
+    found = Visit(browser, strict_page, tmp_path_factory.mktemp("motion"))
+    yield found
+    assert found.said == [] and found.page.evaluate("refused") == []
+    assert [url for url in found.asked if not url.startswith(("file:", "data:"))] == [] and len(found.asked) == 1
+    found.context.close()
+
+
+def ink(page) -> float:
+    """Share of the pixels of the picture that are not its paper."""
+    from PIL import Image
+
+    shot = np.asarray(Image.open(io.BytesIO(page.locator(".vtm canvas").screenshot())).convert("RGB")).astype(int)
+    return float(np.mean(np.abs(shot - shot[4, 4]).sum(axis=2) > 30))
+
+
+def test_it_draws_under_a_strict_policy_without_network(visit):
+    visit.settle()
+    assert visit.handle("webgl") is True
+    assert 0.05 < ink(visit.page) < 0.9
+
+
+def test_nodes_on_the_screen_are_those_of_the_solution(visit, study):
+    """The middle of every ring that stands on a node, as the graphics card got it, against the channel."""
+    cycle = reported_cycle(study.solutions[0])
+    wire = load_case("gu2021-beehive").springs[0].wire
+    coil = np.arange(0, 7.25, 0.5)
+    for sample in (0, 347, 500):
+        visit.handle(f"seek({float(np.degrees(cycle.cam_angle[sample]))!r})")
+        visit.settle()
+        rings = np.array(visit.handle("shown().tubes.map((tube) => Array.from(tube.position))")[0][:-6]).reshape(-1, 10, 3).mean(axis=1)
+        nodes = rings[:: (len(rings) - 1) // 14]
+        # At the ground ends the wire is cut by seat and retainer, so its middle moves.
+        inner, line = slice(3, 12), 1e3 * wire.centreline(coil)
+        wanted = np.column_stack([line[:, 0], 1e3 * cycle.channel("axial_position")[sample], -line[:, 1]])
+        np.testing.assert_allclose(nodes[inner], wanted[inner], atol=1e-3)
+
+
+def test_steps_and_jumps_move_the_cursor_to_the_stated_angle(visit):
+    page = visit.page
+    page.locator(".vtm-slide input").focus()
+    visit.handle("seek(100)")
+    for key, angle in (("ArrowRight", 101), ("Shift+ArrowRight", 111), ("ArrowLeft", 110), ("Home", 0), ("ArrowLeft", 359), ("End", 360)):
+        page.keyboard.press(key)
+        visit.settle()
+        assert visit.handle("angle()") == pytest.approx(angle) and shown_angle(page) == pytest.approx(angle, abs=0.2)
+    page.get_by_role("button", name="step forward 10 cam degrees").click()
+    visit.settle()
+    assert shown_angle(page) == pytest.approx(10, abs=0.2)
+    row = page.locator(".vtm-list button", has_text="clash").first
+    wanted = float(row.locator("b").inner_text().rstrip("°"))
+    row.click()
+    visit.settle()
+    assert wanted == pytest.approx(251.0) and shown_angle(page) == pytest.approx(wanted, abs=0.2)
+    assert row.get_attribute("aria-current") == "true" and f"{wanted:.1f}°" in page.locator(".vtm-now").inner_text()
+    page.keyboard.press("PageDown")
+    assert visit.handle("angle()") == pytest.approx(252.0)
+    plot = page.locator(".vtm-plot svg").bounding_box()
+    page.mouse.click(plot["x"] + 52 + (plot["width"] - 62) * 0.25, plot["y"] + 60)
+    visit.settle()
+    assert visit.handle("angle()") == pytest.approx(90, abs=0.5) and shown_angle(page) == pytest.approx(visit.handle("angle()"), abs=0.2)
+
+
+def shown_angle(page) -> float:
+    """Angle (deg) at which the cursor stands in the force plot, from its pixels; the slider says the same."""
+    at, width = (float(page.locator(place).get_attribute(name).split()[-2 if name == "viewBox" else 0]) for place, name in (
+        (".vtm-cursor", "x1"), (".vtm-plot svg", "viewBox")))  # fmt: skip
+    angle = 360 * (at - 52) / (width - 62)
+    assert float(page.locator(".vtm-slide input").input_value()) == pytest.approx(angle, abs=0.2)
+    return angle
+
+
+def test_it_plays_at_the_stated_share_of_real_time_and_stops(visit):
+    page = visit.page
+    page.get_by_label("speed").select_option("1000")
+    visit.handle("seek(0)")
+    page.locator(".vtm-play").focus()
+    page.keyboard.press("Enter")
+    now = f"() => [{HANDLE}.angle(), performance.now()]"
+    page.wait_for_timeout(100)
+    first = page.evaluate(now)
+    page.wait_for_timeout(800)
+    last = page.evaluate(now)
+    page.keyboard.press("Enter")
+    # 5600 rpm of the crank are 16.8 cam degrees a millisecond; a loaded machine shows a picture in less than 0.3 s.
+    assert last[0] - first[0] == pytest.approx(16.8 * (last[1] - first[1]) / 1000, abs=5)
+    assert visit.handle("playing()") is False and last[0] > 5
+
+
+def test_the_picture_turns_by_keys_and_colours_change(visit):
+    page = visit.page
+    visit.settle()
+    before = page.locator(".vtm canvas").screenshot()
+    page.locator(".vtm canvas").focus()
+    for _ in range(4):
+        page.keyboard.press("ArrowLeft")
+    visit.settle()
+    turned = page.locator(".vtm canvas").screenshot()
+    page.get_by_label("colour").select_option("velocity")
+    visit.settle()
+    assert len({before, turned, page.locator(".vtm canvas").screenshot()}) == 3
+    assert "(m/s)" in page.locator(".vtm-scale").inner_text()
+
+
+@pytest.fixture(scope="module")
+def report(study):
+    return render(Page("t", "", "", (), (Section("in-motion", "In motion", blocks(study)),)))
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+def test_the_report_mounts_it_and_nothing_scrolls_sideways(browser, report, tmp_path, width):
+    visit = Visit(browser, report, tmp_path, width)
+    visit.page.wait_for_selector(".vtm canvas")
+    visit.settle()
+    assert visit.page.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
+    assert ink(visit.page) > 0.04 and visit.said == [] and len(visit.asked) == 1
+    visit.context.close()
+
+
+class Words(HTMLParser):
+    """Whether what is fed holds a picture, and its attributes."""
+
+    def __init__(self):
+        super().__init__()
+        self.labels = []
+
+    def handle_starttag(self, tag, attrs):
+        if tag == "svg" and ("role", "img") in attrs:
+            self.labels.append(dict(attrs).get("aria-label", ""))
+
+
+def test_without_scripts_a_still_picture_and_a_sentence_stand(browser, report, study, tmp_path):
+    visit = Visit(browser, report, tmp_path, java_script_enabled=False)
+    assert visit.page.locator(".moving svg").is_visible() and "Scripts are off" in visit.page.locator(".moving").inner_text()
+    visit.context.close()
+    words = Words()
+    words.feed(report)
+    cycle = reported_cycle(study.solutions[0])
+    peak = np.degrees(cycle.cam_angle[np.argmax(cycle.channel("seat_force"))])
+    assert words.labels == [f"finite-element rod, 5600 rpm at cam angle {peak:.1f} degrees"]
+
+
+def test_without_webgl_the_still_picture_stays_and_the_forces_move(browser, report, tmp_path):
+    visit = Visit(browser, report, tmp_path, before="HTMLCanvasElement.prototype.getContext = function () { return null; };")
+    visit.page.wait_for_selector(".vtm")
+    assert visit.page.locator(".vtm-view svg").is_visible() and "no WebGL" in visit.page.locator(".vtm").inner_text()
+    visit.handle("seek(42)")
+    visit.settle()
+    assert shown_angle(visit.page) == pytest.approx(42, abs=0.2) and visit.said == []
+    visit.context.close()
+
+
+def test_the_script_is_one_text_that_evaluates_nothing():
+    text = motion_script()
+    assert "</script" not in text and "import(" not in text and "new Function" not in text and "eval(" not in text
+    assert len(text) < 760_000
+
+
+def test_the_data_are_whole_json(study):
+    assert json.loads(motion_json(moving_picture(study)))["version"] == 1
