@@ -14,6 +14,8 @@ from sphinx import addnodes
 PARENTS = ("user-guide", "reference", "evidence", "development", "decisions/README", "how-to/README", "theory/README")
 #: File of the repository -> its page of the site.
 ELSEWHERE = {"CHANGELOG": "changes", "CONTRIBUTING": "contributing"}
+#: Page -> pages below it that its list leaves out: written by the build, or of a part that is not in every copy.
+ALSO = {"reference": ("commands.rst",), "user-guide": ("workbench.md",)}
 #: Pages of the first page, whoever else links to them.
 FIRST = ("tutorial.md", "index.md")
 LINK = re.compile(r"\]\(([\w./-]+?\.md)(?:#[\w-]*)?\)")
@@ -26,15 +28,15 @@ def children(page: str, text: str, docs: Path) -> list[str]:
         path = (reach / target).resolve()
         if path.is_relative_to(reach) and path.is_file() and path != docs / f"{page}.md" and target not in FIRST:
             found.append(target.removesuffix(".md"))
-    return found
+    more = (name for name in ALSO.get(page, ()) if name.endswith(".rst") or (docs / name).is_file())
+    return list(dict.fromkeys([*found, *(name.partition(".")[0] for name in more)]))
 
 
 def extend(app, docname: str, content: list[str]) -> None:
     """Put the tree under a page that lists others."""
     if docname in PARENTS:
         listed = "\n".join(children(docname, content[0], Path(app.srcdir)))
-        more = "\ncommands" if docname == "reference" else ""
-        content[0] += f"\n\n```{{toctree}}\n:hidden:\n\n{listed}{more}\n```\n"
+        content[0] += f"\n\n```{{toctree}}\n:hidden:\n\n{listed}\n```\n"
 
 
 def lead(app, doctree) -> None:

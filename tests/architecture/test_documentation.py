@@ -64,7 +64,6 @@ def below(page: str) -> set[str]:
     folder = (DOCS / page).parent
     named = {line.strip() for match in TREE.finditer(text) for line in match["pages"].splitlines() if line.strip()}
     named |= set(tree.children(page, text, DOCS)) if page in tree.PARENTS else set()
-    named |= {"commands"} if page == "reference" else set()
     named = {re.sub(r".*<(.*)>", r"\1", name) for name in named}
     return {str((folder / name).resolve().relative_to(DOCS)) for name in named}
 
