@@ -27,7 +27,7 @@ FOLDERS = {
     "cosserat": "The geometrically exact rod",
     "": "Errors and citations",
 }
-INTRODUCTION = """All names of ``import valvetrain as vt``, a page per folder of the package. Arguments stand one by one with unit and shape.
+INTRODUCTION = """All names of ``import valvetrain as vt``, a page per folder of the package. Arguments stand singly, with unit and shape.
 Numbers without a unit are SI: m, N, s, kg, rad, rad/s, Pa. Wherever a dimension is due, a text with a unit such as ``"3000 rpm"`` or a
 quantity of the package pint is as good. What cannot exist is refused by :class:`valvetrain.InputError`, one sentence with the remedy.
 
@@ -102,9 +102,17 @@ def public_name(target: str) -> str | None:
     """``valvetrain.Name`` or ``valvetrain.Name.member`` of a dotted name of any module of the package; None where it has none."""
     parts = target.removeprefix("vt.").removeprefix("valvetrain.").split(".")
     for place, part in enumerate(parts):
-        if part in valvetrain._HOMES:
+        if part in valvetrain._HOMES and (place == 0 or held(".".join(parts[:place]), part)):
             return ".".join(["valvetrain", *parts[place:]])
     return None
+
+
+def held(module: str, name: str) -> bool:
+    """Whether a module of the package has the object of a public name under that name."""
+    try:
+        return getattr(importlib.import_module(f"valvetrain.{module}"), name, None) is getattr(valvetrain, name)
+    except ImportError:
+        return False
 
 
 def exists(target: str) -> bool:

@@ -8,11 +8,16 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, stems, thin
 from valvetrain.report.svg_chart import svg
 
+#: Kinds of traces that are drawn.
+DRAWN = {"scatter", "scattergl", "bar", "heatmap"}
+
 
 def svg_of(figure) -> str:
     """The picture. Raises ValueError for a kind of trace or axis that is not drawn here."""
-    layout = figure.layout
-    panels = []
+    layout, panels = figure.layout, []
+    unknown = {trace.type for trace in figure.data} - DRAWN
+    if unknown:
+        raise ValueError(f"traces of kind {', '.join(sorted(unknown))} are not drawn")
     for suffix in sorted({(trace.yaxis or "y")[1:] for trace in figure.data}, key=lambda text: int(text or 1)):
         traces = [(place, trace) for place, trace in enumerate(figure.data) if (trace.yaxis or "y")[1:] == suffix]
         panels.append(_panel(traces, _axis(layout, "xaxis", suffix, figure), layout[f"yaxis{suffix}"], layout))
@@ -62,8 +67,6 @@ def _layers(trace, colour: str) -> list[Layer]:
         x = np.arange(1.0, len(trace.x) + 1) if isinstance(trace.x[0], str) else _numbers(trace.x)
         along, up = stems(x, _numbers(trace.y))
         return [Line(along, up, name, trace.marker.color or colour, width=28.0)]
-    if trace.type not in ("scatter", "scattergl"):
-        raise ValueError(f"traces of kind {trace.type} are not drawn")
     mode = trace.mode or "lines"
     x, y = _numbers(trace.x), _numbers(trace.y)
     shown = trace.showlegend is not False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from html import escape
 
 from docutils import nodes
 from docutils.utils.math import MathError, latex2mathml
@@ -28,7 +29,7 @@ def mathml(latex: str, node: nodes.Node, block: bool) -> str:
         return latex2mathml.tex2mathml(latex, as_block=block)
     except (MathError, IndexError, AttributeError, KeyError, TypeError, ValueError) as error:  # its ways to say that it cannot
         LOG.warning("equation cannot be set: %s in %s", error, latex.strip(), location=node)
-        return f"<code>{nodes.unescape(latex)}</code>"
+        return f"<code>{escape(latex)}</code>"
 
 
 def inline(self, node: nodes.math) -> None:

@@ -14,7 +14,10 @@ from system_parts import program
 
 ROOT = Path(__file__).resolve().parents[2]
 #: An element of a page that fetches what it names.
-FETCHED = re.compile(r"<(?:script|img|iframe|source|video|audio|link(?=[^>]*rel=\"(?:stylesheet|preload|icon)))[^>]*(?:src|href)=\"(?:https?:)?//[^\"]*")
+FETCHED = re.compile(
+    r"<(?:script|img|iframe|source|video|audio|link(?=[^>]*rel=\"(?:stylesheet|preload|icon)))[^>]*(?:src|href)=\"(?:https?:)?//[^\"]*"
+)
+STYLED = re.compile(r"(?:url\(|@import )\s*['\"]?(?:https?:)?//")
 LOOKED_AT = ("index", "tutorial", "gallery/index", "gallery/g03_chain_and_rod", "theory/rod", "api/studies", "commands", "quantities")
 
 pytestmark = [pytest.mark.long]
@@ -34,29 +37,34 @@ def test_no_page_fetches_anything_from_elsewhere(site):
     pages = sorted(site.rglob("*.html"))
     assert len(pages) > 100
     assert not [(page.name, found) for page in pages for found in FETCHED.findall(page.read_text(encoding="utf-8"))]
-    styles = [path for path in site.rglob("*.css") if re.search(r"(?:url\(|@import )\s*['\"]?(?:https?:)?//", path.read_text(encoding="utf-8"))]
+    styles = [path for path in site.rglob("*.css") if STYLED.search(path.read_text(encoding="utf-8"))]
     assert not styles
 
 
+def watch(page, found: list[str]) -> None:
+    """Keep what goes wrong on a page, and what it asks of the network."""
+    page.on("console", lambda message: found.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: found.append(str(error)))
+    page.on("request", lambda request: found.append(request.url) if not re.match("file:|data:|blob:", request.url) else None)
+
+
 @pytest.mark.chromium
-def test_pages_open_without_a_network_and_fit_a_narrow_page(site):
+@pytest.mark.parametrize("width", [1400, 390])
+def test_pages_open_without_a_network_and_fit(site, width):
     from playwright.sync_api import sync_playwright
 
+    found: list[str] = []
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=program("chromium"), args=["--no-sandbox"])
-        found: list[str] = []
-        for width in (1400, 390):
-            page = browser.new_page(viewport={"width": width, "height": 900})
-            page.on("console", lambda message: found.append(message.text) if message.type == "error" else None)
-            page.on("pageerror", lambda error: found.append(str(error)))
-            page.on("request", lambda request: found.append(request.url) if not re.match("file:|data:|blob:", request.url) else None)
-            for name in LOOKED_AT:
-                page.goto(f"file://{site / name}.html")
-                over = page.evaluate("document.documentElement.scrollWidth - window.innerWidth")
-                found += [f"{name} is {over} px too wide at {width}"] if over > 1 else []
-            page.goto(f"file://{site}/gallery/g03_chain_and_rod.html")
-            page.wait_for_selector(".figure-place .main-svg", timeout=20_000)
-            page.goto(f"file://{site}/search.html?q=coil+clash")
-            page.wait_for_selector("#search-results li a", timeout=20_000)
+        page = browser.new_page(viewport={"width": width, "height": 900})
+        watch(page, found)
+        for name in LOOKED_AT:
+            page.goto(f"file://{site / name}.html")
+            over = page.evaluate("document.documentElement.scrollWidth - window.innerWidth")
+            found += [f"{name} is {over} px too wide"] if over > 1 else []
+        page.goto(f"file://{site}/gallery/g03_chain_and_rod.html")
+        page.wait_for_selector(".figure-place .main-svg", timeout=20_000)
+        page.goto(f"file://{site}/search.html?q=coil+clash")
+        page.wait_for_selector("#search-results li a", timeout=20_000)
         browser.close()
     assert not found
