@@ -48,6 +48,9 @@ autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 numpydoc_show_class_members = False
+numpydoc_xref_param_type = True  # names of our classes among what an argument is
+numpydoc_xref_ignore = "all"
+numpydoc_xref_aliases = {name: f"valvetrain.{name}" for name in valvetrain.__all__ if name[0].isupper()}
 nitpicky = True
 
 html_theme = "pydata_sphinx_theme"
