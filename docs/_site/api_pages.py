@@ -93,7 +93,8 @@ def resolve(app, env, node, contnode):
         if place:
             link = app.builder.get_relative_uri(node["refdoc"], place.docname) + f"#{place.node_id}"
             return nodes.reference("", "", contnode, refuri=link, internal=True)
-    if (target.partition(".")[0] not in ("valvetrain", "vt") and "." in target) or exists(target):
+    elsewhere = ":" in target or ("." in target and target.partition(".")[0] not in ("valvetrain", "vt"))
+    if elsewhere or exists(target):
         return contnode
     return None
 
