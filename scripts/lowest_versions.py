@@ -20,6 +20,8 @@ def lowest_versions(project_file: Path) -> list[str]:
         *extras["measure"],
         *extras["studies"],
         *extras["film"],
+        *extras["serve"],
+        *extras["docs"],
         *extras["dev"],
     ):
         bound = re.fullmatch(r"([\w.-]+)>=([\w.]+)", requirement)
