@@ -87,6 +87,8 @@ sphinx_gallery_conf = {
     "filename_pattern": r"\.py$",
     "within_subsection_order": FileNameSortKey,
     "image_scrapers": (scrape,),
+    "backreferences_dir": "gallery/used",
+    "doc_module": ("valvetrain",),
     "reset_modules": (),
     "capture_repr": (),
     "download_all_examples": False,

@@ -27,6 +27,8 @@ FOLDERS = {
     "cosserat": "The geometrically exact rod",
     "": "Errors and citations",
 }
+#: A name that more programs of the gallery use is not illustrated by them.
+MOST_SHOWN = 8
 INTRODUCTION = """All names of ``import valvetrain as vt``, a page per folder of the package. Arguments stand singly, with unit and shape.
 Numbers without a unit are SI: m, N, s, kg, rad, rad/s, Pa. Wherever a dimension is due, a text with a unit such as ``"3000 rpm"`` or a
 quantity of the package pint is as good. What cannot exist is refused by :class:`valvetrain.InputError`, one sentence with the remedy.
@@ -48,35 +50,43 @@ def first_line(name: str) -> str:
     return " ".join(inspect.getdoc(getattr(valvetrain, name)).split("\n\n")[0].split())
 
 
-def entry(name: str) -> str:
+def in_the_gallery(name: str, used: Path) -> str:
+    """Pictures of the programs that use a name, where there are some and not most of them."""
+    file = used / f"valvetrain.{name}.examples"
+    count = file.read_text(encoding="utf-8").count("sphx-glr-thumbcontainer") if file.is_file() else 0
+    return f".. rubric:: In the gallery\n\n.. minigallery:: valvetrain.{name}\n\n" if 0 < count <= MOST_SHOWN else ""
+
+
+def entry(name: str, used: Path) -> str:
     """The full text of one name."""
     thing = getattr(valvetrain, name)
     kind = "autofunction" if inspect.isroutine(thing) else "autoexception" if issubclass(thing, Exception) else "autoclass"
     members = "" if kind == "autofunction" else "   :members:\n"
-    return heading(name, "-") + f".. {kind}:: valvetrain.{name}\n{members}\n"
+    return heading(name, "-") + f".. {kind}:: valvetrain.{name}\n{members}\n" + in_the_gallery(name, used)
 
 
-def page(folder: str, names: list[str]) -> str:
+def page(folder: str, names: list[str], used: Path) -> str:
     """One page: what the folder is, its names with a line each, then each in full."""
     module = importlib.import_module(f"valvetrain.{folder}" if folder else "valvetrain")
     told = f"{inspect.getdoc(module) or ''}\n\nFolder ``src/valvetrain/{folder}``.\n\n" if folder else ""
     rows = "".join(f"   * - :obj:`~valvetrain.{name}`\n     - {first_line(name)}\n" for name in names)
     listed = f".. list-table::\n   :widths: 25 75\n   :class: api-names\n\n{rows}\n"
-    return heading(FOLDERS[folder], "=") + told + listed + "".join(map(entry, names))
+    return heading(FOLDERS[folder], "=") + told + listed + "".join(entry(name, used) for name in names)
 
 
-def pages() -> dict[str, str]:
-    """File name -> text of all pages."""
+def pages(used: Path) -> dict[str, str]:
+    """File name -> text of all pages; ``used``: folder in which the gallery says who uses what."""
     found = names_by_folder()
     assert set(found) == set(FOLDERS), f"folders with public names and headings of pages differ: {set(found) ^ set(FOLDERS)}"
-    written = {f"{folder or 'errors'}.rst": page(folder, found[folder]) for folder in FOLDERS}
+    written = {f"{folder or 'errors'}.rst": page(folder, found[folder], used) for folder in FOLDERS}
     tree = ".. toctree::\n   :maxdepth: 1\n\n" + "".join(f"   {name.removesuffix('.rst')}\n" for name in written)
     return {"index.rst": heading("API", "=") + INTRODUCTION + tree, **written}
 
 
 def write(app) -> None:
     """Write the pages before the sources are read."""
-    keep(Path(app.srcdir) / "api", pages())
+    docs = Path(app.srcdir)
+    keep(docs / "api", pages(docs / "gallery" / "used"))
 
 
 def resolve(app, env, node, contnode):

@@ -61,10 +61,12 @@ def test_the_tree_takes_pages_of_its_own_reach_in_order(tmp_path):
     assert children("part/README", "[one](one.md) [up](../a.md) [me](README.md)", tmp_path) == ["one"]
 
 
-def test_every_public_name_has_its_place_in_the_api():
+def test_every_public_name_has_its_place_in_the_api_and_programs_beside_it(tmp_path):
     from api_pages import pages
 
-    text = "".join(pages().values())
+    (tmp_path / "valvetrain.sweep.examples").write_text('<div class="sphx-glr-thumbcontainer">')
+    text = "".join(pages(tmp_path).values())
+    assert re.findall(r"^\.\. minigallery:: (.*)$", text, re.MULTILINE) == ["valvetrain.sweep"]
     assert sorted(re.findall(r"^\.\. auto\w+:: valvetrain\.(\w+)$", text, re.MULTILINE)) == sorted(valvetrain.__all__[1:])
 
 
