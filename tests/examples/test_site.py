@@ -18,7 +18,17 @@ FETCHED = re.compile(
     r"<(?:script|img|iframe|source|video|audio|link(?=[^>]*rel=\"(?:stylesheet|preload|icon)))[^>]*(?:src|href)=\"(?:https?:)?//[^\"]*"
 )
 STYLED = re.compile(r"(?:url\(|@import )\s*['\"]?(?:https?:)?//")
-LOOKED_AT = ("index", "tutorial", "gallery/index", "gallery/g03_chain_and_rod", "theory/rod", "api/studies", "commands", "quantities")
+LOOKED_AT = (
+    "index",
+    "tutorial",
+    "gallery/index",
+    "gallery/g03_chain_and_rod",
+    "theory/rod",
+    "api/contact",
+    "commands",
+    "quantities",
+    "how-to/README",
+)
 
 pytestmark = [pytest.mark.long]
 
@@ -46,6 +56,24 @@ def watch(page, found: list[str]) -> None:
     page.on("console", lambda message: found.append(message.text) if message.type == "error" else None)
     page.on("pageerror", lambda error: found.append(str(error)))
     page.on("request", lambda request: found.append(request.url) if not re.match("file:|data:|blob:", request.url) else None)
+
+
+@pytest.mark.chromium
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_pages_have_no_serious_finding_of_axe(site, scheme):
+    from axe_playwright_python.sync_playwright import Axe
+    from playwright.sync_api import sync_playwright
+
+    found = []
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=program("chromium"), args=["--no-sandbox"])
+        page = browser.new_context(viewport={"width": 1400, "height": 1000}, color_scheme=scheme).new_page()
+        for name in LOOKED_AT:
+            page.goto(f"file://{site / name}.html")
+            told = Axe().run(page).response["violations"]
+            found += [(name, one["id"], one["nodes"][0]["html"][:200]) for one in told if one["impact"] in ("serious", "critical")]
+        browser.close()
+    assert not found
 
 
 @pytest.mark.chromium
