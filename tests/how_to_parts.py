@@ -83,8 +83,8 @@ class Guide:
         found = []
         for line in self.text.splitlines():
             cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
-            if len(cells) == 4 and cells[0].startswith("`") and (given := _NUMBER.match(cells[2])):
-                place = tuple(part.strip() for part in cells[1].split(",") if part.strip() not in ("", "–"))
+            if len(cells) == 4 and cells[0].startswith("`") and (given := _NUMBER.match(cells[1])):
+                place = tuple(part.strip() for part in cells[2].split(",") if part.strip() not in ("", "–"))
                 found.append(Row(cells[0].strip("`"), place, given[1], given[3]))
         return found
 

@@ -33,7 +33,7 @@ def test_the_command_runs_and_writes_its_page(tmp_path, monkeypatch) -> None:
     assert result.exit_code == 0, result.output
     assert "Wire diameter" in result.output and "Closed coils" in result.output and "percentile" in result.output
     (page,) = tmp_path.glob("runs/catalogue-spring/2*/report.html")
-    for words in ("What was found", "Measured against predicted", "Which data tell which quantity", "What was known before"):
+    for words in ("What was found", "Measured against predicted", "What each measurement contributes", "What was known before"):
         assert words in page.read_text(encoding="utf-8")
 
 

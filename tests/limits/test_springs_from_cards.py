@@ -74,7 +74,7 @@ def test_turns_come_from_what_the_card_tells(plain, told):
 def test_what_was_not_told_is_said_and_what_was_told_is_not(plain):
     told = vt.spring_from_card(vt.CatalogueCard(**SIZES, mass=weight(plain.definition), solid_height=plain.definition.solid_height))
     assert any("inactive turn at either end is assumed" in one for one in plain.free)
-    assert not any("inactive turn at either end is assumed" in one or "solid height is told" in one for one in told.free)
+    assert not any("inactive turn at either end is assumed" in one or "solid height is given" in one for one in told.free)
 
 
 def test_a_beehive_meets_its_card():
@@ -103,7 +103,7 @@ def test_ground_off_wire_is_the_segment_of_the_circle():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"mass": "200 g"}, "mass makes .* solid at .* but the second load is told at 34 mm"),
+        ({"mass": "200 g"}, "mass makes .* solid at .* but the second load is given at 34 mm"),
         ({"mass": "45 g"}, "inactive turns at either end"),
         ({"open_load": LOW}, "the second load of a card is the larger one"),
         ({"solid_height": "35 mm"}, "the solid height lies above that of the second load"),

@@ -66,7 +66,7 @@ def test_tables_beside_the_file_are_read_with_their_units(tmp_path: Path) -> Non
     assert [one.at for one in request.sought if one.kind == "force"] == pytest.approx([2.54e-3, 5.08e-3])
     assert [datum.value for datum in request.data] == pytest.approx([88.96443, 177.92886])
     (tmp_path / "curve.csv").write_text("1,20\n2,40\n")
-    with pytest.raises(InputError, match="tells no units"):
+    with pytest.raises(InputError, match="has no units"):
         parse_request(toml_text(tree), "test", tmp_path)
 
 
@@ -103,7 +103,7 @@ REFUSED = [
     (("measurements", "seat", "freedom"), 0, "positive freedom"),
     (("measurements", "curve", "forces"), "120 N", "as many of each"),
     (("measurements", "curve", "compressions"), "4, 4 mm", "twice"),
-    (("measurements", "peak", "peak"), "preload", "no quantity tells the angle"),
+    (("measurements", "peak", "peak"), "preload", "no quantity gives the angle"),
     (("measurements", "peak", "engine_speed"), "-3 rpm", "not positive"),
     (("measurements", "contact", "engine_speed"), None, "in motion"),
     (("measurements", "contact", "number"), 0, "count from 1"),

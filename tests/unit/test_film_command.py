@@ -146,7 +146,7 @@ def test_aliases_are_where_sampling_folds_them():
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ((), "nothing tells the cam angle"),
+        ((), "the cam angle is not known"),
         (("--cam-speed", "1000 Hz"), "rotational speed"),
         (("--free-decay", "--case", "vaz-ohc"), "has no cam"),
         (("--cam-speed", "1000 rpm", "--spring", "multi-mass"), "name it with --case"),

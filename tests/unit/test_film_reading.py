@@ -79,7 +79,7 @@ def test_the_rate_of_a_screen_is_not_taken_for_that_of_the_camera(tmp_path):
     with pytest.raises(vt.InputError, match="plays at 25 frames a second, the rate of a screen"):
         read(video(tmp_path / "film.avi", NOISE), rate=None)
     fast = read(video(tmp_path / "film.mp4", NOISE, 2000.0, "mp4v"), rate=None)
-    assert fast.frame_rate == pytest.approx(2000) and "the one that the file tells" in fast.notes[0]
+    assert fast.frame_rate == pytest.approx(2000) and "the one in the file" in fast.notes[0]
 
 
 def test_lost_frames_are_counted_and_leave_the_rest_where_it_was(tmp_path):
@@ -184,7 +184,7 @@ def test_a_spring_alone_is_laid_under_the_film_too():
     motion = made.turning_motion()
     model = vt.film_over_model(motion, "job-t", "multi-mass", first_turn=0.5)
     assert model.spring == "spring" and (model.turns == np.arange(6) + 0.5).all() and model.displacement.shape == (360, 6)
-    with pytest.raises(vt.InputError, match="knows no displacement of coils"):
+    with pytest.raises(vt.InputError, match="has no displacement of coils"):
         vt.film_over_model(motion, "job-t", "massless")
     with pytest.raises(vt.InputError, match="spring 'inner' is unknown"):
         vt.film_over_model(motion, "job-t", "multi-mass", "inner")

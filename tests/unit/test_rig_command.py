@@ -64,7 +64,7 @@ def test_all_open_questions_are_one_sentence(tmp_path):
     out = call("rig", str(tmp_path / "own.csv"))
     assert out.exit_code == 2 and out.output.count("\n") <= 6
     said = " ".join(out.output.split())
-    for words in ("which channels are measured", "which channel tells the angle", "cam or the crank"):
+    for words in ("which channels are measured", "which channel gives the angle", "cam or the crank"):
         assert words in said
     more = ("--channel", "spring_force=a", "--pulses", "b", "--angle-of", "cam")
     said = " ".join(call("rig", str(tmp_path / "own.csv"), *more).output.split())
@@ -89,7 +89,7 @@ def test_all_open_questions_are_one_sentence(tmp_path):
         (("rig.csv", "--angle-count", "4"), "angle_count is a whole number"), (("rig.csv", "--teeth", "0"), "teeth is a whole number"),
         (("rig.csv", "--angle-of", "crank", "--zero", "spring_force=1 mm"), "zero of spring_force"),
         (("rig.csv", "--angle-of", "crank", "--shunt", "spring_force=x, 1 N"), "the shunt of spring_force"),
-        (("--case", "job-t", "--sensor", "colour=3"), "tells nothing of a gauge"),
+        (("--case", "job-t", "--sensor", "colour=3"), "is no property of a gauge"),
         (("--case", "job-t", "--sensor", "order=x"), "order is a number"),
         (("--case", "job-t", "--sensor", "bandwidth=1 kHz", "--bandwidth", "1 kHz"), "given twice"),
     ],

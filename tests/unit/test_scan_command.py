@@ -99,7 +99,7 @@ def test_the_design_stands_beside_the_scan(folder):
 def test_the_terminal_tells_sizes_and_assumptions(folder, monkeypatch):
     monkeypatch.chdir(folder)
     words = " ".join(invoke("scan", "conical.ply", "--turn-over").stdout.split())
-    for part in ("left hand", "free length 30.", "closed and ground", "No scan tells the material", "ground turns of the lower end"):
+    for part in ("left hand", "free length 30.", "closed and ground", "A scan does not give the material", "ground turns of the lower end"):
         assert part in words
 
 
@@ -123,7 +123,7 @@ def test_a_circle_is_its_own_round_wire():
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ((), "does not say the unit of its points"),
+        ((), "does not give the unit of its points"),
         (("--unit", "kg"), "no unit of length"),
         (("--unit", "m"), "which no valve spring is"),
         (("--unit", "mm", "--points", "10"), "points cannot be fitted"),

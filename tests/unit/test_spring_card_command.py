@@ -41,7 +41,7 @@ def test_the_terminal_tells_card_spring_and_what_was_left_open(tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     shown = invoke(*CARD, *LOADS)
     words = " ".join(shown.stdout.split())
-    for part in ("force at the first height 350", "rate between the two 40", "active coils", "No material is told"):
+    for part in ("force at the first height 350", "rate between the two 40", "active coils", "No material is given"):
         assert part in words
     assert len(shown.stdout.splitlines()) < 40
 

@@ -61,7 +61,7 @@ class CamCard:
                 )
         if not (0 < points[0][1] and points[-1][1] < self.maximum_lift and 0 < points[-1][2] and points[0][2] < 2 * math.pi):
             raise InputError(
-                f"the lifts at which durations are told ({_mm(points[0][1])} to {_mm(points[-1][1])}) must lie below the lobe lift "
+                f"the lifts at which durations are given ({_mm(points[0][1])} to {_mm(points[-1][1])}) must lie below the lobe lift "
                 f"({_mm(self.maximum_lift)}), and the durations within a cam turn; check them and angle_of"
             )
         if not (0 < self.ramp_lift < self.maximum_lift and self.ramp_velocity != 0 and 0 < self.ramp_blend <= 1):

@@ -27,24 +27,24 @@ Blend = Annotated[float, quantity("ratio", low=0.01, high=1.0)]
 class CamCardModel(LiftModel):
     """A symmetric lobe by the values of its cam card; every duration told is met."""
 
-    lift_of: Literal["valve", "tappet"] = Field(default="tappet", description="whose lift it is: a card tells that of the lobe")
+    lift_of: Literal["valve", "tappet"] = Field(default="tappet", description="whose lift it is: a card gives that of the lobe")
     angle_of: Literal["crank", "cam"]
     lobe_lift: PositiveLength | None = Field(default=None, description="without it valve_lift over rocker_ratio")
     valve_lift: PositiveLength | None = Field(default=None, description="gross, without lash; without it from lobe_lift")
-    rocker_ratio: RockerRatio | None = Field(default=None, description="also of the lever in [train.lever] that tells none")
-    lash: Length | None = Field(default=None, description="at the valve; also of the [train] that tells none")
+    rocker_ratio: RockerRatio | None = Field(default=None, description="also of the lever in [train.lever] that gives none")
+    lash: Length | None = Field(default=None, description="at the valve; also of the [train] that gives none")
     duration: PositiveAngle
-    duration_lift: PositiveLength = Field(default=DURATION_LIFT, description="lobe lift at which duration is told")
+    duration_lift: PositiveLength = Field(default=DURATION_LIFT, description="lobe lift at which duration is given")
     advertised_duration: PositiveAngle | None = Field(default=None, description="without it the flank has its usual shape")
-    advertised_lift: PositiveLength = Field(default=ADVERTISED_LIFT, description="lobe lift at which advertised_duration is told")
+    advertised_lift: PositiveLength = Field(default=ADVERTISED_LIFT, description="lobe lift at which advertised_duration is given")
     upper_duration: PositiveAngle | None = Field(default=None, description="without it the nose has its usual shape")
-    upper_lift: PositiveLength = Field(default=UPPER_LIFT, description="lobe lift at which upper_duration is told")
+    upper_lift: PositiveLength = Field(default=UPPER_LIFT, description="lobe lift at which upper_duration is given")
     valve: Literal["intake", "exhaust"] = Field(default="intake", description="which valve: lobe_centre after or before top dead centre")
     lobe_centre: PositiveAngle | None = Field(default=None, description="of the nose from top dead centre; without it nose at 180 deg")
     top_dead_centre: Angle = Field(default=math.pi, description="cam angle of top dead centre of gas exchange")
     ramp_lift: PositiveLength | None = Field(default=None, description="of the lobe where ramps end; without it lash over ratio and 0.1 mm")
     ramp_velocity: CamVelocity | None = Field(
-        default=None, description="per cam angle; without it 0.0005 in/deg, or that of an advertised_duration told on the ramp"
+        default=None, description="per cam angle; without it 0.0005 in/deg, or that of an advertised_duration given on the ramp"
     )
     ramp_blend: Blend = Field(default=0.3, description="share of the ramp over which its velocity is built up")
 
@@ -81,6 +81,6 @@ class CamCardModel(LiftModel):
         if self.ramp_lift is not None:
             return self.ramp_lift
         if self.lash and self.rocker_ratio is None and self.lift_of == "tappet":
-            raise problem("the ramp over the lash needs rocker_ratio: lash is told at the valve; add it, or give ramp_lift", ("lash",))
+            raise problem("the ramp over the lash needs rocker_ratio: lash is given at the valve; add it, or give ramp_lift", ("lash",))
         ratio = self.rocker_ratio if self.lift_of == "tappet" and self.rocker_ratio else 1.0
         return (self.lash or 0.0) / ratio + RAMP_ABOVE_LASH

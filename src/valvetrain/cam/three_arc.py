@@ -86,7 +86,7 @@ class ThreeArcModel(LiftModel):
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses arcs that do not meet."""
         if (self.opening_start is None) == (self.flank_radius is None):
-            raise problem("a three-arc lobe is told by opening_start or by flank_radius; give one of them")
+            raise problem("a three-arc lobe is defined by opening_start or by flank_radius; give one of them")
         start = self.opening_start
         if start is None:
             start = self.nose - guarded(

@@ -26,7 +26,7 @@ def check(
     spring: SpringOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
     implausible: ImplausibleOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """Read a case file and print what it was understood to say, or what is wrong with it, and where."""
+    """Check a case file: print its values as they were understood, or what is wrong with it, and where."""
     from valvetrain.cli.case_choice import choose_case
     from valvetrain.cli.case_facts import case_facts, case_quantities
     from valvetrain.cli.outcome import Outcome, deliver

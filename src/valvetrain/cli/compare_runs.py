@@ -29,7 +29,7 @@ def register(app: typer.Typer) -> None:
 def compare_runs(
     a: RunArgument, b: RunArgument, folder: RootOption = Path("runs"), as_json: JsonOption = False, quiet: QuietOption = False
 ) -> None:  # fmt: skip
-    """Show what differs between two kept runs: inputs (key path), then results (what is asked first, then the largest difference)."""
+    """Show what differs between two kept runs: inputs by key path, then results, headline numbers first."""
     from valvetrain.cli.outcome import Outcome, deliver, measured
     from valvetrain.studies.run_differences import input_differences, result_differences
     from valvetrain.studies.run_store import find_run

@@ -40,21 +40,21 @@ def film(
     marker_angle: Annotated[str | None, asks("--marker-angle", "ANGLE", "Cam angle at which the mark passes.")] = None,
     cam_speed: Annotated[str | None, asks("--cam-speed", "SPEED", "Speed of the cam, such as '1034 rpm'.")] = None,
     first_angle: Annotated[str | None, asks("--first-angle", "ANGLE", "Cam angle of the first frame, with --cam-speed.")] = None,
-    lift_table: Annotated[Path | None, asks("--lift", "FILE", "Table of lifts that says what its columns are: tells the phase.")] = None,
+    lift_table: Annotated[Path | None, asks("--lift", "FILE", "Table of lifts with headed columns, from which the phase is found.")] = None,
     dwell: Annotated[str | None, asks("--dwell", "FIRST:LAST", "Cam angles of the closed valve: '170:350 deg' (default: found).")] = None,
-    free_decay: Annotated[bool, typer.Option("--free-decay", help="The cam stands: the spring was struck and rings.")] = False,
+    free_decay: Annotated[bool, typer.Option("--free-decay", help="The cam stands still: a struck spring rings.")] = False,
     first_frame: Annotated[int, typer.Option("--first-frame", metavar="N", help="First frame that is used, counted from 0.")] = 0,
     last_frame: Annotated[int | None, asks("--last-frame", "N", "Last frame that is used.")] = None,
     exposure: Annotated[str | None, asks("--exposure", "TIME", "Exposure of a frame: what motion blur takes.")] = None,
-    case: Annotated[str | None, asks("--case", "CASE", "Case that is run at this speed beside it; its lift tells the phase.")] = None,
+    case: Annotated[str | None, asks("--case", "CASE", "Case run at this speed for comparison; its lift gives the phase.")] = None,
     spring: Annotated[str, asks("--spring", "MODEL", "Spring model of that run.")] = "",
     filmed_spring: Annotated[str, asks("--filmed-spring", "NAME", "Which of nested springs is seen (default: the outer).")] = "",
     first_turn: Annotated[float | None, asks("--first-turn", "TURNS", "Turn of the wire that coil 1 is (default: found).")] = None,
     curve_angles: Annotated[int, typer.Option("--angles", metavar="N", help="Cam angles of the written curves.")] = 360,
-    synthetic: Annotated[bool, typer.Option("--synthetic", help="The film was computed: every result says so.")] = False,
+    synthetic: Annotated[bool, typer.Option("--synthetic", help="Synthetic film: every result is marked as such.")] = False,
     output: OutputOption = None, open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """A film of a valve spring: motion of its coils over the cam angle, peaks, surge lines with damping, a model beside them."""
+    """High-speed film of a valve spring: coil motion over the cam angle, peaks, surge frequencies with damping; compared with a model."""
     from valvetrain.measurements.film.setup import FilmSetup
     from valvetrain.registry import find
 

@@ -47,7 +47,7 @@ def identify(
     output: OutputOption = None, workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False,
     as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """Quantities of a case from measurements: likeliest values, intervals, branches, and which data tell what. Goes on where it was cut."""
+    """Identify quantities of a case from measurements: likeliest values, intervals, separate solutions. A cut search is resumed."""
     from valvetrain.identification.file import read_request
     from valvetrain.studies.cost import read_limits
     from valvetrain.studies.run_store import ROOT, safe_name

@@ -61,19 +61,19 @@ def lift(
     opening: Annotated[str | None, asks("--opening", "ANGLE", "Of a table of fractions: where it begins.")] = None,
     noise: Annotated[str | None, asks("--noise", "LENGTH", "Standard deviation of a station, such as '3 um' (default: found).")] = None,
     band: Annotated[str | None, asks("--band", "LENGTH", "How far the law may leave a station at most.")] = None,
-    at: Annotated[list[str] | None, asks("--at", "LENGTH", "Lift at which the duration is told too: '0.2 inch'. Repeatable.")] = None,
-    lash: Annotated[str, typer.Option("--lash", metavar="LENGTH", help="Lift at which ramp velocities are told.")] = "0.006 inch",
+    at: Annotated[list[str] | None, asks("--at", "LENGTH", "Further lift at which the duration is given: '0.2 inch'. Repeatable.")] = None,
+    lash: Annotated[str, typer.Option("--lash", metavar="LENGTH", help="Lift at which the ramp velocities are evaluated.")] = "0.006 inch",
     case: Annotated[str | None, asks("--case", "CASE", "Case whose lift it becomes: its forces and speeds with the band.")] = None,
     engine_speed: SpeedOption = None,
     search: Annotated[str | None, asks("--search", "SPEEDS", "Range in which float and bounce are searched: '4000:9000:500 rpm'.")] = None,
-    draws: Annotated[int, typer.Option("--draws", metavar="N", help="Laws drawn for forces and speeds.")] = 16,
+    draws: Annotated[int, typer.Option("--draws", metavar="N", help="Lift laws drawn from the band, for forces and speeds.")] = 16,
     spring: SpringOption = None, spring_set: SpringSetOption = None,
     write: Annotated[Path | None, asks("--write", "FILE", "Write the smoothed lift at whole cam degrees.")] = None,
     write_form: Annotated[str, typer.Option("--write-form", metavar="FORM", help="columns, s96, fractions or workbook.")] = "columns",
     output: OutputOption = None, workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False,
     as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """Measured lifts: figures of the lobe, lift to jerk with bands, the law for a case, forces and float speed with the band."""
+    """Measured lift: figures of the lobe, lift to jerk with error bands, a lift law for a case, effect of the noise on forces and float."""
     from valvetrain.measurements.lift_answers import LiftAnswers
     from valvetrain.studies.cost import read_limits
     from valvetrain.units import parse_quantity

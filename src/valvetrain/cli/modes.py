@@ -46,14 +46,14 @@ def modes(
     case: CaseArgument,
     count: Annotated[int, typer.Option("--count", metavar="N", help="Number of modes, lowest first.")] = 24,
     compression: Annotated[
-        str | None, typer.Option("--compression", metavar="LENGTH", help="State they are about, such as '7 mm' (default: as installed).")
+        str | None, typer.Option("--compression", metavar="LENGTH", help="Compression to compute them at: '7 mm' (default: installed).")
     ] = None,
     attached_mass: Annotated[
         str | None,
         typer.Option("--attached-mass", metavar="MASS", help="Mass that moves with the retainer: '50 g' (default: both ends fixed).",
                      show_default=False),
     ] = None,
-    free_end: Annotated[bool, typer.Option("--free-end", help="The retainer's end moves along the axis with nothing attached.")] = False,
+    free_end: Annotated[bool, typer.Option("--free-end", help="The retainer end is free to move along the axis, without a mass.")] = False,
     spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
     limit: LimitOption = None, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip

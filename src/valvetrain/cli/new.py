@@ -28,7 +28,7 @@ def new(
     kind: Annotated[
         str,
         typer.Option(
-            "--kind", "--train", metavar="KIND", help=f"What it is of: {', '.join(f'{word} ({told})' for word, told in KINDS.items())}."
+            "--kind", "--train", metavar="KIND", help=f"Kind of case: {', '.join(f'{word} ({told})' for word, told in KINDS.items())}."
         ),
     ] = "spring",
     as_json: JsonOption = False, quiet: QuietOption = False,

@@ -36,7 +36,7 @@ def optimise(
     workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False, as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """The best springs and lift laws within bounds on space, coil bind, stress, float and clash. Goes on where it was stopped."""
+    """Search the best spring or lift law within bounds on space, coil bind, stress, float and clash. A cut search is resumed."""
     from valvetrain.cli.limits import WORTH_SAYING
     from valvetrain.cli.outcome import tell
     from valvetrain.cli.progress import announce_compilation

@@ -45,7 +45,7 @@ ElementsOption = Annotated[
     int | None, typer.Option("--elements-per-coil", metavar="N", help="Finite elements per coil.", show_default=False)
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output and nothing else there.")]
-QuietOption = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors; the exit code tells.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", help="Print errors only; the exit code says how it ended.")]
 SpeedOption = Annotated[
     str | None,
     typer.Option(
@@ -120,12 +120,12 @@ LimitOption = Annotated[
     list[str] | None,
     typer.Option(
         "--limit", metavar="BOUND", show_default=False,
-        help="Let a request be larger than the default bounds of 10 min and 2 GB: '2 h', '8 GB'. Repeatable.",
+        help="Raise the limits of 10 min and 2 GB for this request: '2 h', '8 GB'. Repeatable.",
     ),
 ]  # fmt: skip
 ImplausibleOption = Annotated[
     bool,
-    typer.Option("--implausible", help="Let values pass that no valvetrain can have (docs/plausible.md); without it they are refused."),
+    typer.Option("--implausible", help="Accept values outside the plausible ranges (docs/plausible.md) instead of refusing them."),
 ]
 PublishedOption = Annotated[bool, typer.Option("--published", help="Print every published value beside the computed one, and findings.")]
 

@@ -49,7 +49,7 @@ def rig(
     once: Annotated[str, asks("--once", "NAME", "Channel of one pulse a turn.")] = "",
     angle_of: Annotated[str, asks("--angle-of", "cam|crank", "Shaft on which encoder, wheel or pulse sit.")] = "",
     teeth: Annotated[int | None, asks("--teeth", "N", "Teeth in one turn, with those that are missing.")] = None,
-    missing: Annotated[int, typer.Option("--missing", metavar="N", help="Teeth cut away side by side: the mark.")] = 0,
+    missing: Annotated[int, typer.Option("--missing", metavar="N", help="Number of missing teeth at the reference mark.")] = 0,
     unit: Annotated[list[str] | None, asks("--unit", "QUANTITY=UNIT", "Unit of a channel: 'spring_force=kN'. Repeatable.")] = None,
     calibration: Annotated[list[str] | None, asks("--calibration", "QUANTITY=VALUE", "What one unit of it stands for: '2.5 N'.")] = None,
     shunt: Annotated[list[str] | None, asks("--shunt", "QUANTITY=STEP, LOAD", "Step of the channel with the shunt, its load.")] = None,
@@ -59,8 +59,8 @@ def rig(
     angle_count: Annotated[int | None, asks("--angle-count", "N", "Points of a cam turn (default: as the band needs).")] = None,
     sampling_rate: Annotated[str | None, asks("--sampling-rate", "FREQUENCY", "Where the file has no times: '100 kHz'.")] = None,
     span: Annotated[str | None, asks("--span", "TIMES", "First and last time that are used: '2, 5 s'.")] = None,
-    keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Keep cycles that differ from all others.")] = False,
-    case: Annotated[str | None, asks("--case", "CASE", "Case whose lift tells what cam angle the mark is.")] = None,
+    keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Keep outlier cycles too.")] = False,
+    case: Annotated[str | None, asks("--case", "CASE", "Case whose lift gives the cam angle of the mark.")] = None,
     settings: SetOption = None,
     offset: Annotated[str | None, asks("--offset", "ANGLE", "Cam angle of the case at the mark, instead of by the lift.")] = None,
     engine_speed: SpeedOption = None, spring: SpringOption = None,
@@ -69,7 +69,7 @@ def rig(
     write: Annotated[Path | None, asks("--write", "FILE", "Write the cycles too: NetCDF (.nc), or text for one channel.")] = None,
     output: OutputOption = None, open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """Recordings of a test rig as cycles over the cam angle, laid on a case by the lift; or what a gauge sees of a case."""
+    """Recordings of a test rig as cycles over the cam angle, aligned to a case by the lift; or a computed force as a gauge records it."""
 
     take_folder(output)
     asked = _Asked(output, open_page, datetime.now(UTC).replace(microsecond=0))

@@ -66,7 +66,7 @@ def read_sensor(bandwidth: str | None, words: str | None, sampling_rate: str | N
         key, sign, value = (one.strip() for one in part.partition("="))
         key = key.replace("-", "_").replace(" ", "_")
         if key not in _WORDS or not sign or not value:
-            raise InputError(f"'{part.strip()[:40]}' tells nothing of a gauge; use KEY=VALUE with {', '.join(_WORDS)}", "--sensor")
+            raise InputError(f"'{part.strip()[:40]}' is no property of a gauge; use KEY=VALUE with {', '.join(_WORDS)}", "--sensor")
         given[key] = _value(key, value)
     for key, text in (("bandwidth", bandwidth), ("sampling_rate", sampling_rate)):
         if text is not None:

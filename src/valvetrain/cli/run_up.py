@@ -19,10 +19,10 @@ def register(app: typer.Typer) -> None:
 @study_command
 def run_up(
     request: StudyRequest,
-    first: Annotated[str, typer.Option("--from", metavar="SPEED", help="Crank speed at which it begins, in steady motion.")] = "1000 rpm",
-    last: Annotated[str, typer.Option("--to", metavar="SPEED", help="Crank speed at which it ends; below the first it runs down.")]
+    first: Annotated[str, typer.Option("--from", metavar="SPEED", help="Engine speed at the start, in steady motion.")] = "1000 rpm",
+    last: Annotated[str, typer.Option("--to", metavar="SPEED", help="Engine speed at the end; a lower one is a run-down.")]
     = "6000 rpm",
-    duration: Annotated[str, typer.Option("--duration", metavar="TIME", help="Time between them.")] = "2 s",
+    duration: Annotated[str, typer.Option("--duration", metavar="TIME", help="Duration of the run-up.")] = "2 s",
 ) -> None:  # fmt: skip
     """Accelerate a train through its speeds: envelope of forces, loss of contact and float over engine speed."""
     from valvetrain.cli.limits import say_cost

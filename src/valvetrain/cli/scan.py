@@ -40,17 +40,17 @@ def register(app: typer.Typer) -> None:
 
 def scan(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Point cloud or mesh: PLY, STL, OBJ or text with x, y, z; read by content.")],
-    unit: Annotated[str, asks("--unit", "UNIT", "Unit of the coordinates, such as mm, m or inch, where the file does not tell.")] = "",
+    unit: Annotated[str, asks("--unit", "UNIT", "Unit of the coordinates, such as mm, m or inch, where the file gives none.")] = "",
     material: Annotated[str, asks("--material", "NAME", "Wire by name (default: the design's, else EN 10270-2 VDSiCr).")] = "",
-    name: Annotated[str, typer.Option("--name", metavar="NAME", help="Word for the spring.")] = "spring",
-    turn_over: Annotated[bool, typer.Option("--turn-over", help="Take the other end for the lower one.")] = False,
-    points: Annotated[int, typer.Option("--points", metavar="N", help="Most points that are fitted: an even draw.")] = 100_000,
+    name: Annotated[str, typer.Option("--name", metavar="NAME", help="Name of the spring in the results.")] = "spring",
+    turn_over: Annotated[bool, typer.Option("--turn-over", help="Swap the ends: the end taken as upper becomes the lower one.")] = False,
+    points: Annotated[int, typer.Option("--points", metavar="N", help="Largest number of points in the fit, drawn evenly.")] = 100_000,
     design: Annotated[str | None, asks("--design", "CASE", "Case of the design: curves, statics, modes, runs beside it.")] = None,
     engine_speed: SpeedOption = None, spring: SpringOption = None,
     output: OutputOption = None, workers: WorkersOption = None, open_page: OpenOption = False, as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """A spring definition out of a 3-D scan: wire axis, section, diameter and pitch with their scatter; its design beside it."""
+    """Spring definition from a 3-D scan: wire axis, section, diameter and pitch with their scatter; compared with its design."""
     from valvetrain.cli.progress import announce_compilation, busy, progress_bar
     from valvetrain.measurements.spring_scan.api import spring_from_scan
     from valvetrain.parameters.loading import load_case

@@ -28,7 +28,7 @@ def register(app: typer.Typer) -> None:
 
 
 def spring_card(
-    table: Annotated[Path | None, typer.Argument(metavar="[TABLE]", help="Table of a spring tester; else two loads.")] = None,
+    table: Annotated[Path | None, typer.Argument(metavar="[TABLE]", help="File of a spring tester; without it give two loads.")] = None,
     wire_diameter: Annotated[str | None, asks("--wire-diameter", "LENGTH", "Diameter of the wire, such as '4.2 mm'.")] = None,
     outer_diameter: Annotated[str | None, asks("--outer-diameter", "LENGTH", "Outer diameter of the coils.")] = None,
     top_outer_diameter: Annotated[str | None, asks("--top-outer-diameter", "LENGTH", "Of a beehive: outer diameter at the top.")] = None,
@@ -45,10 +45,10 @@ def spring_card(
     columns: Annotated[str, asks("--columns", "WORDS", "With a table: 'height, force' (or compression, ignore).")] = "",
     length_unit: Annotated[str, asks("--length-unit", "UNIT", "With a table: unit of heights.")] = "",
     force_unit: Annotated[str, asks("--force-unit", "UNIT", "With a table: unit of forces.")] = "",
-    name: Annotated[str, typer.Option("--name", metavar="NAME", help="Word for the spring.")] = "spring",
+    name: Annotated[str, typer.Option("--name", metavar="NAME", help="Name of the spring in the results.")] = "spring",
     output: OutputOption = None, open_page: OpenOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """A spring definition from a catalogue card or a tester's table: it meets the loads, and what stayed open is said."""
+    """Spring definition from a catalogue card or a spring tester's table, fitted to its loads, with the assumptions made."""
     from valvetrain.measurements.catalogue_card import CatalogueCard
     from valvetrain.parameters.materials import material_by_name
     from valvetrain.units import parse_quantity

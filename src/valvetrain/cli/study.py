@@ -31,12 +31,12 @@ def register(app: typer.Typer) -> None:
 
 
 def study(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Study file (docs/studies.md): a case, what is varied, what is asked.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Study file (docs/studies.md): case, varied quantities, outputs.")],
     output: Annotated[Path | None, points_folder("runs/studies/FILE")] = None, dask: DaskOption = "",
     workers: WorkersOption = None, limit: LimitOption = None, open_page: OpenOption = False, as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:  # fmt: skip
-    """A study of points: grid, list or random draws over any quantities of a case; tolerances with Sobol indices, surrogates."""
+    """Parameter study: grid, list or random draws over any quantities of a case; tolerances with Sobol indices, surrogates."""
     from valvetrain.cli.limits import WORTH_SAYING
     from valvetrain.cli.outcome import tell
     from valvetrain.cli.progress import announce_compilation

@@ -191,7 +191,7 @@ def _from_file(part: Part, folder: Path, dimension: str) -> tuple[Array, Array, 
         units = given or table.units[:2]
         if len(units) != 2 or not all(units):
             raise InputError(
-                f"'{path.name[:60]}' tells no units; write them in its headings, or units = [\"{DIMENSIONS[dimension].usual_unit}\", ...]"
+                f"'{path.name[:60]}' has no units; write them in its headings, or units = [\"{DIMENSIONS[dimension].usual_unit}\", ...]"
             )
         parse_quantity(f"1 {units[0]}", dimension)
         return table.rows[:, 0] * unit_factor(units[0]), table.rows[:, 1] * unit_factor(units[1]), units[1]

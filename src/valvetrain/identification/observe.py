@@ -193,7 +193,9 @@ def _force(problem: Problem, station: Station, one: Sought) -> float:
     if one.kind == "force":
         return float(force_of(spring, model, one.at))
     if spring.installed_height is None:
-        raise InputError(f"the card of spring '{spring.name}' tells no installed_height, so it has no height; give compressions", "heights")
+        raise InputError(
+            f"the card of spring '{spring.name}' has no installed_height, so heights are not known; give compressions", "heights"
+        )
     return float(force_of(spring, model, spring.installed_height + spring.precompression - one.at))
 
 

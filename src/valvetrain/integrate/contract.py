@@ -50,7 +50,7 @@ class RunUp:
         if not (math.isfinite(self.cam_acceleration) and change * self.cam_acceleration > 0 and self.last_cam_speed > 0):
             raise InputError("the cam acceleration of a run-up must lead from its first to its last speed; change its sign or the speeds")
         if change / self.cam_acceleration * first_cam_speed > MOST_TURNS * 2 * math.pi:
-            raise InputError(f"a run-up of more than {MOST_TURNS} cam turns is a slip of the pen; raise the acceleration")
+            raise InputError(f"a run-up of more than {MOST_TURNS} cam turns is taken for a mistake; raise the acceleration")
         return change / self.cam_acceleration
 
 

@@ -193,9 +193,9 @@ def _told(card: CatalogueCard) -> str:
 def _refuse_high_stack(card: CatalogueCard, total: float) -> None:
     least = (total + 1 - 2 * POSSIBLE_GROUND[1]) * card.wire_diameter
     if card.top_outer_diameter is None and least > card.open_load.height:
-        solid = "" if card.solid_height is None else f" and the card tells a solid height of {card.solid_height * 1e3:.4g} mm"
+        solid = "" if card.solid_height is None else f" and the card has a solid height of {card.solid_height * 1e3:.4g} mm"
         raise InputError(
-            f"{_told(card)} makes {total:.3g} turns, solid at {least * 1e3:.4g} mm or more, but the second load is told at "
+            f"{_told(card)} makes {total:.3g} turns, solid at {least * 1e3:.4g} mm or more, but the second load is given at "
             f"{card.open_load.height * 1e3:.4g} mm{solid}; check wire, diameters and {_told(card)}", _told(card),
         )  # fmt: skip
 

@@ -112,10 +112,10 @@ def _check_columns(known: tuple[str, ...], width: int, name: str) -> None:
         if word and word not in COLUMNS:
             raise InputError(f"a column is one of {', '.join(COLUMNS)}, not '{word[:40]}'; correct the list", "columns")
     if len(known) != width:
-        raise InputError(f"{name} has {width} columns and {len(known)} are told; tell what each is", "columns")
+        raise InputError(f"{name} has {width} columns and {len(known)} are given; say what each is", "columns")
     if "" in known or known.count("force") != 1 or known.count("height") + known.count("compression") != 1:
         raise InputError(
-            f"{name} does not say which of its {width} columns is what; tell it, such as 'height, force' ({', '.join(COLUMNS)})", "columns"
+            f"{name} does not say which of its {width} columns is what; give it, such as 'height, force' ({', '.join(COLUMNS)})", "columns"
         )
 
 
@@ -140,7 +140,9 @@ def _scale(unit: str, dimension: str, question: str, name: str) -> float:
 def _branches(heights: Array, forces: Array, name: str, notes: list[str]) -> ForceHeight:
     """Loading and unloading told apart at the smallest height; their mean where they overlap."""
     if len(heights) < FEWEST:
-        raise InputError(f"{name} holds {len(heights)} stations; {FEWEST} or more tell the curve of a spring (a card needs two loads only)")
+        raise InputError(
+            f"{name} holds {len(heights)} stations; {FEWEST} or more are needed for the curve of a spring (a card needs two loads only)"
+        )
     turn = int(np.argmin(heights))
     down, up = np.arange(turn + 1), np.arange(turn, len(heights))[::-1]
     if len(down) < len(up):

@@ -78,7 +78,9 @@ def numbered(times: Array, teeth: int, missing: int, name: str) -> Teeth:
             "missing",
         )
     if len(lost):
-        notes.append(f"{len(lost)} pulses of '{name}' were lost, the first at {times[lost[0]]:.6g} s; the others tell the angle there")
+        notes.append(
+            f"{len(lost)} pulses of '{name}' were lost, the first at {times[lost[0]]:.6g} s; the angle there follows from the others"
+        )
     return Teeth(times, numbers, numbers[gaps], tuple(notes))
 
 

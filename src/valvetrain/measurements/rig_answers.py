@@ -12,7 +12,7 @@ from valvetrain.units import Given, si
 #: Question -> how it reads in a refusal.
 QUESTIONS = {
     "channels": "which channels are measured quantities, such as spring_force=NAME",
-    "shaft": "which channel tells the angle (encoder, pulses or once)",
+    "shaft": "which channel gives the angle (encoder, pulses or once)",
     "angle_of": "whether the shaft of the angle is the cam or the crank",
     "teeth": "how many teeth the pulses come from",
     "sampling_rate": "the sampling rate",

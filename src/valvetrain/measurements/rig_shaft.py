@@ -13,7 +13,7 @@ from valvetrain.measurements.shaft_angle import TURN, ShaftAngle, shaft_through,
 
 #: Crank turns per cam turn.
 RATIO = 2
-_HALF = "the mark comes once a crank turn: which of the two turns of a cycle comes first is not told, so angles may be half a cam turn off"
+_HALF = "the mark comes once a crank turn: which of the two turns of a cycle comes first is not known, so angles may be half a cam turn off"
 
 
 def shaft_of(chosen: Chosen, answers: RigAnswers) -> ShaftAngle:
@@ -61,7 +61,7 @@ def _by_pulse_a_turn(edges: Array, ratio: int, channel: RigChannel) -> ShaftAngl
             f"the pulses of '{channel.name[:40]}' are not one a turn: {len(odd)} intervals leave the others by more than 60 %, the first "
             f"at {edges[odd[0]]:.6g} s; cut the recording, or give teeth if it is a wheel", "once",
         )  # fmt: skip
-    notes = ["one pulse a turn tells how the speed changes from turn to turn, by a spline; a change within a turn stays unseen"]
+    notes = ["one pulse a turn shows how the speed changes from turn to turn, by a spline; a change within a turn is not seen"]
     if ratio == RATIO:
         notes.append(_HALF)
     return shaft_through(edges, TURN / ratio * np.arange(len(edges), dtype=np.float64), tuple(notes), channel.name)
@@ -85,7 +85,9 @@ def _by_teeth(teeth: Teeth, count: int, ratio: int, channel: RigChannel, index: 
     elif len(teeth.marks):
         zero, every = float(teeth.marks[0]), 1
     else:
-        notes.append(f"'{channel.name}' has no mark, so the angle begins at its first pulse; a case or an offset tells what it means")
+        notes.append(
+            f"'{channel.name}' has no mark, so the angle begins at its first pulse; a case or an offset is needed to relate it to the cam"
+        )
     if ratio == RATIO and every == 1:
         notes.append(_HALF)
     angles = np.asarray(TURN / ratio * (teeth.numbers - zero) / count, dtype=np.float64)

@@ -74,7 +74,7 @@ def shaft_through(times: Array, cam_angles: Array, notes: tuple[str, ...] = (), 
     Raises :class:`InputError` where there are too few or the shaft does not turn one way.
     """
     if len(times) < 4 or not np.all(np.diff(times) > 0) or not cam_angles[-1] - cam_angles[0] > TURN:
-        raise InputError(f"channel '{name[:80]}' does not tell one whole cam turn; give a longer recording")
+        raise InputError(f"channel '{name[:80]}' does not hold one whole cam turn; give a longer recording")
     turns = (cam_angles[-1] - cam_angles[0]) / TURN
     told = (len(times) - 1) / turns
     if told <= KNOTS * 1.5:

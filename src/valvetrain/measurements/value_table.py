@@ -192,7 +192,7 @@ def _value(heads: list[tuple[str, str]], cells: list[str], overall: float, where
     if "value" in row:
         scatter = _scatter(row.get("scatter", ""), float(repeats[0]), unit, factor, where)
     elif len(repeats) < 2:
-        raise InputError(f"{where} has one repeat, which tells no scatter; give two or more, or a column 'scatter'")
+        raise InputError(f"{where} has one repeat, which shows no scatter; give two or more, or a column 'scatter'")
     amounts = {
         word: _number(row[word], where) * unit_factor(units[word]) if row.get(word) else math.nan for word in _AMOUNTS
     }  # fmt: skip

@@ -72,5 +72,5 @@ def _why_not(place: str) -> str:
     if place == "cam":
         return "its follower is a roller, which rolls"
     if place in ("tappet", "rocker"):
-        return "its partners meet in a ball, whose turning the model does not tell"
+        return "its partners meet in a ball, whose turning is not modelled"
     return "its partners move along one line, so nothing slides"

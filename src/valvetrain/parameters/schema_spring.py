@@ -176,11 +176,11 @@ class SpringCardModel(StrictModel):
 
     name: Name = "spring card"
     preload: Force
-    preload_height: PositiveLength | None = Field(default=None, description="at which preload is told; without it installed_height")
+    preload_height: PositiveLength | None = Field(default=None, description="at which preload is given; without it installed_height")
     rate: Stiffness | None = None
     open_load: Force | None = None
     open_lift: PositiveLength | None = None
-    open_height: PositiveLength | None = Field(default=None, description="at which open_load is told, in place of open_lift")
+    open_height: PositiveLength | None = Field(default=None, description="at which open_load is given, in place of open_lift")
     mass: Mass | None = Field(default=None, description="that vibrates; without it from wire and coils")
     installed_height: PositiveLength | None = Field(default=None, description="without it preload_height")
     solid_height: PositiveLength | None = Field(default=None, description="at coil bind")
@@ -254,7 +254,7 @@ class SpringCardModel(StrictModel):
         coils = self.active_coils or by_rate
         if not 0.7 < coils / by_rate < 1.4:
             raise problem(
-                f"wire and coils make a rate of {rate * by_rate / coils / 1e3:.3g} N/mm, but the card tells {rate / 1e3:.3g} N/mm, which "
+                f"wire and coils make a rate of {rate * by_rate / coils / 1e3:.3g} N/mm, but the card has {rate / 1e3:.3g} N/mm, which "
                 f"takes {by_rate:.3g} active coils; correct one of them, or give mass", ("wire_diameter",),
             )  # fmt: skip
         return float(material.density * np.pi**2 * wire**2 * mean * coils / 4)

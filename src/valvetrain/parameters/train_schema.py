@@ -83,7 +83,7 @@ class LeverModel(StrictModel):
     pivot: Pair
     drive_arm: PositiveLength
     valve_arm: PositiveLength | None = Field(default=None, description="without it drive_arm times ratio")
-    ratio: LeverRatio | None = Field(default=None, description="valve_arm over drive_arm, as cards tell it; without it from valve_arm")
+    ratio: LeverRatio | None = Field(default=None, description="valve_arm over drive_arm, as cards give it; without it from valve_arm")
     inertia: Inertia
     valve_angle: Angle = Field(default=0.0, description="polar direction from the pivot to the tip, valve closed")
     drive_angle: Angle | None = Field(default=None, description="polar direction of the drive end; without it the base circle decides")

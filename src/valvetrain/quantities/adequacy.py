@@ -66,7 +66,7 @@ class AdequacyTest:
 
     def __post_init__(self) -> None:
         if not self.reproducibility > 0:
-            raise InputError("the repeats are the same number by number, so they tell no scatter; give repeats as they were measured")
+            raise InputError("the repeats are the same number by number, so they show no scatter; give repeats as they were measured")
         if self.fitted >= self.independent:
             raise InputError(
                 f"{self.fitted} fitted values leave nothing of {self.independent:.3g} independent values to test; give more of these"
@@ -189,7 +189,7 @@ def adequacy_test(
     """
     repeats, places = values.shape
     if repeats < 2:
-        raise InputError("one cycle tells no scatter, so there is no F-test; give two or more repeats")
+        raise InputError("one cycle shows no scatter, so there is no F-test; give two or more repeats")
     shares = np.full(places, 1 / places) if weights is None else weights / weights.sum()
     mean = values.mean(axis=0)
     residuals = (values - mean) * np.sqrt(shares)

@@ -67,9 +67,9 @@ PARTS = (GUIDE_FRICTION,)
 FOUND = (
     _range("a speed of the motion", "retainer_velocity valve_velocity axial_velocity *_axial_velocity", -100.0, 100.0, "m/s", 1.0,
            "wire struck at v bears a shear stress of v √(2 G ρ), 3.5 GPa at 100 m/s"),
-    _range("a spring force", "peak_spring_force peak_retainer_force", -1e5, 1e5, "N", 1.0, "the largest valve springs bear some 10 kN"),
-    _range("a contact force", "peak_*_contact_force", -1e6, 1e6, "N", 1.0, "no cam, tappet or seat bears that"),
-    _range("the force on a guide", "guide_force", -1e5, 1e5, "N", 1.0, "a spring cannot press on its guide by more than a spring bears"),
+    _range("a spring force", "peak_spring_force peak_retainer_force", -1e5, 1e5, "N", 1.0, "the largest valve springs carry some 10 kN"),
+    _range("a contact force", "peak_*_contact_force", -1e6, 1e6, "N", 1.0, "more than any cam, tappet or seat can carry"),
+    _range("the force on a guide", "guide_force", -1e5, 1e5, "N", 1.0, "a spring cannot press on its guide with more than it can carry"),
     _range("a shear stress", "peak_shear_stress nominal_peak_shear_stress", -1e10, 1e10, "GPa", 1e9,
            "the ideal strength of a steel crystal is G / 8"),
 )  # fmt: skip
@@ -157,7 +157,7 @@ def plausible_page() -> str:
         "# Plausible values\n",
         "Equations have solutions for numbers that no valvetrain has. Beyond these ranges a request is refused before it is run,",
         "and a run, or a static curve, that reaches one ends with the status `diverged`, its numbers kept. `--implausible`, or",
-        "`implausible=True` in Python, lets all of them pass; `scripts/write_plausible.py` writes this page.\n",
+        "`implausible=True` in Python, accepts all of them; `scripts/write_plausible.py` writes this page.\n",
         "| | quantity | least | largest | reason |",
         "|---|---|---|---|---|",
     ]
@@ -169,8 +169,8 @@ def plausible_page() -> str:
             lines.append(f"| {kind} | {one.words}{shown} | {low} | {high} | {one.reason} |")
     lines += [
         "",
-        "Engine speeds lie between 10 and 30 000 rpm, and numbers of a case within the ranges of its tables; those are slips of",
-        "the pen or of units, and nothing lifts them.",
+        "Engine speeds lie between 10 and 30 000 rpm, and numbers of a case within the ranges of its tables; those are mistakes or wrong",
+        "units, and no option accepts them.",
         "",
     ]
     return "\n".join(lines)

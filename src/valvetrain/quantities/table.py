@@ -99,7 +99,7 @@ AT_REST: tuple[QuantityRow, ...] = (
     row("card_mass", "mass of the card", "Mass as the spring card has it.", systems=BOTH),
     row("card_installed_height", "installed height of the card", "Installed height as the spring card has it.", systems=BOTH),
     row("card_open_force", "open force of the card", "Force at the open lift as the spring card has it.", systems=BOTH),
-    row("card_open_lift", "open lift of the card", "Lift at which the card's open force is told.", systems=BOTH),
+    row("card_open_lift", "open lift of the card", "Lift at which the card's open force is given.", systems=BOTH),
     row("card_solid_height", "solid height of the card", "Solid height as the spring card has it.", systems=BOTH),
     row("card_surge_frequency", "surge frequency of the card", "0.5 sqrt(k / m) of the card's rate and mass, both ends fixed.",
         systems=BOTH),

@@ -91,7 +91,7 @@ def trace_of(solution: Solution, name: str, active: Active = WHOLE) -> Trace:
             return _trace(solution, cycle.cam_angle, sign * values_at, channel)
     known = trace_names(solution)
     raise InputError(
-        f"the {solution.label or solution.model} run tells no curve '{name[:60]}'; it tells {', '.join(known) if known else 'none'}",
+        f"the {solution.label or solution.model} run has no curve '{name[:60]}'; it has {', '.join(known) if known else 'none'}",
         "quantity",
     )  # fmt: skip
 

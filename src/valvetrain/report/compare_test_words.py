@@ -154,7 +154,7 @@ def events_sentence(run: RunAgainstTest) -> str:
     missing = sum(math.isnan(one.model) and one.dimension == "value" for one in run.events)
     lost = f"; {missing} spikes of the test are not in the model" if missing else ""
     if not judged:
-        return f"One cycle tells no scatter, so no event is judged{lost}."
+        return f"One cycle shows no scatter, so no event is judged{lost}."
     return (
         f"{sum(judged)} of {len(judged)} numbers of events lie outside what the model would show in 95 of 100 such tests, where chance "
         f"alone would put about {number(0.05 * len(judged), 2)}{lost}."
@@ -201,7 +201,7 @@ def outside_sentence(run: RunAgainstTest) -> str:
     told = [one for one in run.values if math.isfinite(one.model)]
     far = [one for one in told if abs(one.in_scatters) > 2]
     if not told:
-        return "The run tells none of these values."
+        return "The run has none of these values."
     if not far:
         return f"All {len(told)} values lie within two scatters of the model."
     worst = max(far, key=lambda one: abs(one.in_scatters))

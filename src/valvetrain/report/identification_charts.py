@@ -150,5 +150,7 @@ def profiles_chart(found: Identified) -> Chart | None:
             Panel(title_of(unknown), "misfit above the least", (layer, marks), rules=(Rule("y", 1.0, "68 %"), Rule("y", 3.84, "95 %")))
         )
     columns = min(2, len(panels))
-    caption = "Least sum of squared scaled misses with the quantity at each value, all others free. A flat curve: the data do not tell it."
+    caption = (
+        "Least sum of squared scaled misses with the quantity at each value, all others free. A flat curve: the data do not determine it."
+    )
     return Chart("profiles", "Profiles", caption, tuple(panels), columns, 280 * -(-len(panels) // columns), legend=False)

@@ -33,7 +33,7 @@ def identification_page(title: str, found: Identified) -> Page:
     pairs = figure_or_gap("pairs", pairs_chart, found)
     if pairs:
         sections.append(Section("pairs", "What depends on what", pairs))
-    sections.append(Section("told", "Which data tell which quantity", _told(found)))
+    sections.append(Section("told", "What each measurement contributes", _told(found)))
     profiles = figure_or_gap("profiles", profiles_chart, found)
     if profiles:
         sections.append(Section("profiles", "Profiles", profiles))
@@ -88,7 +88,7 @@ def _predictions(found: Identified) -> tuple[Block, ...]:
     """What was computed and not measured."""
     tones = ("", "number", "number", "number", "number", "")
     rows = tuple((tuple(map(Cell, prediction_words(one), tones)), ()) for one in found.predictions)
-    return (Grid(PREDICTED, rows, caption="what nobody measured, over what is left open"),) if rows else ()
+    return (Grid(PREDICTED, rows, caption="computed values without a measurement, over the posterior"),) if rows else ()
 
 
 def _told(found: Identified) -> tuple[Block, ...]:

@@ -59,7 +59,7 @@ def lift_page(title: str, lobes: Sequence[LobeResult], pair: Sequence[LiftFigure
     )  # fmt: skip
     lead = (
         "The curves are the law behind the measured stations. The bands hold 95 % of the laws that these stations allow; where a band is "
-        "wide, the table does not tell."
+        "wide, the table leaves it open."
     )
     return Page(title, "Measured lift", lead, facts, tuple(sections), "Angles are cam degrees.")
 

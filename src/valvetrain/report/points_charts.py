@@ -62,7 +62,7 @@ def scatter_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
             layers.append(Line(*means, "mean of the points there", theme.SERIES[1], 2.0, in_legend=place == 0))
         panels.append(Panel(input_label(table, place), output_label(name), tuple(layers)))
     columns = min(3, len(panels)) if len(panels) != 4 else 2
-    caption = "A line that rises or falls tells that the output follows this quantity; a cloud about a level line, that it does not."
+    caption = "A line that rises or falls shows that the output follows this quantity; a cloud about a level line, that it does not."
     title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over what is varied"
     return Chart(f"{key}-over", _titled(title, table, run), caption, tuple(panels), columns, ROW * -(-len(panels) // columns) + 60)
 

@@ -116,7 +116,7 @@ def speed_chart(result: RigResult) -> Chart:
     middle = (cuts[1:] + cuts[:-1]) / 2
     mean = Line(middle, result.grid.cam_speeds * RPM, "mean of each cycle", theme.INK, 1.2, "dash")
     panel = Panel("time (s)", "cam speed (rpm)", (speed, mean), x_range=(float(cuts[0]), float(cuts[-1])))
-    return Chart("speed", "Speed over time", f"The angle was told {result.shaft.told:.0f} times a cam turn.", (panel,), 1, 340)
+    return Chart("speed", "Speed over time", f"The angle was recorded {result.shaft.told:.0f} times a cam turn.", (panel,), 1, 340)
 
 
 def raw_chart(result: RigResult) -> Chart:

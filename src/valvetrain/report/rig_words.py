@@ -88,13 +88,13 @@ def sentences_of(result: RigResult) -> tuple[str, ...]:
         one = result.alignment
         found.append(
             f"the mark of the rig lies at {np.degrees(result.offset):.3f} ± {2 * np.degrees(result.offset_uncertainty):.2g} cam deg of the "
-            f"case (95 %), told by the lift; flanks alone say {np.degrees(one.opening):.3f} and {np.degrees(one.closing):.3f}; measured "
+            f"case (95 %), by the lift; the flanks alone give {np.degrees(one.opening):.3f} and {np.degrees(one.closing):.3f}; measured "
             f"lift over that of the case {one.gain:.4f}"
         )
     elif result.offset:
         found.append(f"the mark of the rig lies at {np.degrees(result.offset):.3f} cam deg, as stated")
     if result.shaft.scatter:
-        found.append(f"what tells the angle scatters by {np.degrees(result.shaft.scatter):.2g} cam deg about its spline")
+        found.append(f"the channel of the angle scatters by {np.degrees(result.shaft.scatter):.2g} cam deg about its spline")
     for place, why in result.outliers:
         what = "kept as asked" if place in result.kept else "left out"
         found.append(f"cycle {place + 1} (at {result.grid.cut_times[place]:.4f} s) {why}; it was {what}")

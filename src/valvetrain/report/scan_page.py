@@ -89,7 +89,7 @@ def scan_page(scan: ScannedSpring, found: ScanComparison | None = None) -> Page:
         sections.append(Section("design", "Design against scan", _design_blocks(found, scan)))
     fits = (*figure_or_gap("section", section_chart, scan), *figure_or_gap("residuals", residual_chart, scan))
     sections += [
-        Section("found", "What the scan tells", (told,)), Section("fits", "Section and residuals", fits),
+        Section("found", "What the scan gives", (told,)), Section("fits", "Section and residuals", fits),
         Section("notes", "What was found and assumed", tuple(text(one[:1].upper() + one[1:] + ".", "note") for one in scan.notes)),
     ]  # fmt: skip
     facts = (

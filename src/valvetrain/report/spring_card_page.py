@@ -68,7 +68,7 @@ def card_page(fit: SpringFit) -> Page:
         Section("spring", "What the spring is", (_grid(fit.spring),)),
         Section("free", "What the card left open", _sentences(fit.free)),
     )
-    lead = "Active turns and free length give the finite-element rod both loads of the card; the rest follows from what else it tells."
+    lead = "Active turns and free length give the finite-element rod both loads of the card; the rest follows from its other values."
     return Page(fit.definition.name, "Spring from a catalogue card", lead, _facts(fit.spring), sections, "Heights are between the seats.")
 
 
@@ -100,7 +100,7 @@ def tester_page(fit: TesterFit) -> Page:
         Grid(("", "value", "95 %", ""), rows), *(text(note[:1].upper() + note[1:] + ".", "note") for note in fit.table.notes),
     )  # fmt: skip
     sections = (
-        Section("found", "What the table tells", found),
+        Section("found", "What the table gives", found),
         Section("curve", "Force and rate", (Figure(_tester_chart(fit)),)),
         Section("pitch", "The pitch law behind it", (Figure(_pitch_chart(fit.spring, fit)),)),
         Section("spring", "What the spring is", (_grid(fit.spring),)),

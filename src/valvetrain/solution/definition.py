@@ -126,7 +126,7 @@ def angle_name(quantity: str) -> str:
     names = (f"{quantity}_cam_angle", f"{short}_cam_angle")
     found = next((name for name in names if is_defined(name)), None)
     if found is None:
-        raise InputError(f"no quantity tells the angle of '{quantity[:60]}'; give its value alone")
+        raise InputError(f"no quantity gives the angle of '{quantity[:60]}'; give its value alone")
     return found
 
 

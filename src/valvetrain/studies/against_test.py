@@ -117,12 +117,12 @@ class CloserRow:
         ratio = max(self.first_square, self.second_square) / max(min(self.first_square, self.second_square), 1e-300)
         words = f"the mean square of {far} is {number(ratio, 3)} times that of {near}"
         if not math.isfinite(self.p_value):
-            return f"{words}; one repeat does not tell whether that is more than chance"
+            return f"{words}; one repeat does not show whether that is more than chance"
         if self.p_value < 0.05:
             return (
                 f"{near} is closer to the test than {far}: {words}, beyond the scatter of the repeats (paired t, {p_words(self.p_value)})"
             )
-        return f"the test does not tell {near} from {far}: {words}, within the scatter of the repeats (paired t, {p_words(self.p_value)})"
+        return f"the test does not separate {near} from {far}: {words}, within their scatter (paired t, {p_words(self.p_value)})"
 
 
 def against_cycles(
@@ -233,14 +233,14 @@ def _adequacy(values: Sequence[MeasuredValue], told: Sequence[float], rows: Sequ
     if len(values[0].repeats) > 1:
         known = np.isfinite(told)
         if not known.any():
-            raise InputError("the run tells none of these values, so there is no F-test; docs/quantities.md lists what it tells")
+            raise InputError("the run has none of these values, so there is no F-test; docs/quantities.md lists what it has")
         if len({one.unit for one in values}) > 1:
             raise InputError("values in several units have no common variance, so there is no F-test; give a table per unit")
         matrix = np.array([one.repeats for one in values])[known].T
         return adequacy_test(matrix, np.array(told)[known], fitted=fitted, level=level)
     off = np.array([row.in_scatters for row in rows if math.isfinite(row.model)])
     if not len(off):
-        raise InputError("the run tells none of these values, so there is no test; docs/quantities.md lists what it tells")
+        raise InputError("the run has none of these values, so there is no test; docs/quantities.md lists what it has")
     count = len(off)
     return AdequacyTest(float(np.mean(off**2)), 1.0, 0, count, float(count), fitted, level)
 

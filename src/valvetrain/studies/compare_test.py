@@ -44,7 +44,7 @@ class ModelAgainstTest:
     >>> level = MeasuredCycles("valve_lift", "m", angle, np.full((1, 180), 1e-3), cam_speed=150.0)
     >>> found = vt.compare_with_test("job-t", level, spring_models=["massless"])
     >>> found.verdict
-    'One cycle tells no scatter, so there is no F-test; give two or more repeats.'
+    'One cycle shows no scatter, so there is no F-test; give two or more repeats.'
     """
 
     study: Study
@@ -103,7 +103,7 @@ def compare_with_test(
     test : MeasuredCycles, ValueTable, or the file of either
     quantity : name of the curve of the model, where the file calls it otherwise
     channel : which channel of a file that holds several, from 1; 0 for the only one, or the one of that quantity
-    engine_speed : speed of the crank where the test does not tell it, "4200 rpm", rad/s or a pint quantity
+    engine_speed : speed of the crank where the test does not state it, "4200 rpm", rad/s or a pint quantity
     spring_models : words of spring models, compared side by side; the case's own by default
     spring_sets : names of spring sets of a train
     sensor : gauge of the test, through which the model is seen before it is compared
@@ -181,7 +181,7 @@ def _with_cycles(
     runs, failures = _completed(study)
     told, silent = _that_tell(runs, whole, active)
     if silent:
-        notes = (*notes, f"the test gives {whole.quantity}, of which {', '.join(silent)} tells nothing; it is left out")
+        notes = (*notes, f"the test gives {whole.quantity}, of which {', '.join(silent)} gives nothing; it is left out")
     stages = _stages(study)
     found = [against_cycles(run, whole, stages, sensor, fitted, level, active.get(run.label, {}), shared) for run in told]
     found.sort(key=lambda one: one.agreement.rms if one.agreement is not None else math.inf)
@@ -249,7 +249,7 @@ def _with_values(
             closer(found[0], other, matrix[:, known], even, (curves[0][known], curve[known]))
             for other, curve in zip(found[1:], curves[1:], strict=True) if known.any()
         )  # fmt: skip
-        said += ["two repeats do not tell how far values move together; they count as independent"] if test.repeats == 2 else []
+        said += ["two repeats do not show how far values move together; they count as independent"] if test.repeats == 2 else []
     elif test.repeats == 1:
         said.append("stated scatters count as independent errors of each value; an error they share, as of a calibration, is not in them")
     return ModelAgainstTest(study, test, tuple(found), rows, tuple(said), failures)

@@ -63,7 +63,7 @@ def lift_of_case(case: AnyCase) -> Lift:
     """The lift (m) of a case over the cam angle (rad). Raises :class:`InputError` for a case without one."""
     found = case_of(case)
     if found.lift_law is None:
-        raise InputError(f"case '{found.name}' has no lift law, so it tells no phase; add a [lift_law] table or use a marker", "--case")
+        raise InputError(f"case '{found.name}' has no lift law, so it gives no phase; add a [lift_law] table or use a marker", "--case")
     law = build_lift_law(found.lift_law)
     return lambda cam_angle: np.asarray(law.lift(cam_angle), dtype=float)
 
@@ -139,9 +139,7 @@ def _moved(run: Solution, spring: str, part: InstalledSpring) -> tuple[Array, Ar
     channel = run.channel_of(spring, "axial_displacement")
     coil = run.arrays.along(channel) if run.has(channel) else None
     if coil is None:
-        raise InputError(
-            f"the model {run.model} knows no displacement of coils; choose one such as multi-mass or finite-element", "--spring"
-        )
+        raise InputError(f"the model {run.model} has no displacement of coils; choose one such as multi-mass or finite-element", "--spring")
     if np.max(coil) <= 1 + 1e-9:  # models of a uniform bar count the share of the compliance passed
         if part.wire is None:
             raise InputError(f"spring '{spring}' is a card without turns, so its coils are not known; give its wire", "--case")
@@ -192,7 +190,7 @@ def _aligned(
     notes: tuple[str, ...] = (
         ()
         if told is not None
-        else (f"coil 1 is turn {first:.2f} of the wire, where the run moves most as the film does; tell the turn where it is known",)
+        else (f"coil 1 is turn {first:.2f} of the wire, where the run moves most as the film does; give the turn where it is known",)
     )
     if free_zero:
         notes += (f"the run was moved by {np.degrees(shift):+.2f} cam deg to move with the film, whose zero follows from the lift alone",)

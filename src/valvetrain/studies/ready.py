@@ -145,7 +145,7 @@ def integrate_from(
 ) -> tuple[Solution, Orbit | None]:
     """As :func:`integrate_point`, of a train from the motion ``start`` of another speed, and the motion it ended on (None for none)."""
     if ready.system is None:
-        remedy = "choose another model, or tell more of the spring"
+        remedy = "choose another model, or give more of the spring"
         return Solution(empty_channels(), (), Status("refused", ready.refusal, remedy=remedy), {}, provenance), None
     prescribed = isinstance(ready.system, PrescribedSpring)
     if prescribed and (status := _too_many_steps(ready, engine_speed / 2, plan)) is not None:

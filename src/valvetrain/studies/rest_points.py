@@ -62,7 +62,7 @@ def points_asked(
 
 def _at_height(spring: InstalledSpring, height: float) -> float:
     if spring.installed_height is None:
-        raise InputError(f"the card of spring '{spring.name}' tells no installed_height, so no height is known; ask by --load", "--height")
+        raise InputError(f"the card of spring '{spring.name}' has no installed_height, so heights are not known; use --load", "--height")
     free = spring.installed_height + spring.precompression
     compression = free - height
     low = spring.solid_height

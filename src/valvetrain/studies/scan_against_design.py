@@ -29,7 +29,7 @@ MODES, AXIAL = 24, 3
 #: Share by which the frequency of a mode may differ from the design's.
 ALIKE = 0.15
 #: How notes begin on what a scan alone assumes and a design tells.
-ASSUMED = ("no scan tells the material", "the ground turns of the")
+ASSUMED = ("a scan does not give the material", "the ground turns of the")
 #: Quantities of springs at rest that are compared, in this order.
 AT_REST = (
     "preload", "installed_rate", "free_length", "installed_height", "coil_bind_lift", "solid_height", "active_coil_count",

@@ -111,7 +111,7 @@ def forces_at(definition: SpringDefinition, heights: Sequence[float]) -> tuple[f
 def _compression(definition: SpringDefinition, height: float) -> float:
     if height <= definition.solid_height:
         raise InputError(
-            f"the spring would be solid at {definition.solid_height * 1e3:.4g} mm, above the load told at {height * 1e3:.4g} mm; check "
+            f"the spring would be solid at {definition.solid_height * 1e3:.4g} mm, above the load given at {height * 1e3:.4g} mm; check "
             "wire, diameters, loads and turns"
         )
     return max(definition.free_length - height, 0.0)
@@ -135,25 +135,27 @@ def _left_free(card: CatalogueCard, winding: Winding) -> tuple[str, ...]:
     free = []
     if card.material is None:
         free.append(
-            f"no material is told: moduli and density are those of {card.wire.name} (G = {card.wire.shear_modulus / 1e9:g} GPa); 1 % of G "
+            f"no material is given: moduli and density are those of {card.wire.name} (G = {card.wire.shear_modulus / 1e9:g} GPa); 1 % of G "
             "is 1 % of the active turns"
         )
     if card.total_coils is None and card.mass is None and card.solid_height is None:
         free.append(
-            f"no turns, mass or solid height are told: {INACTIVE:g} inactive turn at either end is assumed, so mass and bind are open"
+            f"no turns, mass or solid height are given: {INACTIVE:g} inactive turn at either end is assumed, so mass and bind are open"
         )
     elif card.total_coils is None and card.mass is None:
         free.append(f"the turns are those of the solid height with {GROUND:g} ground turns at either end; a mass would check them")
     elif card.solid_height is None:
-        free.append(f"no solid height is told: {GROUND:g} turns are ground at either end as in textbooks")
+        free.append(f"no solid height is given: {GROUND:g} turns are ground at either end as in textbooks")
     elif winding.ground == GROUND:
         free.append(
             "turns and solid height do not fit together with ends ground over 0.2 to 1 turn, so the solid height is missed as shown"
         )
     if card.top_outer_diameter is not None and card.taper_from_coil is None:
-        free.append("no begin of the taper is told: half of the turns are taken")
-    free.append("the pitch is taken constant between the closed ends: two loads do not tell a progressive pitch, a table of forces does")
+        free.append("no begin of the taper is given: half of the turns are taken")
+    free.append(
+        "the pitch is taken constant between the closed ends: two loads do not determine a progressive pitch, a table of forces does"
+    )
     free.append("damping and contact of the coils are on no card: the usual ones hold")
     if card.free_length is None:
-        free.append("no free length is told: it follows from both loads")
+        free.append("no free length is given: it follows from both loads")
     return tuple(free)

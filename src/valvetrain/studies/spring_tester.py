@@ -244,10 +244,10 @@ def _left_free(law: PitchLaw, bind: float | None) -> tuple[str, ...]:
     ]
     if law.card.material is None:
         free.append(
-            f"no material is told: G = {law.card.wire.shear_modulus / 1e9:g} GPa of {law.card.wire.name}; 1 % of it is 1 % of the turns"
+            f"no material is given: G = {law.card.wire.shear_modulus / 1e9:g} GPa of {law.card.wire.name}; 1 % of it is 1 % of the turns"
         )
     if law.total is None:
-        free.append("no turns, mass or solid height are told: one inactive turn at either end is assumed, so mass and bind are open")
+        free.append("no turns, mass or solid height are given: one inactive turn at either end is assumed, so mass and bind are open")
     if bind is None:
         free.append("the table does not reach coil bind, so gaps that never close in it follow from the free length alone")
     return tuple(free)

@@ -80,16 +80,16 @@ def at_speeds(
     if asked is not None:
         off = [speed for speed in told if speed > 0 and abs(speed / asked - 1) > SAME_SPEED]
         if off and isinstance(test, ValueTable):
-            raise InputError(f"the table tells the speeds of its values, {rpm_words(off[0])} among them; leave it out", "engine_speed")
+            raise InputError(f"the table gives the speeds of its values, {rpm_words(off[0])} among them; leave it out", "engine_speed")
         if off:
             notes.append(f"the test ran at {rpm_words(off[0])} and the model at {rpm_words(asked)}: the speed is part of the difference")
         silent = asked
     elif 0.0 in told:
         if len(own) != 1:
             known = ", ".join(map(rpm_words, own)) or "none"
-            raise InputError(f"the test does not tell its speed and the case has {known}; give the engine speed", "engine_speed")
+            raise InputError(f"the test does not state its speed and the case has {known}; give the engine speed", "engine_speed")
         silent = own[0]
-        notes.append(f"the test does not tell its speed; the model ran at the case's {rpm_words(silent)}")
+        notes.append(f"the test does not state its speed; the model ran at the case's {rpm_words(silent)}")
     else:
         silent = 0.0
     run = {speed: asked or _nearest(own, speed) or silent for speed in told}
@@ -164,7 +164,7 @@ def few_notes(repeats: int) -> tuple[str, ...]:
     if repeats >= FEW or repeats < 2:
         return ()
     return (
-        f"{repeats} repeats hardly tell how the scatter lies along the angle: where it is alike at all angles the verdict keeps its level, "
+        f"{repeats} repeats hardly show how the scatter varies along the angle: where it is alike at all angles the verdict holds, "
         f"where it is not it refutes too readily; {FEW} repeats or more do not need this",
     )
 
@@ -183,7 +183,7 @@ def likeness_notes(test: MeasuredCycles) -> tuple[str, ...]:
         return ()
     fewer = max(1.0, count * (1 - likeness) / (1 + likeness))
     return (
-        f"successive cycles are alike (correlation {number(likeness, 2)}), so {count} cycles tell about as much as {fewer:.0f} independent "
+        f"successive cycles are alike (correlation {number(likeness, 2)}), so {count} cycles count about as much as {fewer:.0f} separate "
         "ones and the test refutes too readily; give cycles further apart",
     )
 

@@ -44,13 +44,15 @@ def find_coils(picture: Array, coils: int | None) -> Found:
         shares = [(count, np.mean(counts == count)) for count in range(1, int(counts.max(initial=0)) + 1)]
         believed = [count for count, share in shares if share >= BELIEVED]
         if not believed:
-            raise InputError("the line shows no clear highlights; lay it across the coils, or tell how many coils it crosses", "coils")
+            raise InputError("the line shows no clear highlights; lay it across the coils, or give the number of coils it crosses", "coils")
         coils = max(believed)
     if not 1 <= coils <= MOST_COILS:
-        raise InputError(f"{coils} highlights lie on the line; 1 to {MOST_COILS} are tracked, so shorten it or tell how many", "coils")
+        raise InputError(f"{coils} highlights lie on the line; 1 to {MOST_COILS} are tracked, so shorten it or give their number", "coils")
     enough = np.flatnonzero(counts >= coils)
     if not len(enough):
-        raise InputError(f"{coils} coils are told, but no frame shows more than {counts.max()} highlights; correct it or the line", "coils")
+        raise InputError(
+            f"{coils} coils are stated, but no frame shows more than {counts.max()} highlights; correct it or the line", "coils"
+        )
     # A number that is told leaves out what else shines, such as rear coils: the least prominent peaks.
     frames = enough if told else enough[counts[enough] == coils]
     picks = [np.sort(np.argsort(-peaks[frame][1], kind="stable")[:coils]) for frame in frames]

@@ -101,7 +101,7 @@ def closed_window(grid: Array, mean: Array) -> tuple[float, float]:
     count = len(grid)
     known = np.isfinite(mean)
     if known.sum() < 8:
-        raise InputError("the upper coil is hardly seen, so the closed valve is not found; tell the dwell", "dwell")
+        raise InputError("the upper coil is hardly seen, so the closed valve is not found; give the dwell", "dwell")
     filled = np.interp(np.arange(count), np.flatnonzero(known), mean[known], period=count)
     wide = max(1, round(float(AVERAGED / (grid[1] - grid[0]))))
     smooth = np.convolve(np.concatenate([filled] * 3), np.ones(wide) / wide, mode="same")[count : 2 * count]
@@ -112,7 +112,7 @@ def closed_window(grid: Array, mean: Array) -> tuple[float, float]:
     length, first = max(runs, default=(0, 0))
     step = float(grid[1] - grid[0])
     if length * step < AVERAGED + np.radians(30.0):
-        raise InputError("no part of the turn shows the valve closed; tell the dwell, such as '170:350 deg'", "dwell")
+        raise InputError("no part of the turn shows the valve closed; give the dwell, such as '170:350 deg'", "dwell")
     start = float(grid[0]) + step * (first % count)
     off = MARGIN * length * step + 0.5 * AVERAGED
     return start + off, start + length * step - off

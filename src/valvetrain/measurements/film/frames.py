@@ -216,12 +216,12 @@ def _numbers(files: list[Path]) -> tuple[list[int], tuple[str, ...]]:
     """Numbers of the frames as their names count them; empty, with a sentence, where they do not."""
     found = [re.findall(r"[0-9]{1,15}", path.stem) for path in files]
     if not all(found):
-        return [], ("the names of the pictures hold no numbers, so frames that were lost between them cannot be told",)
+        return [], ("the names of the pictures hold no numbers, so frames lost between them cannot be found",)
     values = [int(one[-1]) for one in found]
     steps = [two - one for one, two in pairwise(values)]
     step = int(np.median(steps)) if steps else 1
     if not steps or min(steps) < 1 or step < 1 or any(one % step for one in steps) or (values[-1] - values[0]) // step > 4 * len(values):
-        words = "the numbers in the names of the pictures do not count frames, so frames that were lost between them cannot be told"
+        words = "the numbers in the names of the pictures do not count frames, so frames lost between them cannot be found"
         return [], (words,) if steps else ()
     return [(one - values[0]) // step for one in values], ()
 

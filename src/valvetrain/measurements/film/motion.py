@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 ANGLES = 360
 #: Uncertainty (px) with which a point of the scale is picked.
 PICKED = 0.5
-NO_SCALE = "nothing tells the scale: give two points of the picture and their distance, such as the edges of the two seats"
+NO_SCALE = "the scale is not known: give two points of the picture and their distance, such as the edges of the two seats"
 
 
 def coil_motion(
@@ -69,7 +69,7 @@ def coil_motion(
     opened = open_film(film)
     if not setup.free_decay and setup.marker is None and setup.cam_speed is None and valve_lift is None:
         raise InputError(
-            "nothing tells the cam angle: give a marker's place, the cam speed, or the lift; or say that the spring decays freely", "marker"
+            "the cam angle is not known: give a marker's place, the cam speed, or the lift; or say that the spring decays freely", "marker"
         )
     if setup.scale_points is None and valve_lift is None:
         raise InputError(NO_SCALE, "scale_points")
@@ -121,7 +121,7 @@ def _motion(
         notes += turn_words(phase.cam_angle)
         cycles = _cycles(seen, phase, moved, turns, grid, synthetic, words)
     if surge is None:
-        notes += ("no surge line with its damping can be told: the dwell holds too few frames, or nothing in it rings",)
+        notes += ("no surge frequency with its damping is found: the dwell holds too few frames, or nothing in it rings",)
     else:
         notes += surge_words(surge, seen.frame_rate, setup.exposure)
     return CoilMotion(
@@ -137,7 +137,7 @@ def _from_the_seat(tracks: Tracks, seat: str) -> tuple[Tracks, float, tuple[str,
         size = np.nanstd(tracks.places, axis=0)
         seat = "start" if size[0] < size[-1] else "end"
         if abs(size[0] - size[-1]) < 0.25 * size.max():
-            said = (f"both ends of the spring move alike, so its seat is taken to be at the {seat} of the line; tell it if it is not",)
+            said = (f"both ends of the spring move alike, so its seat is taken to be at the {seat} of the line; correct it if it is not",)
     if seat == "start":
         return tracks, -1.0, said
     turned = replace(tracks, places=tracks.places[:, ::-1], spread=tracks.spread[:, ::-1], merged=tracks.merged[:, ::-1])
@@ -149,18 +149,18 @@ def _phase(seen: SpaceTime, moved: Array, setup: FilmSetup, lift: Lift | None) -
         phase = by_marker(seen.time, seen.marker, setup.marker_angle or 0.0, setup.cam_speed)
         if setup.marker_angle is None and lift is None:
             phase = replace(
-                phase, zero_by="nobody", notes=(*phase.notes, "cam angle zero is where the mark passes, for nothing tells its angle")
+                phase, zero_by="nobody", notes=(*phase.notes, "cam angle zero is where the mark passes, since its angle was not given")
             )
         return phase if setup.marker_angle is not None or lift is None else _zero_by_lift(phase, seen.time, moved, lift)
     if lift is not None and setup.first_angle is None:
         return by_lift(seen.time, moved, lift, setup.cam_speed)
     if setup.cam_speed is None:
-        raise InputError("an angle of the first frame needs the cam speed too; tell it", "cam_speed")
+        raise InputError("an angle of the first frame needs the cam speed too; give it", "cam_speed")
     phase = by_speed(seen.time, setup.cam_speed, setup.first_angle or 0.0)
     return (
         phase
         if setup.first_angle is not None
-        else replace(phase, zero_by="nobody", notes=("cam angle zero is the first frame's, for nothing tells it",))
+        else replace(phase, zero_by="nobody", notes=("cam angle zero is the first frame's, since no zero was given",))
     )
 
 
@@ -168,7 +168,7 @@ def _zero_by_lift(phase: CamPhase, time: Array, moved: Array, lift: Lift) -> Cam
     """Speed by the marker, zero of the cam angle by the lift."""
     found = by_lift(time, moved, lift, phase.cam_speed)
     off = float(np.mean(np.unwrap(np.mod(found.cam_angle - phase.cam_angle, TURN))))
-    words = "the marker tells the speed, the lift the zero of the cam angle"
+    words = "the marker gives the speed, the lift the zero of the cam angle"
     return replace(
         phase, cam_angle=phase.cam_angle + off, metres_per_pixel=found.metres_per_pixel, notes=(*phase.notes, words), zero_by="lift"
     )

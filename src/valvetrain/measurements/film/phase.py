@@ -50,10 +50,11 @@ def by_marker(time: Array, brightness: Array, mark_angle: float, told: float | N
     if len(pulses) < 2:
         if told is None or not len(pulses):
             raise InputError(
-                f"the marker flashes {len(pulses)} times; twice or more tell the speed, so check its place or tell the cam speed", "marker"
+                f"the marker flashes {len(pulses)} times; twice or more are needed for the speed, so check its place or give the cam speed",
+                "marker",
             )
         return CamPhase(
-            mark_angle + told * (time - pulses[0]), told, 0.0, "marker", 0.0, ("the marker passes once, so the speed is the one told",)
+            mark_angle + told * (time - pulses[0]), told, 0.0, "marker", 0.0, ("the marker passes once, so the speed is the one given",)
         )
     steps = np.diff(pulses)
     turns = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(steps / np.median(steps))))])
@@ -121,7 +122,7 @@ def by_lift(time: Array, moved: Array, valve_lift: Lift, told: float | None) -> 
     grid = np.linspace(0.0, TURN, 721)[:-1]
     table = np.asarray(valve_lift(grid), dtype=float)
     if not np.ptp(table) > 0:
-        raise InputError("the lift is the same at all cam angles, so it tells no phase; give another", "lift")
+        raise InputError("the lift is the same at all cam angles, so it gives no phase; use another", "lift")
 
     def lifted(speed: float, start: float) -> Array:
         return np.asarray(np.interp(np.mod(speed * t + start, TURN), np.append(grid, TURN), np.append(table, table[0])))
@@ -177,5 +178,5 @@ def _turn_speed(time: Array, moved: Array) -> float:
         if alike[first] > 0.5:
             return float(TURN / (first * frame))
     raise InputError(
-        "the film shows no motion that repeats, so the lift alone does not tell the speed; tell the cam speed too", "cam_speed"
+        "the film shows no motion that repeats, so the lift alone does not give the speed; give the cam speed too", "cam_speed"
     )

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 def drift_words(drift: Array, still: int | None) -> tuple[str, ...]:
     """How far the camera moved, and by which coil (from 0) that was told."""
     if still is None:
-        return ("no coil stands still, so a shift of the camera cannot be told from the spring's motion and stays in it",)
+        return ("no coil stands still, so a shift of the camera cannot be separated from the spring's motion and stays in it",)
     reach = float(np.ptp(drift))
     if reach < SPOKEN_OF:
         return ()

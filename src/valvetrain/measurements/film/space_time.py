@@ -97,9 +97,9 @@ def _rate(film: Film, given: float | None) -> tuple[float, tuple[str, ...]]:
             raise InputError(f"a camera of {given:g} frames a second films no spring; correct the rate", "frame_rate")
         return given, ()
     if film.rate >= SLOWEST_RATE:
-        return film.rate, (f"the rate of {film.rate:g} frames a second is the one that the file tells",)
-    told = f"plays at {film.rate:g} frames a second, the rate of a screen" if film.rate > 0 else "does not tell its rate"
-    raise InputError(f"'{film.name}' {told}; tell the rate of the camera, such as 2000 frames a second", "frame_rate")
+        return film.rate, (f"the rate of {film.rate:g} frames a second is the one in the file",)
+    told = f"plays at {film.rate:g} frames a second, the rate of a screen" if film.rate > 0 else "does not state its rate"
+    raise InputError(f"'{film.name}' {told}; give the rate of the camera, such as 2000 frames a second", "frame_rate")
 
 
 def _spot(marker: Point, radius: float, rows: int, columns: int) -> NDArray[np.int64]:

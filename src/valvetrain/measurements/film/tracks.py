@@ -83,7 +83,8 @@ def _told(result: Fit, found: Found, doubt: Array, dim: tuple[int, ...]) -> Trac
     if lost.mean() > MOST_LOST:
         words = "the highlights are too weak or too blurred to follow"
         raise InputError(
-            f"{words}; light the spring with one lamp beside the camera, lay the line across the glare, or tell the coils", "line"
+            f"{words}; light the spring with one lamp beside the camera, lay the line across the highlights, or give the number of coils",
+            "line",
         )
     notes = []
     if dim:

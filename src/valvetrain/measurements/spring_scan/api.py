@@ -114,7 +114,7 @@ def spring_from_scan(
 
 def _length_unit(unit: str, name: str) -> float:
     if not unit:
-        raise InputError(f"'{name}' does not say the unit of its points; tell it, such as mm, m or inch", "unit")
+        raise InputError(f"'{name}' does not give the unit of its points; state it, such as mm, m or inch", "unit")
     try:
         fits = dimension_of(unit) == "length"
     except InputError:
@@ -187,7 +187,7 @@ def _end(fitted: FittedSpring, definition: SpringDefinition, place: int, over: b
 def _assumed(material: Material | None, definition: SpringDefinition, fitted: FittedSpring) -> list[str]:
     notes = []
     if material is None:
-        notes.append(f"no scan tells the material: moduli and density are those of {definition.material.name}")
+        notes.append(f"a scan does not give the material: moduli and density are those of {definition.material.name}")
     for word, end in (("lower", definition.lower_end), ("upper", definition.upper_end)):
         if "ground" in end.kind:
             notes.append(

@@ -77,7 +77,7 @@ def _stl(path: Path, name: str, size: int) -> Iterator[Array]:
         count = int.from_bytes(head[80:84], "little") if len(head) == 84 else -1
         if count < 1 or size < 84 + FACET * count:
             raise InputError(
-                f"'{name}' is no whole STL file: it tells {max(count, 0)} facets, which need {84 + FACET * max(count, 0)} bytes, and has "
+                f"'{name}' is no whole STL file: it states {max(count, 0)} facets, which need {84 + FACET * max(count, 0)} bytes, and has "
                 f"{size}; export it again"
             )
         for first in range(0, count, AT_A_TIME):

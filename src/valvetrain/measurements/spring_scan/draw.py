@@ -46,7 +46,7 @@ def draw_points(blocks: Iterable[Array], most: int, name: str) -> Drawn:
     if broken > DAMAGED * max(read, 1):
         raise InputError(f"{broken} of the {read} points of '{name}' are no numbers; export the scan again")
     if len(kept) < FEWEST:
-        raise InputError(f"'{name}' holds {len(kept)} different points; {FEWEST} or more tell a spring, so scan it finer")
+        raise InputError(f"'{name}' holds {len(kept)} different points; {FEWEST} or more are needed, so scan it finer")
     return Drawn(kept, read, broken)
 
 

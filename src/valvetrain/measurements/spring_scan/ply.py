@@ -52,7 +52,7 @@ def ply_points(path: Path, name: str, size: int) -> tuple[str, Iterator[Array]]:
 
 
 def _short(name: str, count: int, size: int) -> str:
-    return f"'{name}' is cut off: its head tells {count} points, more than its {size} bytes can hold; export it again"
+    return f"'{name}' is cut off: its header states {count} points, more than its {size} bytes can hold; export it again"
 
 
 def _head(content: bytes, name: str) -> _Head:
@@ -80,7 +80,7 @@ def _head(content: bytes, name: str) -> _Head:
             case ["property", *_] if here == "vertex":
                 raise InputError(f"a property of the points of '{name}' is none that PLY has for points: '{' '.join(line)[:40]}'")
     if order is None or count < 0:
-        raise InputError(f"the head of '{name}' tells no format or no points (element vertex); export it again")
+        raise InputError(f"the head of '{name}' has no format or no points (element vertex); export it again")
     return _Head(order, count, tuple(properties), end.end(), unit)
 
 
@@ -108,9 +108,9 @@ def _text(path: Path, name: str, head: _Head, places: list[int]) -> Iterator[Arr
                 rows = numbers_in(kept, name)
                 if rows.shape[1] != len(head.properties):
                     raise InputError(
-                        f"a row of '{name}' has {rows.shape[1]} numbers, its head tells {len(head.properties)}; export it again"
+                        f"a row of '{name}' has {rows.shape[1]} numbers, its header states {len(head.properties)}; export it again"
                     )
                 yield rows[:, places]
             if not left:
                 return
-    raise InputError(f"'{name}' is cut off: {left} of the {head.count} points that its head tells are missing; export it again")
+    raise InputError(f"'{name}' is cut off: {left} of the {head.count} points that its header states are missing; export it again")

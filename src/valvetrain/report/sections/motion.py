@@ -26,7 +26,7 @@ def blocks(study: Study) -> tuple[Block, ...]:
         for words, channels in MOTIONS.items():
             channel = next((one for one in channels if any(run.has(one) for run in shown)), "")
             panels += angle_panels(study, shown, channel, words) if channel else []
-        caption = "The motion that the retainer is told." if told else "Motion over the steady cycle."
+        caption = "The prescribed motion of the retainer." if told else "Motion over the steady cycle."
         return figure_or_gap(title, panels_chart, key, title, caption, panels, 190)
 
     return by_speed(study, "motion", at)
