@@ -14,8 +14,8 @@ from sphinx import addnodes
 PARENTS = ("user-guide", "reference", "evidence", "development", "decisions/README", "how-to/README", "theory/README")
 #: File of the repository -> its page of the site.
 ELSEWHERE = {"CHANGELOG": "changes", "CONTRIBUTING": "contributing"}
-#: Page -> pages below it that its list leaves out: written by the build, or of a part that is not in every copy.
-ALSO = {"reference": ("commands.rst",), "user-guide": ("workbench.md",)}
+#: Page -> pages below it that its list leaves out: written by the build.
+ALSO = {"reference": ("commands.rst",)}
 #: Pages of the first page, whoever else links to them.
 FIRST = ("tutorial.md", "index.md")
 LINK = re.compile(r"\]\(([\w./-]+?\.md)(?:#[\w-]*)?\)")

@@ -54,6 +54,7 @@ BUILT_IN["commands"] = {
     "new": "valvetrain.cli.new:register",
     "cases": "valvetrain.cli.cases:register",
     "check": "valvetrain.cli.check:register",
+    "serve": "valvetrain.cli.serve:register",
 }
 BUILT_IN["springs"] = {
     "massless": "valvetrain.springs.massless:SPEC",

@@ -22,8 +22,6 @@ BUILT = {"commands", "api/index", "gallery/index"}
 FENCE = re.compile(r"^(?P<fence>```+|:::+)[^\n]*\n.*?^(?P=fence)[ ]*$", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"^```(?P<language>\w+)\n(?P<code>.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(?<!\\)\]\(([^()\s]+)\)")
-#: Commands that pages speak of before they are there.
-COMING = {"valvetrain serve"}
 TREE = re.compile(r"^```\{toctree\}\n(?P<options>(?::.*\n)*)\n(?P<pages>.*?)^```$", re.MULTILINE | re.DOTALL)
 identity = pytest.mark.parametrize("path", ALL, ids=lambda path: str(path.relative_to(ROOT)))
 
@@ -142,7 +140,7 @@ def lines_of_commands(text: str) -> list[str]:
 @identity
 def test_commands_of_a_page_exist_with_their_options(path):
     text = text_of(path)
-    added = COMING | {f"valvetrain {word}" for word in re.findall(r'^([\w-]+) = "\w+:register"$', text, re.MULTILINE)}
+    added = {f"valvetrain {word}" for word in re.findall(r'^([\w-]+) = "\w+:register"$', text, re.MULTILINE)}
     lines = [line for line in lines_of_commands(text) if " ".join(line.split()[:2]) not in added]
     assert not [words for words in map(refused, lines) if words]
 

@@ -13,7 +13,8 @@ import pytest
 from architecture.layout import PACKAGE, imports_of, levels, modules, package_of, tree_of
 
 #: Library -> packages that may import it.
-KEPT_IN = {"plotly": {"report"}, "matplotlib": {"report"}, "typer": {"cli"}, "rich": {"cli"}}
+KEPT_IN = {"plotly": {"report"}, "matplotlib": {"report"}, "typer": {"cli"}, "rich": {"cli"}, "nicegui": {"workbench"}}
+FRAMEWORKS = ("nicegui", "fastapi", "starlette", "uvicorn", "socketio", "httpx")
 HEAVY = ("numba", "scipy", "xarray", "pint", "plotly", "matplotlib", "pydantic", "pandas", "h5py", "typer", "rich", "jinja2", "numpy")
 
 
@@ -38,7 +39,7 @@ def test_the_drawing_is_read_as_it_is_meant():
     assert levels()["errors"] == 0
     assert levels()["units"] == levels()["registry"] == 1 < levels()["solution"] < levels()["parameters"]
     assert levels()["cosserat"] == levels()["cam"] < levels()["springs"] < levels()["system"] < levels()["integrate"]
-    assert levels()["report"] < levels()["cli"] == max(levels().values())
+    assert levels()["report"] < levels()["workbench"] < levels()["cli"] == max(levels().values())
 
 
 @pytest.mark.parametrize(
@@ -67,6 +68,16 @@ def test_every_module_stands_in_a_package_of_the_drawing():
 def test_imports_run_one_way():
     found = [sentence for module, path in modules().items() for sentence in violations(module, tree_of(path), path.name == "__init__.py")]
     assert not found, "\n".join(found)
+
+
+def test_the_workbench_knows_neither_its_pages_nor_their_framework():
+    """Pages stand on the workbench, not it on them: it could be shown by another framework, and is tested without one."""
+    found = []
+    for module, path in modules().items():
+        if module.startswith("valvetrain.workbench") and not module.startswith("valvetrain.workbench.pages"):
+            names = [one.module for one in imports_of(module, tree_of(path), path.name == "__init__.py")]
+            found += [f"{module} imports {name}" for name in names if name.split(".")[0] in FRAMEWORKS or ".pages" in name]
+    assert not found
 
 
 def loops(graph: dict[str, set[str]]) -> list[list[str]]:

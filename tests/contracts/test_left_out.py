@@ -24,7 +24,7 @@ valve_angle valve_inclination cam_angle cam_acceleration nose exchange dynamic_d
 precompression compression engine_speed wall_time wall_time_per_cycle own_time friction_loss pressed_interval last_step overflow dissipated
 runs_count discard level threshold base y seed pairs time missed computed
 first_frame claimed metres_per_pixel missing resolution phase told
-fitted channel cam_speed shared gain
+fitted channel cam_speed shared gain bore
 """.split()
 #: What is done only when asked for.
 OFF = """
@@ -48,7 +48,7 @@ EVERYWHERE: dict[str, float] = {
     "float_lift": 50e-6, "bounce_height": 100e-6, "longest_period": 8, "alpha": -0.05, "masses_per_coil": 12, "elements": 5, "cells": 200,
     "on_force": 1.0, "rings": 1, "threads": 1, "reference_force": 500.0, "reference_velocity": 0.2, "card_lift": 0.012, "states": 0,
     "width": 0.012, "exponent": 1.5, "degree": 5, "relaxation_time": 4e-6, "largest_increment": 2e-3, "tolerance": 1e-6,
-    "samples_across": 5,
+    "samples_across": 5, "picture_width": 800, "duration": 4.0, "strips": 5,
 }  # fmt: skip
 #: Place and word that means something else there.
 APART = {

@@ -12,7 +12,10 @@ import valvetrain as vt
 PAGE = (Path(__file__).parents[2] / "docs" / "architecture.md").read_text(encoding="utf-8")
 TABLE = PAGE[PAGE.index("## Channels") :]
 NAMES = re.findall(r"`([a-z_<>]+)`", TABLE[TABLE.index("|") :])
-PLACES = {"place": "(cam|tappet|rocker|valve_tip|seat)", "link": "(stem|support|lever_bending|pushrod_bar)"}
+PLACES = {
+    "place": "(cam|tappet|rocker|valve_tip|seat)", "link": "(stem|support|lever_bending|pushrod_bar)",
+    "body": "(tappet|pushrod|pushrod_top|lever|lever_tip|support|valve_tip)",
+}  # fmt: skip
 KNOWN = [re.compile(re.sub(r"<(\w+)>", lambda match: PLACES[match[1]], name)) for name in NAMES]
 
 

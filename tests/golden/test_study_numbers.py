@@ -17,8 +17,8 @@ if __name__ == "__main__":
 
 from known_sums import read, same, sums, write
 from unit.cli_parts import PUBLISHED, SMALL
-from valvetrain.cli.new import TEMPLATES
 from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.report.json import study_json
 from valvetrain.studies.compare import compare_study
 from valvetrain.studies.rest_study import rest_study

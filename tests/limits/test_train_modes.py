@@ -9,11 +9,11 @@ import pytest
 from scipy.optimize import brentq
 
 from train_parts import LAW, direct
-from valvetrain.cli.new import TEMPLATES
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case
+from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.parameters.train import CamParameters, ContactParameters, FollowerParameters, ValveParameters
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.massless import MasslessSpring

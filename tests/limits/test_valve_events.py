@@ -13,11 +13,11 @@ import pytest
 import synthetic_study as made
 from train_parts import contacts, direct
 from valvetrain.cam.harmonic import Harmonic
-from valvetrain.cli.new import TEMPLATES
 from valvetrain.integrate.contract import Periodic, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.loading import load_case
+from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.parameters.train import CamParameters
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion

@@ -120,6 +120,26 @@ def test_nodes_on_the_screen_are_those_of_the_solution(visit, study):
         inner, line = slice(3, 12), 1e3 * wire.centreline(coil)
         wanted = np.column_stack([line[:, 0], 1e3 * cycle.channel("axial_position")[sample], -line[:, 1]])
         np.testing.assert_allclose(nodes[inner], wanted[inner], atol=1e-3)
+        # Between them the tube winds as the wire does, and not the other way round; the radius goes straight from node to node.
+        between = np.linspace(0, 7, len(rings))[30:-30]
+        whole = 1e3 * wire.centreline(between)
+        np.testing.assert_allclose(rings[30:-30, [0, 2]], np.column_stack([whole[:, 0], -whole[:, 1]]), atol=0.2)
+
+
+def test_colours_on_the_screen_are_those_of_the_channel(visit, study):
+    """Stress of the channel, laid between the stops of the scale in sRGB; lit surfaces want it linear."""
+    cycle = reported_cycle(study.solutions[0])
+    drawn = moving_picture(study).variants[0].springs[0].colourings[0]
+    stops = np.array([[int(text[place : place + 2], 16) / 255 for place in (1, 3, 5)] for text in drawn.stops])
+    visit.handle("colour('stress')")
+    for sample in (100, 360):
+        visit.handle(f"seek({float(np.degrees(cycle.cam_angle[sample]))!r})")
+        visit.settle()
+        colours = np.array(visit.handle("shown().tubes.map((tube) => Array.from(tube.colour))")[0][:-6]).reshape(-1, 10, 3)[:, 0]
+        share = 1e-6 * cycle.channel("inner_fibre_shear_stress")[sample] / drawn.high * (len(stops) - 1)
+        wanted = np.stack([np.interp(share, np.arange(len(stops)), stops[:, part]) for part in range(3)], axis=-1)
+        linear = np.where(wanted <= 0.04045, wanted / 12.92, ((wanted + 0.055) / 1.055) ** 2.4)
+        np.testing.assert_allclose(colours[:: (len(colours) - 1) // 14], linear, atol=0.02)
 
 
 def test_steps_and_jumps_move_the_cursor_to_the_stated_angle(visit):
@@ -200,6 +220,9 @@ def test_the_report_mounts_it_and_nothing_scrolls_sideways(browser, report, tmp_
     visit.settle()
     assert visit.page.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
     assert ink(visit.page) > 0.04 and visit.said == [] and len(visit.asked) == 1
+    assert not visit.page.locator(".vtm-view svg").is_visible()
+    visit.page.emulate_media(media="print")
+    assert visit.page.locator(".vtm-view svg").is_visible() and not visit.page.locator(".vtm canvas").is_visible()
     visit.context.close()
 
 
@@ -244,3 +267,12 @@ def test_the_script_is_one_text_that_evaluates_nothing():
 
 def test_the_data_are_whole_json(study):
     assert json.loads(motion_json(moving_picture(study)))["version"] == 1
+
+
+def test_nothing_serious_is_wrong_for_screen_readers(browser, report, tmp_path):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    visit = Visit(browser, report, tmp_path, 390)
+    visit.page.wait_for_selector(".vtm canvas")
+    found = axe.Axe().run(visit.page).response["violations"]
+    assert [one["id"] for one in found if one["impact"] in ("serious", "critical")] == []
+    visit.context.close()

@@ -9,10 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import valvetrain as vt
 from synthetic_study import own_study, rod_run
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.motion.colours import largest_between
+from valvetrain.report.motion.colours import largest_between, slope_stress
 from valvetrain.report.motion.frames import choose_frames
 from valvetrain.report.motion.pack import motion_data, motion_json
 from valvetrain.report.motion.scene import Limits, moving_picture
@@ -133,3 +134,38 @@ def test_several_runs_share_their_ranges_and_the_bound(study):
 
 def test_a_case_that_cannot_be_built_again_is_left_out():
     assert moving_picture(replace(own_study(), record=replace(own_study().record, text=""))) is None
+
+
+def test_stress_by_the_slope_of_the_coils_is_that_of_the_textbook():
+    """A uniform spring that moves slowly: k 8 F D / (pi d**3) with F the rate times the compression, everywhere on the active wire."""
+    wire = vt.cylindrical(wire_diameter="4 mm", mean_diameter="24 mm", pitch="8 mm", total_coils=6)
+    coil = np.linspace(0, 6, 61)
+    first, last = wire.free_coils
+    rate = wire.material.shear_modulus * 4e-3**4 / (8 * 24e-3**3 * (last - first))
+    lift = np.array([0.0, 2e-3, 7e-3])
+    moved = -lift[:, None] * np.clip((coil - first) / (last - first), 0.0, 1.0)
+    found = slope_stress(wire, coil, moved, 250.0)
+    active = (coil > first + 0.2) & (coil < last - 0.2)
+    k = (6 + 0.5) / (6 - 0.75)
+    wanted = 1e-6 * k * 8 * (250.0 + rate * lift) * 24e-3 / (np.pi * 4e-3**3)
+    np.testing.assert_allclose(found.values[:, active], np.repeat(wanted[:, None], np.sum(active), axis=1), rtol=1e-9)
+    assert np.all(found.values[:, (coil < first) | (coil > last)] == 0.0)
+
+
+def test_a_chain_shows_the_stress_and_the_page_says_where_it_comes_from():
+    """Near the nominal stress of the largest force, which has no waves along the wire."""
+    study = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"], workers=1)
+    variant = moving_picture(study, Limits(frames=120)).variants[0]
+    assert [spring.colourings[0].key for spring in variant.springs] == ["stress"]
+    assert any("slope of the coils" in note for note in variant.notes)
+    nominal = 1e-6 * study.solutions[0].quantities["nominal_peak_shear_stress"]
+    assert 0.9 < variant.springs[0].colourings[0].values.max() / nominal < 1.3
+
+
+def test_a_run_that_cannot_be_drawn_is_named_and_the_others_are(study):
+    strange = replace(rod_run(), provenance=replace(rod_run().provenance, label="lost", model="no-such-model"))
+    picture = moving_picture(replace(study, solutions=(study.solutions[0], strange)))
+    assert [one.label for one in picture.variants] == ["finite-element"]
+    assert picture.notes[0].startswith("lost at 5600 rpm could not be drawn: ") and "no-such-model" in picture.notes[0]
+    with pytest.raises(vt.InputError, match="no-such-model"):
+        moving_picture(replace(study, solutions=(strange,)))

@@ -73,13 +73,19 @@ def test_an_mp4_holds_every_frame(variant, tmp_path):
         ("spring.avi", TINY, "ends in .gif or .mp4"),
         ("spring.gif", FilmRequest(60.0), "choose 1 to 20 s"),
         ("spring.gif", FilmRequest(2.0, 9000), "choose 320 to 1920"),
-        ("spring.gif", FilmRequest(1.0, 320, "heat"), "no colour 'heat'; it has contact, gap, stress, velocity"),
+        ("spring.gif", FilmRequest(1.0, 320, "heat"), "no colour 'heat'; use stress, contact, gap, velocity"),
     ],
 )
 def test_wrong_films_are_refused(variant, tmp_path, name, request_, told):
     with pytest.raises(InputError, match=told):
         write_film(variant, tmp_path / name, request_)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_colour_that_this_run_does_not_show_is_refused(variant, tmp_path):
+    bare = replace(variant, springs=tuple(replace(one, colourings=one.colourings[:1]) for one in variant.springs))
+    with pytest.raises(InputError, match="no colour 'gap'; it has stress"):
+        write_film(bare, tmp_path / "spring.gif", FilmRequest(1.0, 320, "gap"))
 
 
 @pytest.mark.parametrize(("missing", "name", "told"), [("PIL", "a.gif", "pip install pillow"), ("cv2", "a.mp4", r"valvetrain\[film\]")])

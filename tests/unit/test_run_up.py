@@ -11,10 +11,10 @@ import pytest
 import valvetrain as vt
 from train_parts import direct, system
 from unit.cli_parts import call, sentence
-from valvetrain.cli.new import TEMPLATES
 from valvetrain.errors import InputError
 from valvetrain.integrate.run_up import turns_of_run_up
 from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.parameters.templates import TEMPLATES
 
 ENGINE = str(TEMPLATES / "pushrod.toml")
 RPM = math.pi / 30

@@ -17,6 +17,7 @@ from valvetrain.measurements.lift_answers import LiftAnswers
 from valvetrain.measurements.lift_reading import read_lift
 from valvetrain.measurements.lift_smoothing import DEGREE, SmoothedLift, smooth_lift
 from valvetrain.measurements.measured_lift import MeasuredLift
+from valvetrain.parameters.bounded_file import named_file
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.schema_lift import LiftModel, check_angles
 from valvetrain.parameters.schema_types import Angle, Angles, Length, Lengths, guarded, problem
@@ -126,7 +127,9 @@ class MeasuredModel(LiftModel):
             columns=tuple(word.strip() for word in self.columns.split(",") if word.strip()), peak_lift=self.peak_lift,
             duration=self.duration, opening=self.opening,
         )  # fmt: skip
-        lobes: tuple[MeasuredLift, ...] = guarded(read_lift, folder / file, guarded(make), path=("file",))
+        lobes: tuple[MeasuredLift, ...] = guarded(
+            read_lift, guarded(named_file, folder, file, path=("file",)), guarded(make), path=("file",)
+        )
         known = {lobe.name: lobe for lobe in lobes}
         if self.lobe and self.lobe not in known:
             raise problem(f"{file[:80]} holds {' and '.join(known)}, no {self.lobe}; name one of them", ("lobe",))

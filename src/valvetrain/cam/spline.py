@@ -20,6 +20,7 @@ from valvetrain.errors import InputError
 from valvetrain.measurements.lift_answers import LiftAnswers
 from valvetrain.measurements.lift_reading import read_lift
 from valvetrain.measurements.measured_lift import MeasuredLift
+from valvetrain.parameters.bounded_file import named_file
 from valvetrain.parameters.schema_lift import LiftModel, check_angles
 from valvetrain.parameters.schema_types import Angle, Angles, Length, Lengths, guarded, problem
 
@@ -139,7 +140,9 @@ class SplineModel(LiftModel):
                 columns=tuple(word.strip() for word in self.columns.split(",") if word.strip()),
             )
         )  # fmt: skip
-        lobes: tuple[MeasuredLift, ...] = guarded(read_lift, folder / self.file, answers, path=("file",))
+        lobes: tuple[MeasuredLift, ...] = guarded(
+            read_lift, guarded(named_file, folder, self.file, path=("file",)), answers, path=("file",)
+        )
         if len(lobes) > 1:
             words = " and ".join(lobe.name for lobe in lobes)
             raise problem(f"{self.file[:80]} holds {words}; name the others 'ignore' in columns", ("columns",))

@@ -65,12 +65,12 @@ def animate(
         film = write_film(variant, path, request)
     data = {
         "command": "animate", "case": chosen.name, "completed": True, "file": str(film.path), "run": variant.label,
-        "engine_speed": measured(variant.engine_speed, "rad/s"), "pictures": film.pictures, "duration": measured(request.seconds, "s"),
+        "engine_speed": measured(variant.engine_speed, "rad/s"), "pictures": film.pictures, "duration": measured(request.duration, "s"),
         "slowness": film.slowness, "size": measured(film.size, "B"), "notes": list(variant.notes),
     }  # fmt: skip
 
     def show(console: Console) -> None:
-        seen = f"{film.pictures} pictures, {request.seconds:g} s, 1/{film.slowness:.0f} of real time, {film.size / 1e6:.2g} MB"
+        seen = f"{film.pictures} pictures, {request.duration:g} s, 1/{film.slowness:.0f} of real time, {film.size / 1e6:.2g} MB"
         console.print(f"{film.path}: {variant.words}, {seen}", soft_wrap=True)
         for note in variant.notes:
             console.print(f"{note[:1].upper()}{note[1:].rstrip('.')}.", soft_wrap=True)

@@ -54,39 +54,23 @@ def _show(
     console: Console, pair: tuple[KeptRun, KeptRun], inputs: tuple[tuple[str, Any, Any], ...], results: tuple[ResultDifference, ...]
 ) -> None:
     from valvetrain.cli.tables import plain_table
-    from valvetrain.parameters.words import number
-    from valvetrain.report.headlines import TOPICS
-    from valvetrain.report.words import percent
-    from valvetrain.solution.definition import label_of, shown
+    from valvetrain.report.run_differences import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
 
     for name, run in zip("AB", pair, strict=True):
         console.print(f"{name}  {run.folder}", soft_wrap=True)
     console.print()
     if inputs:
-        console.print(plain_table(("inputs", "A", "B"), ((key, _word(first), _word(second)) for key, first, second in inputs[:MOST_ROWS])))
+        console.print(plain_table(INPUT_HEADS, input_rows(inputs[:MOST_ROWS])))
     else:
         console.print("the inputs are the same")
-    first = [name for names in TOPICS.values() for name in names]
-    place = {name: index for index, name in enumerate(first)}
-    both = sorted((row for row in results if row.difference is not None), key=lambda row: place.get(row.quantity, len(first)))
-    rows = []
-    for row in both[:MOST_ROWS]:
-        a, b = (number(float(shown(row.quantity, value)[0])) for value in (row.a or 0.0, row.b or 0.0))
-        rows.append(
-            (label_of(row.quantity), row.run, a, b, shown(row.quantity, 1.0)[1], "" if row.relative is None else percent(row.relative))
-        )
+    rows = result_rows(results)
     console.print()
     if rows:
-        console.print(plain_table(("results", "run", "A", "B", "", "difference"), rows, right=(2, 3, 5)))
+        console.print(plain_table(RESULT_HEADS, rows[:MOST_ROWS], right=(2, 3, 5)))
     elif not results:
         console.print("the results are the same")
-    left, alone = max(0, len(inputs) - MOST_ROWS) + max(0, len(both) - MOST_ROWS), len(results) - len(both)
+    left, alone = max(0, len(inputs) - MOST_ROWS) + max(0, len(rows) - MOST_ROWS), len(results) - len(rows)
     if alone:
         console.print(f"\n{alone} numbers stand in one of the two runs only; --json has them")
     if left:
         console.print(f"\nand {left} more differences; --json has them all")
-
-
-def _word(value: Any) -> str:
-    text = "–" if value is None else ", ".join(map(str, value)) if isinstance(value, list) else str(value)
-    return text if len(text) <= 60 else text[:57] + "..."

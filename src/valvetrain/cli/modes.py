@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from valvetrain.cli.keep_rest import KeepOption
 from valvetrain.cli.options import (
     MOST_COUNTED,
     CaseArgument,
@@ -25,6 +26,8 @@ from valvetrain.cli.options import (
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rich.console import Console
 
     from valvetrain.cli.outcome import Outcome
@@ -55,10 +58,10 @@ def modes(
     ] = None,
     free_end: Annotated[bool, typer.Option("--free-end", help="The retainer end is free to move along the axis, without a mass.")] = False,
     spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
-    limit: LimitOption = None, as_json: JsonOption = False, quiet: QuietOption = False,
+    limit: LimitOption = None, keep: KeepOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """Natural frequencies of springs, both ends fixed or one with a mass; of a train also with its springs, as one."""
-    from valvetrain.cli.case_choice import choose_case
+    from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
     from valvetrain.studies.cost import FEWER_AT_REST, read_limits
@@ -75,15 +78,17 @@ def modes(
     state = read_length(compression, "--compression")
     models, sets = read_models(spring), read_words(spring_set)
     say_cost(rest_cost(chosen, models, spring_sets=sets, steps=CURVE_OF_MODES, modes=count), read_limits(limit), FEWER_AT_REST)
-    deliver(compute_modes(chosen, models, sets, count, state, masses[0] if masses else None))
+    home = folder_of(case) if keep else None
+    deliver(compute_modes(chosen, models, sets, count, state, masses[0] if masses else None, home))
 
 
 def compute_modes(
     case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], count: int, compression: float | None = None,
-    attached_mass: float | None = None,
+    attached_mass: float | None = None, keep: Path | None = None,
 ) -> Outcome:  # fmt: skip
     """The ``count`` lowest modes of every spring about ``compression`` (m from the free state; None: as installed), ``attached_mass`` (kg)
-    on the retainer, 0 for a free end (None: both ends fixed)."""
+    on the retainer, 0 for a free end (None: both ends fixed); ``keep``: keep the answer of the case whose file lies there."""
+    from valvetrain.cli.keep_rest import kept
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.report.json import study_json
@@ -104,7 +109,8 @@ def compute_modes(
         for one in trains:
             _show_train(console, one, count)
 
-    return Outcome(data, show, study.failures)
+    outcome = Outcome(data, show, study.failures)
+    return outcome if keep is None else kept(outcome, study, case, keep, {"count": count})
 
 
 def _object(modes: TrainModes, count: int) -> dict[str, Any]:

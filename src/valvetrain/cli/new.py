@@ -9,13 +9,7 @@ import typer
 
 from valvetrain.cli.options import JsonOption, QuietOption
 from valvetrain.errors import InputError
-
-TEMPLATES = Path(__file__).parent.parent / "templates"
-#: Kind -> what it is, in the order of the help.
-KINDS = {
-    "spring": "a spring alone", "direct": "a bucket tappet", "finger": "a finger follower", "rocker": "a rocker over the cam",
-    "pushrod": "a pushrod and rocker",
-}  # fmt: skip
+from valvetrain.parameters.templates import KINDS, template_text
 
 
 def register(app: typer.Typer) -> None:
@@ -47,12 +41,10 @@ def write_template(name: str, kind: str) -> Path:
 
     Raises :class:`InputError` for an unknown kind, a name that no file may bear, or a file that is there.
     """
-    from valvetrain.parameters.changes import nearest
     from valvetrain.parameters.loading import library_names
     from valvetrain.solution.atomic import write_text
 
-    if kind not in KINDS:
-        raise InputError(f"there is no template of the kind '{kind[:40]}'; {nearest(kind, tuple(KINDS))}", "--kind")
+    text = template_text(kind)
     stem = name.removesuffix(".toml")
     if not stem.strip() or stem.endswith(("/", "..")) or not stem.isprintable() or len(Path(stem).name) > 80:
         raise InputError(f"'{name[:40]}' cannot be the name of a file; give such as my-spring", "NAME")
@@ -65,5 +57,4 @@ def write_template(name: str, kind: str) -> Path:
         raise InputError(f"'{name[:40]}' cannot be the name of a file ({error.strerror}); give such as my-spring", "NAME") from None
     if taken:
         raise InputError(f"the file '{path}' is there already; choose another name or remove it", "NAME")
-    text = (TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8")
     return write_text(path, text.replace("NAME.toml", str(path)))

@@ -1,23 +1,36 @@
-"""How long it still takes, on standard error."""
+"""How long it still takes: on standard error, and as JSON lines to whoever started the command and asked for them."""
 
 from __future__ import annotations
 
+import json
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from typing import Any
 
 from valvetrain.cli.outcome import manner, tell
 
 Report = Callable[[float, str], None]
+#: Names the open file (its number) that is told the progress, ``{"share": 0.25, "text": "multi-mass, 4200 rpm"}`` a line.
+PROGRESS_VARIABLE = "VALVETRAIN_PROGRESS"
+
+
+def tell_progress(share: float | None, text: str) -> None:
+    """One line to the file that :data:`PROGRESS_VARIABLE` names, where it does; ``share`` of the work done, None while it is not known."""
+    number = os.environ.get(PROGRESS_VARIABLE, "")
+    if number.isdecimal():
+        with suppress(OSError):
+            os.write(int(number), (json.dumps({"share": share, "text": text}) + "\n").encode())
 
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[Report]:
     """A bar with the time left while the block runs, on a terminal only; yields ``report(share done, what was just done)``."""
+    tell_progress(0.0, title)
     if manner().quiet or not sys.stderr.isatty():
-        yield lambda done, text: None
+        yield tell_progress
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn
@@ -29,6 +42,7 @@ def progress_bar(title: str) -> Iterator[Report]:
     begun = time.monotonic()
 
     def report(done: float, text: str) -> None:
+        tell_progress(done, text)
         bar.update(task, completed=done, description=f"{title}: {text}", left=time_left(time.monotonic() - begun, done))
 
     with bar:
@@ -45,6 +59,7 @@ def time_left(elapsed: float, done: float) -> str:
 
 def busy(title: str) -> Any:
     """A spinner with ``title`` for work of seconds, on a terminal only."""
+    tell_progress(None, title)
     if manner().quiet or not sys.stderr.isatty():
         return nullcontext()
     from rich.console import Console
@@ -58,4 +73,6 @@ def announce_compilation(*kinds: str) -> None:
 
     seconds = seconds_to_compile(*kinds)
     if seconds:
-        tell(f"compiling kernels, once, about {seconds:.0f} s")
+        words = f"compiling kernels, once, about {seconds:.0f} s"
+        tell_progress(None, words)
+        tell(words)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from valvetrain.cli.keep_rest import KeepOption
 from valvetrain.cli.options import (
     MOST_COUNTED,
     CaseArgument,
@@ -65,10 +66,11 @@ def static(
     ] = None,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the curve to a CSV file.", show_default=False)] = None,
     spring: SpringOption = None, spring_set: SpringSetOption = None, settings: SetOption = None, elements_per_coil: ElementsOption = None,
-    limit: LimitOption = None, implausible: ImplausibleOption = False, as_json: JsonOption = False, quiet: QuietOption = False,
+    limit: LimitOption = None, implausible: ImplausibleOption = False, keep: KeepOption = False, as_json: JsonOption = False,
+    quiet: QuietOption = False,
 ) -> None:  # fmt: skip
     """Force, stiffness and stress over compression, coils closing, of every spring of a case, and at heights and loads asked for."""
-    from valvetrain.cli.case_choice import choose_case
+    from valvetrain.cli.case_choice import choose_case, folder_of
     from valvetrain.cli.limits import say_cost
     from valvetrain.cli.outcome import deliver
     from valvetrain.solution.atomic import check_target
@@ -83,15 +85,17 @@ def static(
     models, sets = read_models(spring), read_words(spring_set)
     cost = rest_cost(chosen, models, spring_sets=sets, steps=steps, heights=len(heights), loads=len(loads))
     say_cost(cost, read_limits(limit), FEWER_AT_REST)
-    deliver(compute_static(chosen, models, sets, largest, steps, csv, heights, loads, implausible))
+    home = folder_of(case) if keep else None
+    deliver(compute_static(chosen, models, sets, largest, steps, csv, heights, loads, implausible, home))
 
 
 def compute_static(
     case: Case, spring_models: tuple[str, ...], spring_sets: tuple[str, ...], largest: float | None, steps: int, csv: Path | None = None,
-    heights: tuple[float, ...] = (), loads: tuple[float, ...] = (), implausible: bool = False,
+    heights: tuple[float, ...] = (), loads: tuple[float, ...] = (), implausible: bool = False, keep: Path | None = None,
 ) -> Outcome:  # fmt: skip
     """Solve the static curves up to ``largest`` (m; None: a little beyond full lift), and at ``heights`` (m) and ``loads`` (N); write
-    ``csv`` where asked. ``implausible``: let values pass that no spring can have."""
+    ``csv`` where asked. ``implausible``: let values pass that no spring can have; ``keep``: folder of the case, to keep the answer."""
+    from valvetrain.cli.keep_rest import kept
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.report.json import study_json
@@ -107,7 +111,8 @@ def compute_static(
     data = study_json(study)
     if csv is not None:
         data["files"] = [str(write_text(csv, curve_text(study)))]
-    return Outcome(data, lambda console: _show(console, study, csv), study.failures)
+    outcome = Outcome(data, lambda console: _show(console, study, csv), study.failures)
+    return outcome if keep is None else kept(outcome, study, case, keep, {"steps": steps})
 
 
 def curve_text(study: Study) -> str:

@@ -1,1 +1,1 @@
-"""Identification of quantities of a case from measurements: priors, likelihoods, three ways to the posterior, and what the data tell."""
+"""Identification of quantities of a case from measurements: priors, likelihoods, ways to the posterior, what the data determine."""

@@ -63,7 +63,7 @@ def identify(
 
     Returns
     -------
-    Identified: branches, intervals, correlations, what the data tell, and the percentile of each measurement in its prediction
+    Identified: branches, intervals, correlations, what the data determine, and the percentile of each measurement in its prediction
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What the data tell: which measurement tells which quantity, and which quantities only together.
+"""What the data determine: which measurement tells which quantity, and which quantities only together.
 
 All of it follows from the slopes of the scaled misses at the likeliest point, in standard deviations of the priors, so that the
 information of the priors is the identity. Source: D. Sivia and J. Skilling, Data Analysis (2nd ed. 2006), chapter 3.

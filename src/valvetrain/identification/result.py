@@ -1,4 +1,4 @@
-"""What an identification found: branches with their intervals, what the data tell, and where each measurement lies in its prediction."""
+"""What an identification found: branches with intervals, what the data determine, where each measurement lies in its prediction."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def solve(
     posterior: Posterior, search: Search, journal: Journal, *, begin: Array | None = None, profiles: Sequence[str] = (), name: str = "",
     report: Report = silent, compare: Evaluate | None = None, units: Mapping[str, str] = MappingProxyType({}),
 ) -> Identified:  # fmt: skip
-    """Search the posterior, find its branches, and tell of each what the data tell.
+    """Search the posterior, find its branches, and tell of each what the data determine.
 
     ``begin`` (n, quantities): starts of a search for a point in SI, beside those of ``search``. ``compare``: tells of a point what is not
     fitted, asked for ``search.draws`` of the draws. ``units``: those that computed quantities are shown in, by key. A stop in a

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import stat
 from pathlib import Path
 
@@ -9,9 +10,25 @@ from valvetrain.errors import InputError
 
 #: Larger files hold neither a case nor a lift table (bytes).
 MOST_BYTES = 5_000_000
+#: Set to anything, a case may name files beside it only: for cases of strangers (``valvetrain serve``).
+BESIDE_VARIABLE = "VALVETRAIN_BESIDE"
 _KINDS = {
     stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFSOCK: "a socket",
 }  # fmt: skip
+
+
+def named_file(folder: Path, name: str) -> Path:
+    """The file that a case in ``folder`` names.
+
+    Raises :class:`InputError` for one elsewhere than beside the case, or a link, where :data:`BESIDE_VARIABLE` is set.
+
+    >>> named_file(Path("cases"), "lift.csv").name
+    'lift.csv'
+    """
+    path = folder / name
+    if os.environ.get(BESIDE_VARIABLE) and (Path(name).name != name or "\\" in name or path.is_symlink()):
+        raise InputError("names a file elsewhere than beside the case; put it there and name it plainly, as in 'lift.csv'")
+    return path
 
 
 def bounded_bytes(path: Path, what: str, most: int = MOST_BYTES) -> bytes:

@@ -64,7 +64,7 @@ def _rows(model: type[BaseModel], base: type[BaseModel] | None = None) -> list[s
     """Rows of the fields of ``model`` that have a default to tell and differ from those of ``base``."""
     known = base.model_fields if base is not None else {}
     fields = {name: field for name, field in model.model_fields.items() if name not in known or field.default != known[name].default}
-    return [f"| `{name}` | {_shown(field)} | {_meaning(field)} |" for name, field in fields.items() if _told(field)]
+    return [f"| `{name}` | {shown_default(field)} | {_meaning(field)} |" for name, field in fields.items() if _told(field)]
 
 
 def _told(field: FieldInfo) -> bool:
@@ -74,7 +74,8 @@ def _told(field: FieldInfo) -> bool:
     return bool(field.description) if field.default is None or field.default == "" else True
 
 
-def _shown(field: FieldInfo) -> str:
+def shown_default(field: FieldInfo) -> str:
+    """The default of a field in the unit in which it is usually given."""
     value = field.default
     if value is None or value == "":
         return "not given"

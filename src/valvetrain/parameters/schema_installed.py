@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
@@ -187,8 +188,16 @@ def _read_blocks(raw: Any) -> SpringBlocks:
 def _read_block(entry: Any, path: tuple[int, ...]) -> WireBlock | CardBlock:
     if not isinstance(entry, dict):
         raise problem("a spring is a table: its wire (wire_diameter and so on) or its card (preload, rate)", path)
-    by_card = any(key in _CARD_KEYS for key in entry) and not ("wire_diameter" in entry and any(key in _WIRE_KEYS for key in entry))
-    return validate_as(CardBlock, entry, path) if by_card else validate_as(WireBlock, entry, path)
+    return validate_as(CardBlock, entry, path) if is_card(entry) else validate_as(WireBlock, entry, path)
+
+
+def is_card(entry: Mapping[str, Any]) -> bool:
+    """Whether the table of a spring is read as its card, else as its wire.
+
+    >>> is_card({"preload": "250 N", "rate": "32 N/mm"}), is_card({"wire_diameter": "4 mm", "total_coils": 6})
+    (True, False)
+    """
+    return any(key in _CARD_KEYS for key in entry) and not ("wire_diameter" in entry and any(key in _WIRE_KEYS for key in entry))
 
 
 SpringField = Annotated[SpringBlocks, PlainValidator(_read_blocks)]

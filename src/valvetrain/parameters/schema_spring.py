@@ -32,7 +32,7 @@ from valvetrain.parameters.schema_types import (
 from valvetrain.parameters.spring import EndCoil, EndKind, SpringDefinition
 from valvetrain.parameters.wire_ends import is_closed, wind
 
-#: A spring of more turns than this is a slip of the pen, and would cost minutes to check.
+#: A spring of more turns than this is taken for a mistake, and would cost minutes to check.
 MOST_COILS = 200.0
 
 EndTurns = Annotated[float, quantity("ratio", low=0.0, high=3.0)]

@@ -86,9 +86,11 @@ def _show(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Quantity(BeforeValidator):
-    """A validator that tells its ``dimension`` (a key of `valvetrain.units.DIMENSIONS`, None for any)."""
+    """A validator that tells its ``dimension`` (a key of `valvetrain.units.DIMENSIONS`, None for any) and its bounds in SI."""
 
     dimension: str | None = None
+    low: float | None = None
+    high: float | None = None
 
 
 def quantity(dimension: str | None, *, low: float | None = None, high: float | None = None, open_low: bool = False) -> BeforeValidator:
@@ -102,7 +104,7 @@ def quantity(dimension: str | None, *, low: float | None = None, high: float | N
             raise problem(f"'{clipped(str(raw))}' is too large; give a value of at most {high:g} (SI)")
         return value
 
-    return Quantity(read, dimension=dimension)
+    return Quantity(read, dimension=dimension, low=low, high=high)
 
 
 def quantities(dimension: str | None) -> BeforeValidator:

@@ -42,6 +42,15 @@ def resolved(tree: Mapping[str, Any], lift_law: LiftLawParameters | None) -> dic
     return {**tree, "lift_law": kept | table}
 
 
+def inline(value: Any) -> str:
+    """One value as TOML writes it on a line: ``{ formula = "beehive", lower = "26 mm" }``.
+
+    >>> inline([0, 4, 7])
+    '[0, 4, 7]'
+    """
+    return _value(value)
+
+
 def _dotted(path: tuple[str, ...]) -> str:
     return ".".join(map(_key, path))
 

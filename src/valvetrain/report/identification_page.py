@@ -1,4 +1,4 @@
-"""The page of an identification: what was found, what the data tell, measured against predicted."""
+"""The page of an identification: what was found, what the data determine, measured against predicted."""
 
 from __future__ import annotations
 

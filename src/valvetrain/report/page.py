@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from html import escape, unescape
 from importlib import resources
 from typing import TYPE_CHECKING, Any, ParamSpec
@@ -16,6 +17,8 @@ from valvetrain.report.motion.script import motion_script
 from valvetrain.solution.gaps import Gaps, reason
 
 if TYPE_CHECKING:
+    import jinja2
+
     from valvetrain.solution.study import Study
 
 
@@ -239,20 +242,50 @@ def _all(blocks: Sequence[Any]) -> Iterator[Any]:
 
 def render(page: Page, gaps: Gaps | None = None) -> str:
     """The page as one self-contained HTML document, Plotly and data included; ``gaps`` is told the figures that cannot be drawn."""
-    import jinja2
-
-    loader = jinja2.FunctionLoader(_template)
-    environment = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     drawn = {chart.key: _drawn(chart, gaps) for chart in charts(page)}
-    style = _static("page.css").replace("FONT_STACK", theme.FONT)
-    library = plotly_script() if drawn else ""
-    moving = [block for section in page.sections for block in _all(section.blocks) if isinstance(block, Motion)]
-    template = environment.get_template("page.html.j2")
-    return template.render(
-        page=page, drawn=drawn, style=style, script=_static("page.js"), plotly=library, legend=legend_entries, dashes=_DASHES,
-        moving=moving, mover=motion_script() if moving else "", header=_css_words(f"{page.title} – {page.kicker}"),
+    library, moving = plotly_script() if drawn else "", _moving(page)
+    return _template("page.html.j2").render(
+        page=page, drawn=drawn, style=page_style(), script=page_script(), plotly=library, moving=moving,
+        mover=motion_script() if moving else "", header=_css_words(f"{page.title} – {page.kicker}"),
         still={key: picture for key, picture in ((chart.key, _still(chart)) for chart in charts(page)) if picture},
     )  # fmt: skip
+
+
+def render_part(sections: Sequence[Section]) -> str:
+    """Sections with the data of their figures as HTML to stand in another page, which brings style, script and Plotly."""
+    page = Page("", "", "", (), tuple(sections))
+    drawn = {chart.key: _drawn(chart, None) for chart in charts(page)}
+    return _template("part.html.j2").render(page=page, drawn=drawn, moving=_moving(page), still={})
+
+
+def _moving(page: Page) -> list[Motion]:
+    """Every moving picture of a page, in order."""
+    return [block for section in page.sections for block in _all(section.blocks) if isinstance(block, Motion)]
+
+
+def page_style() -> str:
+    """The style of every page."""
+    return _static("page.css").replace("FONT_STACK", theme.FONT)
+
+
+def page_script() -> str:
+    """The script that draws the figures of a page or of a part of one."""
+    return _static("page.js")
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    import jinja2
+
+    folder = resources.files("valvetrain.report").joinpath("templates")
+    loader = jinja2.FunctionLoader(lambda name: folder.joinpath(name).read_text(encoding="utf-8"))
+    found = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    found.globals |= {"legend": legend_entries, "dashes": _DASHES}
+    return found
+
+
+def _template(name: str) -> jinja2.Template:
+    return _environment().get_template(name)
 
 
 def _still(chart: Chart) -> str:
@@ -288,10 +321,6 @@ def plotly_script() -> str:
     source = resources.files("plotly").joinpath("package_data", "plotly.min.js").read_text(encoding="utf-8")
     # Escaped to ASCII, Python keeps the text and its copies in one byte per character instead of two.
     return re.sub(r"[^\x00-\x7f]", lambda found: f"\\u{ord(found[0]):04x}", source.replace("</script", "<\\/script"))
-
-
-def _template(name: str) -> str:
-    return resources.files("valvetrain.report").joinpath("templates", name).read_text(encoding="utf-8")
 
 
 def _static(name: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from valvetrain.errors import InputError
 from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.measurements.sensor import Sensor
 from valvetrain.measurements.value_table import ValueTable
+from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.adequacy import LEVEL, ring_weights
 from valvetrain.quantities.traces import Active, trace_of
@@ -131,13 +132,60 @@ def compare_with_test(
     >>> vt.compare_with_test("job-t", cycles, spring_models=["multi-mass"]).best.adequacy.adequate
     True
     """
-    chosen, own = case_of(case), read_test(test, quantity, channel)
+    chosen = case_of(case)
+    asked = _asked(chosen, test, quantity, channel, engine_speed, sensor, fitted, shared, level)
+    study = simulate(
+        chosen, tuple(f"{speed!r} rad/s" for speed in asked.engine_speeds), spring_models=spring_models, spring_sets=spring_sets,
+        workers=workers, progress=progress, limit=limit, implausible=implausible,
+    )  # fmt: skip
+    return _answer(study, asked, active_wire(build(chosen, spring_models=spring_models, spring_sets=spring_sets)))
+
+
+def compare_study_with_test(
+    study: Study, case: AnyCase, test: AnyTest, *, quantity: str = "", channel: int = 0, engine_speed: Given | None = None
+) -> ModelAgainstTest:  # fmt: skip
+    """As :func:`compare_with_test`, with runs that are there already: those of ``study``, which were made from ``case``.
+
+    Raises :class:`InputError` likewise, and where no run is at the speed of the test.
+    """
+    chosen = case_of(case)
+    asked = _asked(chosen, test, quantity, channel, engine_speed, None, 0, (), LEVEL)
+    near = tuple(run for run in study.solutions if any(same_speed(run.engine_speed, speed) for speed in asked.engine_speeds))
+    if not near:
+        told = ", ".join(rpm_words(speed) for speed in asked.engine_speeds)
+        raise InputError(f"the test is at {told}, and none of the runs is; run the case at that speed", "test")
+    problem = build(chosen)
+    if not {run.label for run in near} <= {member.label for member in problem.members}:
+        models, sets = ([*dict.fromkeys(word for run in near if (word := getattr(run, name)))] for name in ("model", "spring_set"))
+        problem = build(chosen, spring_models=models, spring_sets=sets)
+    return _answer(replace(study, solutions=near), asked, active_wire(problem))
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A test as it is compared, at which speeds (rad/s of the crank) and how."""
+
+    test: MeasuredCycles | ValueTable
+    engine_speeds: tuple[float, ...]
+    notes: tuple[str, ...]
+    shared: SharedErrors
+    sensor: Sensor | None
+    fitted: int
+    level: float
+
+
+def _asked(
+    case: Case, test: AnyTest, quantity: str, channel: int, engine_speed: Given | None, sensor: Sensor | None, fitted: int,
+    shared: str | Sequence[str], level: float,
+) -> _Asked:  # fmt: skip
+    """What is asked, checked."""
+    own = read_test(test, quantity, channel)
     if not 0 < level < 1:
         raise InputError(f"the level {level!r:.20} is no chance; give one such as 0.05", "level")
     if isinstance(fitted, bool) or not isinstance(fitted, int) or fitted < 0:
         raise InputError(f"'{fitted!s:.20}' is no number of fitted parameters; give 0, 1, 2 ...", "fitted")
     asked = None if engine_speed is None else si(engine_speed, "engine_speed", "engine_speed")
-    own, speeds, notes = at_speeds(chosen, own, asked)
+    own, speeds, notes = at_speeds(case, own, asked)
     known = SharedErrors()
     if shared and isinstance(own, ValueTable):
         raise InputError("a table states the scatter of each value; put what they share into it, or leave it out", "shared")
@@ -145,14 +193,13 @@ def compare_with_test(
         known = read_shared(shared, own.unit)
     if sensor is not None and isinstance(own, ValueTable):
         raise InputError("a table holds named quantities; give those of a bandwidth, such as below_10_khz_peak_spring_force", "sensor")
-    study = simulate(
-        chosen, tuple(f"{speed!r} rad/s" for speed in speeds), spring_models=spring_models, spring_sets=spring_sets, workers=workers,
-        progress=progress, limit=limit, implausible=implausible,
-    )  # fmt: skip
-    active = active_wire(build(chosen, spring_models=spring_models, spring_sets=spring_sets))
-    if isinstance(own, ValueTable):
-        return _with_values(study, own, speeds, fitted, level, notes, active)
-    return _with_cycles(study, own, sensor, fitted, level, notes, active, known)
+    return _Asked(own, speeds, notes, known, sensor, fitted, level)
+
+
+def _answer(study: Study, asked: _Asked, active: Mapping[str, Active]) -> ModelAgainstTest:
+    if isinstance(asked.test, ValueTable):
+        return _with_values(study, asked.test, asked.engine_speeds, asked.fitted, asked.level, asked.notes, active)
+    return _with_cycles(study, asked.test, asked.sensor, asked.fitted, asked.level, asked.notes, active, asked.shared)
 
 
 def active_wire(problem: Problem) -> dict[str, Active]:

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import named_file
 from valvetrain.solution.atomic import SUFFIX, is_abandoned, is_living, lock, remove_abandoned, write_bytes, write_text
 from valvetrain.studies.run_answer import ANSWER, answer_text, read_answer
 from valvetrain.units.text import clipped
@@ -98,7 +99,7 @@ def collect_inputs(case: str, text: str, folder: Path, choices: Mapping[str, Any
         if not isinstance(named, str):
             continue
         try:
-            content = (folder / named).read_bytes()
+            content = named_file(folder, named).read_bytes()
         except (OSError, ValueError) as error:
             raise InputError(f"the file '{named}' that case '{case}' names cannot be read; put it back", case) from error
         short = _free_name(Path(named).name, content, side_files)

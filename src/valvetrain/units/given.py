@@ -64,7 +64,7 @@ _MEANT = {
     "stiffness": ("N/mm", "N/m", "lbf/in"), "modulus": ("GPa", "MPa", "Pa", "psi"), "mass": ("g", "kg", "lb"),
     "density": ("kg/m^3", "g/cm^3", "g/mm^3", "kg/mm^3", "Mg/mm^3"),
 }  # fmt: skip
-#: More speeds than this in one call are a slip of the pen.
+#: More speeds than this in one call are taken for a mistake.
 MOST_SPEEDS = 10_000
 _RANGE = re.compile(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s*:\s*([^:\s]+)(\s+[^:]*)?\Z")
 

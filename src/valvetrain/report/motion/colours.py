@@ -9,11 +9,14 @@ import numpy as np
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import Cycle
 from valvetrain.report.motion.parts import Array, Colouring, Places, SpringDrawing, Variant
+from valvetrain.springs.stress import bergstraesser
 
 #: Colours from low to high. Nothing to see is grey, on light and dark paper alike; what is large is dark red.
 RISING = ("#8fa3b5", "#5b8fc9", "#3f6fd1", "#8a4fc4", "#d14a7a", "#e8503a", "#a3131c")
 NEAR = ("#b3131c", "#ef7d2e", "#e9c46a", "#a9b4bf", "#8f9aa6")
 BOTH_WAYS = ("#1f4fb0", "#4f86d9", "#a9bdd3", "#9aa3ad", "#e0b59b", "#dd6b3a", "#a8201a")
+#: Keys of the colourings.
+COLOURS = ("stress", "contact", "gap", "velocity")
 #: Gaps (mm) from here on look alike.
 WIDEST_GAP = 1.0
 _ALONG = {"stress": "inner_fibre_shear_stress", "velocity": "axial_velocity"}
@@ -43,7 +46,7 @@ def colourings_of(
     pairs = _pairs(cycle, channel["coil_gap"], wire)
     if pairs is not None:
         places, upper, length = pairs
-        name = next(one for one in ("coil_contact_peak_force", "coil_contact_force") if cycle.solution.has(channel[one]))
+        name = "coil_contact_peak_force" if cycle.solution.has(channel["coil_contact_peak_force"]) else "coil_contact_force"
         force = largest_between(cycle.channel(channel[name])[:, places], sample) / length / 1e3
         found.append(_rising("contact", "contact force per mm of wire", "N/mm", _on_nodes(force, upper, coil, 0.0, np.maximum)))
         gap = 1e3 * cycle.channel(channel["coil_gap"])[:, places][sample]
@@ -54,6 +57,30 @@ def colourings_of(
         words = "axial velocity, towards the retainer positive"
         found.append(Colouring("velocity", words, "m/s", velocity, -reach, reach, BOTH_WAYS))
     return found
+
+
+def slope_stress(wire: SpringDefinition, coil: Array, displacement: Array, preload: float) -> Colouring:
+    """Shear stress of a model that tells how its coils move and no section loads, by the textbook.
+
+    Parameters
+    ----------
+    wire : the spring's wire
+    coil : (node,) coil numbers, ascending
+    displacement : (frame, node) axial displacement (m) from the installed state, seat to retainer positive
+    preload : force (N) of the installed spring
+
+    Returns
+    -------
+    Colouring in MPa: the axial force at a place is the preload and what the slope of the displacement over the local compliance
+    64 R**3 / (G d**4) per turn adds; the stress k 8 F D / (pi d**3) with Bergstraesser's k (EN 13906-1). Inactive wire carries none.
+    """
+    thick, mean = wire.wire_diameter.value(coil), wire.mean_diameter.value(coil)
+    compliance = 8 * mean**3 / (wire.material.shear_modulus * thick**4)
+    force = preload - np.gradient(displacement, coil, axis=1) / compliance
+    first, last = wire.free_coils
+    active = (coil >= first - 1e-9) & (coil <= last + 1e-9)
+    stress = 1e-6 * np.where(active, bergstraesser(mean / thick) * 8 * mean * force / (np.pi * thick**3), 0.0)
+    return _rising("stress", "shear stress by the slope of the coils", "MPa", stress)
 
 
 def largest_between(values: Array, sample: Places) -> Array:

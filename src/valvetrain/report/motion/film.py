@@ -14,8 +14,9 @@ import numpy as np
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.report import theme
+from valvetrain.report.motion.colours import COLOURS
 from valvetrain.report.motion.parts import Array, Variant
-from valvetrain.report.motion.project import Flat, colouring_of, flat_shapes, shades
+from valvetrain.report.motion.project import colouring_of, flat_shapes, shades
 from valvetrain.report.words import number, rpm
 from valvetrain.solution.atomic import write_bytes
 
@@ -34,18 +35,20 @@ _OPENCV = "an MP4 needs OpenCV; install it with: pip install 'valvetrain[film]',
 
 @dataclass(frozen=True, slots=True)
 class FilmRequest:
-    """A film as asked for: ``seconds`` for one cam turn, ``width`` (px; the height follows at 16:9), ``colour``: key of the colouring."""
+    """A film as asked for: ``duration`` (s) of one cam turn, ``picture_width`` (px; height 16:9), ``colour``: key of the colouring."""
 
-    seconds: float = 4.0
-    width: int = 800
+    duration: float = 4.0
+    picture_width: int = 800
     colour: str = ""
 
     def check(self) -> None:
-        """Raise :class:`InputError` for what lies beyond the bounds."""
-        if not 1 <= self.seconds <= LONGEST:
-            raise InputError(f"a film of {self.seconds:g} s is too short or too long; choose 1 to {LONGEST:g} s", "--duration")
-        if not NARROWEST <= self.width <= WIDEST:
-            raise InputError(f"a film {self.width} px wide is too small or too large; choose {NARROWEST} to {WIDEST}", "--width")
+        """Raise :class:`InputError` for what lies beyond the bounds and for a colour that no wire has."""
+        if self.colour and self.colour not in COLOURS:
+            raise InputError(f"there is no colour '{self.colour[:40]}'; use {', '.join(COLOURS)}", "--colour")
+        if not 1 <= self.duration <= LONGEST:
+            raise InputError(f"a film of {self.duration:g} s is too short or too long; choose 1 to {LONGEST:g} s", "--duration")
+        if not NARROWEST <= self.picture_width <= WIDEST:
+            raise InputError(f"a film {self.picture_width} px wide is too small or too large; choose {NARROWEST} to {WIDEST}", "--width")
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +94,7 @@ def write_film(variant: Variant, path: Path, request: FilmRequest = FilmRequest(
     >>> import valvetrain as vt
     >>> from valvetrain.report.motion.scene import moving_picture
     >>> run = moving_picture(vt.simulate("job-t", "2000 rpm", spring_models=["multi-mass"])).variants[0]
-    >>> write_film(run, Path("spring.gif"), FilmRequest(seconds=1.0, width=320)).pictures
+    >>> write_film(run, Path("spring.gif"), FilmRequest(duration=1.0, picture_width=320)).pictures
     25
     """
     request.check()
@@ -100,7 +103,7 @@ def write_film(variant: Variant, path: Path, request: FilmRequest = FilmRequest(
     if request.colour and request.colour not in known:
         words = f"it has {', '.join(known)}" if known else "its springs show no colours"
         raise InputError(f"this run has no colour '{request.colour[:40]}'; {words}", "--colour")
-    count = round(request.seconds * RATE)
+    count = round(request.duration * RATE)
     frames = film_frames(variant, count)
     pictures = (picture for picture in _pictures(variant, frames, request))
     content = _gif(pictures) if path.suffix.lower() == ".gif" else _mp4(pictures)
@@ -110,7 +113,7 @@ def write_film(variant: Variant, path: Path, request: FilmRequest = FilmRequest(
         )
     write_bytes(path, content)
     turn = 4 * np.pi / variant.engine_speed
-    return Film(path, count, len(content), request.seconds / turn)
+    return Film(path, count, len(content), request.duration / turn)
 
 
 def film_frames(variant: Variant, count: int) -> list[int]:
@@ -127,7 +130,7 @@ def film_frames(variant: Variant, count: int) -> list[int]:
 def _pictures(variant: Variant, frames: list[int], request: FilmRequest) -> Iterator[Image]:
     from PIL import Image, ImageDraw
 
-    width, height = request.width // 2 * 2, request.width * 9 // 16 // 2 * 2
+    width, height = request.picture_width // 2 * 2, request.picture_width * 9 // 16 // 2 * 2
     size = (FINER * width, FINER * height)
     place = _Place(variant, size)
     base = Image.new("RGB", size, theme.PAPER)
@@ -135,8 +138,11 @@ def _pictures(variant: Variant, frames: list[int], request: FilmRequest) -> Iter
     for frame in frames:
         picture = base.copy()
         draw = ImageDraw.Draw(picture)
-        for one in flat_shapes(variant, frame, request.colour):
-            _fill(draw, one, place)
+        shapes = [one for one in flat_shapes(variant, frame, request.colour) if len(one.points) > 2]
+        pixels, first = place.at(np.concatenate([one.points for one in shapes])), 0
+        for one in shapes:
+            draw.polygon(pixels[first : first + len(one.points)], fill=one.colour)
+            first += len(one.points)
         _cursor(draw, variant, frame, place)
         yield picture.resize((width, height), Image.Resampling.LANCZOS)
 
@@ -176,11 +182,6 @@ class _Place:
         return list(zip(across.tolist(), down.tolist(), strict=True))
 
 
-def _fill(draw: ImageDraw, one: Flat, place: _Place) -> None:
-    if len(one.points) > 2:
-        draw.polygon(place.at(one.points), fill=one.colour)
-
-
 def _still_parts(draw: ImageDraw, variant: Variant, place: _Place, request: FilmRequest) -> None:
     """What does not move: title, curves with their axes, colours with their ends."""
     unit = place.unit
@@ -203,7 +204,7 @@ def _still_parts(draw: ImageDraw, variant: Variant, place: _Place, request: Film
         draw.text((left, y0 - 5 * unit), force.words, fill=force.colour, font=place.small, anchor="la")
         left += draw.textlength(force.words, font=place.small) + 2 * unit
     _scale(draw, variant, place, request.colour)
-    slowness = request.seconds * variant.engine_speed / (4 * np.pi)
+    slowness = request.duration * variant.engine_speed / (4 * np.pi)
     words = f"{rpm(variant.engine_speed):.6g} rpm of the crank, 1/{number(slowness, 3)} of real time"
     draw.text((x1, 96 * unit), words, fill=theme.MUTED, font=place.small, anchor="rs")
 

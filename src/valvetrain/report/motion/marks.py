@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from valvetrain.quantities.cycle import Cycle
-from valvetrain.report.motion.parts import Mark
+from valvetrain.report.motion.parts import Mark, Variant
 from valvetrain.report.words import number
 from valvetrain.solution.definition import angle_name, label_of, shown
 from valvetrain.solution.display import words as shown_words
@@ -32,6 +32,14 @@ def marks_of(run: Solution, cycle: Cycle) -> tuple[Mark, ...]:
         where = f", {event.where}" if event.where else ""
         found.append(Mark(event.cam_angle % _TURN, "other", f"{event.kind.replace('_', ' ').replace('-', ' ')}{where}:{size}"))
     return tuple(sorted(found, key=lambda mark: mark.cam_angle))
+
+
+def still_frame(variant: Variant) -> int:
+    """Frame at which a picture begins and is printed: next to the mark of the largest spring force, else that of the largest lift."""
+    peak = next((mark for mark in variant.marks if mark.kind == "peak" and not mark.words.startswith(("least", "minimum"))), None)
+    if peak is None:
+        return int(np.argmax(variant.valve_lift))
+    return int(np.argmin(np.abs(variant.cam_angle - peak.cam_angle)))
 
 
 def _peaks(run: Solution, cycle: Cycle) -> list[Mark]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from valvetrain.report.chart import thin
+from valvetrain.report.motion.marks import still_frame
 from valvetrain.report.motion.parts import Body, Colouring, Moving, Series, SpringDrawing, Variant
 from valvetrain.report.plotly_chart import in_script
 from valvetrain.report.words import rpm
@@ -39,6 +40,7 @@ def motion_data(moving: Moving) -> dict[str, Any]:
 def _variant(one: Variant) -> dict[str, Any]:
     return {
         "label": one.label, "words": one.words, "rpm": rpm(one.engine_speed), "closed": one.closed, "notes": list(one.notes),
+        "start": round(float(np.degrees(one.cam_angle[still_frame(one)])), 4),
         "angle": single(np.degrees(one.cam_angle)), "lift": single(MM * one.valve_lift),
         "springs": [_spring(spring) for spring in one.springs], "bodies": [_body(body) for body in one.bodies],
         "forces": [_series(series) for series in one.forces],

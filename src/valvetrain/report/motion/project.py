@@ -12,8 +12,8 @@ from valvetrain.report.motion.parts import Array, Body, Colouring, Places, Shape
 
 #: Directions of view (rad): a spring alone, a train.
 SPRING_VIEW, TRAIN_VIEW = (0.45, 0.3), (0.32, 0.2)
-#: Pieces of wire per turn, points of a ring, slices of a plate.
-PER_TURN, RING, SLICES = 32, 28, 7
+#: Pieces of wire per turn, points of a ring and of an outline, slices of a plate.
+PER_TURN, RING, OUTLINE, SLICES = 32, 28, 180, 7
 #: Direction to the light in the picture: from the left, above and before it.
 LIGHT = np.array([-0.35, 0.66, 0.66])
 DISC = 2.5e-3
@@ -77,7 +77,9 @@ def turned(points: Array, view: tuple[float, float]) -> Array:
 
 def helix(spring: SpringDrawing, frame: int, coil: Array) -> Array:
     """Axis (n, 3) of the wire in the space of the train at coil numbers (n,), in m."""
-    height = np.interp(coil, spring.coil, spring.height[frame])
+    # Ground ends reach beyond seat and retainer; what is left of them lies between the planes.
+    room = 0.5 * np.interp(coil, spring.coil, spring.wire_radius)
+    height = np.clip(np.interp(coil, spring.coil, spring.height[frame]), room, spring.retainer[frame] - room)
     radius, turn = np.interp(coil, spring.coil, spring.radius), 2 * np.pi * coil
     u, v = np.cos(spring.direction), np.sin(spring.direction)
     across = radius * np.cos(turn)
@@ -107,11 +109,10 @@ def _wire(spring: SpringDrawing, frame: int, key: str, view: tuple[float, float]
     for low, high in pairwise(edges):
         side = (low + high) / 2
         light = side * (across[:-1] @ LIGHT[:2]) + np.sqrt(1 - side**2) * LIGHT[2]
-        tones = base * (0.42 + 0.68 * np.clip(light, 0.0, 1.0))[:, None]
+        tones = np.clip(base * (0.42 + 0.68 * np.clip(light, 0.0, 1.0))[:, None], 0, 255).round().astype(int).tolist()
         lower, upper = (seen[:, :2] + edge * half * across for edge in (low - 0.04, high + 0.04))
-        found += [
-            Flat(np.array([lower[k], lower[k + 1], upper[k + 1], upper[k]]), _rgb(tones[k]), float(depth[k])) for k in range(len(depth))
-        ]  # fmt: skip
+        quads = np.stack([lower[:-1], lower[1:], upper[1:], upper[:-1]], axis=1)
+        found += [Flat(quads[k], (tone[0], tone[1], tone[2]), float(depth[k])) for k, tone in enumerate(tones)]
     return found
 
 
@@ -133,7 +134,7 @@ def _body(body: Body, frame: int, view: tuple[float, float]) -> list[Flat]:
     for shape in body.shapes:
         if shape.kind == "extrude":
             for part, z in enumerate(np.linspace(*shape.depth, SLICES)):
-                u, v = shape.points.T
+                u, v = shape.points[:: max(1, len(shape.points) // OUTLINE)].T
                 seen = turned(np.column_stack([x + c * u - s * v, y + s * u + c * v, np.full(len(u), z)]), view)
                 shade = tone * (1.0 if part == SLICES - 1 else 0.72)
                 found.append(Flat(seen[:, :2], _rgb(shade), float(seen[:, 2].mean())))

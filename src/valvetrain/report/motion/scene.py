@@ -19,6 +19,7 @@ from valvetrain.report.motion.parts import Array, Moving, Places, Series, Spring
 from valvetrain.report.motion.springs import draw_spring
 from valvetrain.report.motion.train import TrainDrawing, draw_train
 from valvetrain.report.words import speed_words
+from valvetrain.solution.gaps import reason
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
@@ -33,7 +34,8 @@ FEWEST_FRAMES = 120
 MOST_SPANS = 60
 #: Forces beside the picture: words, channel, colour; the first that a run has of each line, three at most.
 _FORCES = (("spring on retainer", "retainer_force"), ("spring on seat", "seat_force"), ("cam contact", "cam_contact_force"))
-_FORCE_COLOURS = (theme.SERIES[0], theme.SERIES[1], theme.SERIES[3])
+#: Readable on light and on dark paper.
+_FORCE_COLOURS = ("#3f7fd6", "#d9772b", "#9b6bc4")
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +69,7 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
     >>> import valvetrain as vt
     >>> picture = moving_picture(vt.simulate("job-t", "2000 rpm", spring_models=["multi-mass"]))
     >>> [variant.label for variant in picture.variants], len(picture.variants[0].springs)
-    (['multi-mass'], 2)
+    (['multi-mass'], 1)
     """
     runs = [run for run in study.solutions if run.has("valve_lift") and len(run.time) > 2]
     if study.over_speed or not runs or not study.record.text:
@@ -79,12 +81,22 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
     except InputError:  # words of a case that holds no parts
         return None
     share = min(limits.run_size, limits.size // len(chosen))
-    variants = tuple(one for run in chosen if (one := _variant(study, run, share, limits.frames)) is not None)
+    variants, failed = [], []
+    for run in chosen:
+        try:
+            found = _variant(study, run, share, limits.frames)
+            variants += [found] if found is not None else []
+        except Exception as error:  # one run must not cost the others
+            failed.append((run, error))
     if not variants:
+        if failed:
+            raise failed[0][1]
         return None
-    notes = () if len(chosen) == len(runs) else (f"{len(chosen)} of {len(runs)} runs are drawn; 'valvetrain animate' draws any of them.",)
+    notes = [f"{run.label} at {speed_words(run.engine_speed)} could not be drawn: {reason(error)}" for run, error in failed]
+    if len(chosen) < len(runs):
+        notes.append(f"{len(chosen)} of {len(runs)} runs are drawn; 'valvetrain animate' draws any of them")
     title = "Train and spring over the cam turn" if any(one.bodies for one in variants) else "Spring over the cam turn"
-    return Moving(title, one_range(variants), notes)
+    return Moving(title, one_range(tuple(variants)), tuple(notes))
 
 
 def _worth(run: Solution) -> tuple[int, float]:
@@ -142,9 +154,10 @@ def _springs(
     travel = train.travel if train is not None else cycle.channel("valve_lift")[sample]
     springs: list[SpringDrawing] = []
     notes: tuple[str, ...] = ()
-    for name, installed in zip(run.springs, member.springs, strict=False):
+    shared = len(run.springs) < len(member.springs)
+    for name, installed in zip(("outer", "inner") if shared else run.springs, member.springs, strict=False):
         rest = study.at_rest(run.model, name) or next((one for one in study.rest if one.spring in (name, installed.name)), None)
-        drawn, told = draw_spring(installed, name, cycle, sample, travel, rest)
+        drawn, told = draw_spring(installed, name, cycle, sample, travel, rest, shared)
         notes += tuple(words for words in told if words not in notes)
         if drawn is not None:
             springs.append(drawn)

@@ -8,7 +8,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import Cycle
-from valvetrain.report.motion.colours import colourings_of
+from valvetrain.report.motion.colours import colourings_of, slope_stress
 from valvetrain.report.motion.parts import Array, Places, SpringDrawing
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.chain_layout import local_compliance
@@ -23,7 +23,7 @@ _CHANNELS = (
 
 
 def draw_spring(
-    installed: InstalledSpring, name: str, cycle: Cycle, sample: Places, travel: Array, rest: SpringAtRest | None
+    installed: InstalledSpring, name: str, cycle: Cycle, sample: Places, travel: Array, rest: SpringAtRest | None, shared: bool = False
 ) -> tuple[SpringDrawing | None, tuple[str, ...]]:
     """One spring over the frames, and sentences on what is reconstructed.
 
@@ -35,6 +35,7 @@ def draw_spring(
     sample : (frame,) samples drawn
     travel : (frame,) displacement (m) of the retainer towards the seat
     rest : the spring at rest, whose static curve gives the installed shape where the run does not
+    shared : springs that rub on each other ran as one, so forces are of both; the run tells the coils of the outer one alone
 
     Returns
     -------
@@ -43,7 +44,8 @@ def draw_spring(
     wire, precompression, notes = wire_of(installed, float(np.max(travel, initial=0.0)))
     if wire is None:
         return None, notes
-    channel = {one: cycle.solution.channel_of(name, one) for one in _CHANNELS}
+    known = not shared or name != "inner"
+    channel = {one: cycle.solution.channel_of(name, one) if known else "" for one in _CHANNELS}
     coil, nodes, told = _nodes(cycle, channel["axial_displacement"], wire)
     exact = cycle.solution.has(channel["axial_position"], channel["axial_displacement"])
     if np.any(nodes >= 0):
@@ -51,7 +53,8 @@ def draw_spring(
         moved[:, nodes >= 0] = cycle.channel(channel["axial_displacement"])[sample][:, nodes[nodes >= 0]]
     else:
         moved = -travel[:, None] * compliance_share(wire, coil)
-        told = ("this model moves no coils: they are spread over the wire by its compliance, as in slow motion",)
+        whose = "this model moves no coils" if known else "of springs that rub the run tells the coils of the outer one alone"
+        told = (f"{whose}: they are spread over the wire by its compliance, as in slow motion",)
     if exact:
         both = (cycle.solution.channel(channel[one])[0, nodes] for one in ("axial_position", "axial_displacement"))
         heights = next(both) - next(both)
@@ -60,12 +63,29 @@ def draw_spring(
         told += (
             "the installed shape is that of the static curve" if _curve(rest) else "the installed shape follows the wire's compliance",
         )
+    colourings = colourings_of(cycle, channel, coil, wire, nodes, sample)
+    if (
+        not shared
+        and installed.wire is not None
+        and cycle.solution.model != "finite-element"
+        and _knows_turns(cycle, channel["axial_displacement"], wire)
+    ):
+        colourings.insert(0, slope_stress(wire, coil, moved, closed_force(cycle, name)))
+        told += ("stress follows from the slope of the coils by the textbook's torsion, for the model gives no section loads",)
     spring = SpringDrawing(
         name, coil, wire.mean_diameter.value(coil) / 2, wire.wire_diameter.value(coil) / 2, 1.0 if wire.hand == "right" else -1.0,
         heights, moved, wire.free_length - precompression - travel,
-        tuple(colourings_of(cycle, channel, coil, wire, nodes, sample)),
+        tuple(colourings),
     )  # fmt: skip
     return spring, (*notes, *told)
+
+
+def closed_force(cycle: Cycle, name: str) -> float:
+    """Force (N) of a spring while the valve is closed, the mean of both ends, in which surge cancels."""
+    lift = cycle.channel("valve_lift")
+    closed = lift <= lift.min() + 0.01 * np.ptp(lift)
+    ends = [cycle.solution.channel_of(name, one) for one in ("retainer_force", "seat_force")]
+    return float(np.mean([cycle.channel(one)[closed].mean() for one in ends if cycle.solution.has(one)] or [0.0]))
 
 
 def compliance_share(wire: SpringDefinition, coil: Array) -> Array:
@@ -116,6 +136,17 @@ def wire_of(installed: InstalledSpring, valve_lift: float) -> tuple[SpringDefini
     return wire, precompression, (words,)
 
 
+def _shares(places: Array, wire: SpringDefinition) -> bool:
+    """Whether places along the wire are shares 0..1 of a uniform spring, not turns."""
+    first, last = wire.free_coils
+    return bool(places[0] >= -1e-9 and places[-1] <= 1 + 1e-9 < last - first)
+
+
+def _knows_turns(cycle: Cycle, name: str, wire: SpringDefinition) -> bool:
+    places = cycle.solution.arrays.along(name) if cycle.solution.has(name) else None
+    return places is not None and len(places) > 4 and not _shares(places, wire)
+
+
 def _nodes(cycle: Cycle, name: str, wire: SpringDefinition) -> tuple[Array, Places, tuple[str, ...]]:
     """Coil numbers that are drawn, ascending from tip to tip, their places among the model's wire points (-1: none), and notes."""
     turns = wire.total_coils
@@ -126,7 +157,7 @@ def _nodes(cycle: Cycle, name: str, wire: SpringDefinition) -> tuple[Array, Plac
     notes: tuple[str, ...] = ()
     own = np.asarray(places, dtype=float)
     first, last = wire.free_coils
-    if own[0] >= -1e-9 and own[-1] <= 1 + 1e-9 < last - first:
+    if _shares(own, wire):
         own, notes = (
             first + own * (last - first),
             ("the model knows shares of a uniform spring, not turns: they are spread evenly over the free turns",),

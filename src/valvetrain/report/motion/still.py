@@ -4,19 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.report.motion.marks import still_frame
 from valvetrain.report.motion.parts import Variant
 from valvetrain.report.motion.project import flat_shapes
 
 #: Height (px) of the picture, and room (m) around it.
 HEIGHT, MARGIN = 420, 1e-3
-
-
-def still_frame(variant: Variant) -> int:
-    """Frame next to the largest spring force, the first mark of a peak, or of the largest lift."""
-    peak = next((mark for mark in variant.marks if mark.kind == "peak" and "least" not in mark.words and "minimum" not in mark.words), None)
-    if peak is None:
-        return int(np.argmax(variant.valve_lift))
-    return int(np.argmin(np.abs(variant.cam_angle - peak.cam_angle)))
 
 
 def still_svg(variant: Variant, frame: int | None = None, key: str = "") -> str:
@@ -30,7 +23,7 @@ def still_svg(variant: Variant, frame: int | None = None, key: str = "") -> str:
         x, y = 1e3 * (one.points[:, 0] - left), 1e3 * (high - one.points[:, 1])
         path = "M" + "L".join(f"{a:.2f} {b:.2f}" for a, b in zip(x, y, strict=True))
         colour = "#" + "".join(f"{part:02x}" for part in one.colour)
-        lines.append(f'<path d="{path}Z" fill="{colour}"/>')
+        lines.append(f'<path d="{path}Z" fill="{colour}" stroke="{colour}"/>')
     words = f"{variant.words} at cam angle {np.degrees(variant.cam_angle[place]):.1f} degrees"
     size = f"0 0 {1e3 * (right - left):.2f} {1e3 * (high - low):.2f}"
     return f'<svg viewBox="{size}" height="{HEIGHT}" role="img" aria-label="{_escaped(words)}" stroke-width=".15">{"".join(lines)}</svg>'

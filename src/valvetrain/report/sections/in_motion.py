@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from valvetrain.report.motion.pack import motion_json
 from valvetrain.report.motion.scene import moving_picture
-from valvetrain.report.motion.still import still_frame, still_svg
+from valvetrain.report.motion.still import still_svg
 from valvetrain.report.page import Block, Motion, SectionSpec, gap
 from valvetrain.solution.gaps import reason
 from valvetrain.solution.study import Study
@@ -22,8 +22,7 @@ def blocks(study: Study) -> tuple[Block, ...]:
             "degree, with shift by ten, page keys go from mark to mark. Triangles on the slider are peaks of the force, orange strokes "
             "clashes."
         )
-        still = still_svg(first, still_frame(first))
-        return (Motion("in-motion", moving.title, caption, motion_json(moving), still),)
+        return (Motion("in-motion", moving.title, caption, motion_json(moving), still_svg(first)),)
     except Exception as error:  # one picture must not cost the page
         return (gap(f"The moving picture could not be drawn: {reason(error)}"),)
 

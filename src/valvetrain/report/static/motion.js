@@ -18,7 +18,8 @@ const STYLE = `
 .vtm-view { position: relative; border: 1px solid var(--line); border-radius: 6px; overflow: hidden; height: 460px; }
 .vtm-narrow .vtm-view { height: 340px; }
 .vtm-view canvas { display: block; width: 100%; height: 100%; touch-action: pan-y; cursor: grab; }
-.vtm-view svg { display: block; width: 100%; height: 100%; }
+.vtm-view svg { display: none; width: 100%; height: 100%; }
+.vtm-still svg { display: block; }
 .vtm-turn { display: flex; flex-wrap: wrap; gap: 4px; margin: 6px 0 0; }
 .vtm-turn button { padding: 2px 10px; font-size: 12.5px; min-height: 28px; }
 .vtm-group { display: inline-flex; flex-wrap: wrap; gap: 4px; }
@@ -43,7 +44,7 @@ const STYLE = `
 .vtm-now { display: block; margin: 2px 0 0; font-variant-numeric: tabular-nums; min-height: 3em; }
 .vtm-told { font-size: 13.5px; }
 .vtm-told ul { margin: 4px 0 0; padding-left: 18px; }
-@media print { .vtm-bar, .vtm-slide, .vtm-turn, .vtm-list { display: none; } }
+@media print { .vtm-bar, .vtm-slide, .vtm-turn, .vtm-list, .vtm-view canvas { display: none; } .vtm-view svg { display: block; } }
 `;
 let styled = false;
 
@@ -527,7 +528,9 @@ function mount(element, data) {
   box.append(bar, stage, slide, now, told);
 
   const view = makeView(viewBox, request), plot = makePlot(plotBox, function (angle) { pause(); seek(angle); });
-  const parts = [];
+  const parts = [], picture = still.find(function (node) { return node.nodeName.toLowerCase() === "svg"; });
+  // The still picture is what is printed, and what is seen without WebGL.
+  if (picture) { viewBox.append(picture); }
   if (view) {
     const turns = make("div", { class: "vtm-turn" });
     [["⟲", "turn left", function () { view.turn(-0.3, 0); }], ["⟳", "turn right", function () { view.turn(0.3, 0); }], ["+", "zoom in", function () { view.zoom(1.25); }],
@@ -540,7 +543,7 @@ function mount(element, data) {
     parts.push(...Array.from(turns.children).slice(-2));
     left.append(turns, scale);
   } else {
-    still.forEach(function (node) { if (node.nodeName.toLowerCase() === "svg") { viewBox.append(node); } });
+    viewBox.classList.add("vtm-still");
     left.append(make("p", { text: "This browser shows no WebGL, so the picture stands still; forces and marks move." }));
   }
 
@@ -604,7 +607,7 @@ function mount(element, data) {
 
   function say() {
     const turn = 120000 / one.rpm, place = between(one, state.angle);
-    const parts = ["cam angle " + state.angle.toFixed(1) + "°", "time " + (turn * state.angle / 360).toFixed(2) + " ms", "valve lift " + at(one.lift, place).toFixed(3) + " mm"];
+    const parts = ["cam angle " + state.angle.toFixed(1) + "°", "time " + (turn * state.angle / 360).toFixed(2) + " ms", "valve lift " + at(one.lift, place).toFixed(3).replace("-", "\u2212") + " mm"];
     one.forces.forEach(function (force) { parts.push(force.words + " " + number(plot.value(force, state.angle)) + " N"); });
     now.textContent = parts.join(" · ") + " · 1/" + state.slow + " of real time: a cam turn in " + number(turn * state.slow / 1000) + " s";
     slider.value = String(state.angle);
@@ -642,8 +645,10 @@ function mount(element, data) {
 
   element.replaceChildren(box);
   choose(0);
-  const first = one.marks.find(function (mark) { return mark.kind === "peak"; });
-  state.angle = first ? first.angle : 0;
+  state.angle = data.variants[0].start;
+  // Printed is the still picture of the first run, at its moment.
+  function forPrint() { if (state.variant === 0) { pause(); state.angle = data.variants[0].start; frame(0); } }
+  window.addEventListener("beforeprint", forPrint);
   function fit() {
     box.classList.toggle("vtm-narrow", box.clientWidth < NARROW);
     if (view) { view.size(); }
@@ -662,7 +667,7 @@ function mount(element, data) {
       function middle(values) { return values.length ? values.slice().sort(function (a, b) { return a - b; })[values.length >> 1] : NaN; }
       return { frames: state.frames, drawing: middle(state.drawn), interval: middle(state.apart), counted: state.apart.length };
     },
-    destroy: function () { gone = true; watch.disconnect(); cancelAnimationFrame(asked); if (view) { view.destroy(); } element.replaceChildren(...still); delete element.motion; },
+    destroy: function () { gone = true; watch.disconnect(); window.removeEventListener("beforeprint", forPrint); cancelAnimationFrame(asked); if (view) { view.destroy(); } element.replaceChildren(...still); delete element.motion; },
   };
   element.motion = handle;
   return handle;

@@ -1,5 +1,6 @@
 "use strict";
-(function () {
+// Draws the figures of a page or of a part of it. A report wires itself; a page that changes calls valvetrainFigures.wire(part).
+const valvetrainFigures = (function () {
   const config = { displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "", displayModeBar: "hover",
     modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"], toImageButtonOptions: { format: "svg" } };
   // Below this width (px) panels stand in one column; plotly_chart.py lays the two-column form out for no less.
@@ -7,50 +8,55 @@
   const figures = new Map();
   function isNarrow(box) {
     // A figure behind a tab has no width yet; its section has.
-    return (box.clientWidth || box.closest("section, body").clientWidth) < NARROW;
+    return (box.clientWidth || (box.closest("section") || document.body).clientWidth) < NARROW;
   }
   function layoutOf(box, content) {
     const layout = isNarrow(box) ? content.narrow : content.layout;
     box.style.height = layout.height + "px";
     return layout;
   }
+  // The content of a figure, JSON text, drawn into a box; a box that is drawn already changes in place.
+  function show(box, text) {
+    const content = JSON.parse(text);
+    if (content.gap) { box.textContent = content.gap; box.className = "gap"; box.style.height = "auto"; return; }
+    const again = figures.has(box);
+    figures.set(box, { content: content, narrow: isNarrow(box) });
+    Plotly[again ? "react" : "newPlot"](box, content.data, layoutOf(box, content), config);
+  }
   function draw(box) {
     if (box.dataset.drawn || typeof Plotly === "undefined") { return; }
+    const source = document.getElementById("data-" + box.dataset.chart);
+    if (!source) { return; }
     box.dataset.drawn = "1";
-    const content = JSON.parse(document.getElementById("data-" + box.dataset.chart).textContent);
-    if (content.gap) { box.textContent = content.gap; box.className = "gap"; box.style.height = "auto"; return; }
-    figures.set(box, { content: content, narrow: isNarrow(box) });
-    Plotly.newPlot(box, content.data, layoutOf(box, content), config);
+    show(box, source.textContent);
   }
-  // A page that grows or shrinks past the limit changes between one column and several.
-  window.addEventListener("resize", function () {
+  // A page that grows or shrinks past the limit changes between one column and several; boxes that are gone are forgotten.
+  function refit() {
     figures.forEach(function (known, box) {
+      if (!box.isConnected) { figures.delete(box); return; }
       if (known.narrow !== isNarrow(box)) {
         known.narrow = isNarrow(box);
         Plotly.react(box, known.content.data, layoutOf(box, known.content), config);
       }
     });
-  });
-  document.querySelectorAll(".legend button").forEach(function (button) {
-    button.addEventListener("click", function () {
-      const shown = button.getAttribute("aria-pressed") !== "true";
-      button.setAttribute("aria-pressed", String(shown));
-      const box = button.closest("figure").querySelector(".plot");
-      draw(box);
-      const escaped = new Option(button.dataset.name).innerHTML;
-      const places = box.data.map(function (trace, place) { return trace.name === escaped ? place : -1; }).filter(function (place) { return place >= 0; });
-      Plotly.restyle(box, { visible: shown }, places);
-    });
-  });
+  }
+  window.addEventListener("resize", refit);
+  // Figures are drawn when they come near the window: the page opens at once however many there are.
+  const watcher = new IntersectionObserver(function (entries) {
+    entries.forEach(function (entry) { if (entry.isIntersecting) { draw(entry.target); watcher.unobserve(entry.target); } });
+  }, { rootMargin: "900px 0px" });
+  window.addEventListener("beforeprint", function () { document.querySelectorAll(".plot[data-chart]").forEach(draw); });
+
   // Moving pictures are mounted when they come near, as figures are drawn.
   const moving = new IntersectionObserver(function (entries) {
     entries.forEach(function (entry) {
       if (!entry.isIntersecting) { return; }
       moving.unobserve(entry.target);
-      valvetrainMotion.mount(entry.target, JSON.parse(document.getElementById("motion-" + entry.target.dataset.motion).textContent));
+      const box = entry.target, source = document.getElementById("motion-" + box.dataset.motion);
+      if (source && typeof valvetrainMotion !== "undefined") { box.mounted = valvetrainMotion.mount(box, JSON.parse(source.textContent)); }
     });
   }, { rootMargin: "600px 0px" });
-  if (typeof valvetrainMotion !== "undefined") { document.querySelectorAll("[data-motion]").forEach(function (box) { moving.observe(box); }); }
+
   // Data of a figure as text: two columns a line, seven digits; words that a spreadsheet would take for a formula are disarmed.
   function readable(words) {
     return '"' + (/^[=+\-@\t\r]/.test(words) ? "'" : "") + words.replace(/"/g, '""') + '"';
@@ -80,58 +86,85 @@
     }
     return lines.join("\r\n") + "\r\n";
   }
-  document.querySelectorAll("figcaption button[data-csv]").forEach(function (button) {
-    button.hidden = false;
-    button.addEventListener("click", function () {
-      const content = JSON.parse(document.getElementById("data-" + button.dataset.csv).textContent);
-      const link = document.createElement("a");
-      link.href = URL.createObjectURL(new Blob(["\ufeff" + asText(content)], { type: "text/csv" }));
-      link.download = button.dataset.csv + ".csv";
-      link.click();
-      setTimeout(function () { URL.revokeObjectURL(link.href); }, 1000);
-    });
-  });
-  const boxes = Array.from(document.querySelectorAll(".plot"));
-  // Figures are drawn when they come near the window: the page opens at once however many there are.
-  const watcher = new IntersectionObserver(function (entries) {
-    entries.forEach(function (entry) { if (entry.isIntersecting) { draw(entry.target); watcher.unobserve(entry.target); } });
-  }, { rootMargin: "900px 0px" });
-  boxes.forEach(function (box) { watcher.observe(box); });
-  window.addEventListener("beforeprint", function () { boxes.forEach(draw); });
-
-  document.querySelectorAll(".tabs").forEach(function (tabs) {
-    const buttons = Array.from(tabs.querySelectorAll(":scope > .tablist > button"));
-    function choose(index) {
-      buttons.forEach(function (button, place) { button.setAttribute("aria-selected", String(place === index)); });
-      tabs.querySelectorAll(":scope > .tabpanel").forEach(function (panel, place) { panel.hidden = place !== index; });
-      tabs.querySelectorAll(":scope > .tabpanel:not([hidden]) .plot").forEach(function (box) {
-        draw(box);
-        if (typeof Plotly !== "undefined") { Plotly.Plots.resize(box); }
+  function wireTables(root) {
+    root.querySelectorAll("figcaption button[data-csv]").forEach(function (button) {
+      button.hidden = false;
+      button.addEventListener("click", function () {
+        const content = JSON.parse(document.getElementById("data-" + button.dataset.csv).textContent);
+        const link = document.createElement("a");
+        link.href = URL.createObjectURL(new Blob(["\ufeff" + asText(content)], { type: "text/csv" }));
+        link.download = button.dataset.csv + ".csv";
+        link.click();
+        setTimeout(function () { URL.revokeObjectURL(link.href); }, 1000);
       });
-    }
-    buttons.forEach(function (button, place) { button.addEventListener("click", function () { choose(place); }); });
-  });
+    });
+  }
 
-  document.querySelectorAll(".gridbox").forEach(function (box) {
-    const groups = Array.from(box.querySelectorAll(".filters"));
-    groups.forEach(function (group) {
-      const buttons = Array.from(group.querySelectorAll("button"));
-      buttons.forEach(function (button) {
-        button.addEventListener("click", function () {
-          buttons.forEach(function (other) { other.setAttribute("aria-pressed", String(other === button)); });
-          const wanted = groups.map(function (one) { return [one.dataset.place, one.querySelector("[aria-pressed=true]").dataset.filter]; });
-          box.querySelectorAll("tr[data-row]").forEach(function (row) {
-            const fits = wanted.every(function (pair) { return pair[1] === "" || row.getAttribute("data-word-" + pair[0]) === pair[1]; });
-            row.classList.toggle("off", !fits);
+  function wireLegends(root) {
+    root.querySelectorAll(".legend button").forEach(function (button) {
+      button.addEventListener("click", function () {
+        const shown = button.getAttribute("aria-pressed") !== "true";
+        button.setAttribute("aria-pressed", String(shown));
+        const box = button.closest("figure").querySelector(".plot");
+        draw(box);
+        const escaped = new Option(button.dataset.name).innerHTML;
+        const places = box.data.map(function (trace, place) { return trace.name === escaped ? place : -1; }).filter(function (place) { return place >= 0; });
+        Plotly.restyle(box, { visible: shown }, places);
+      });
+    });
+  }
+  function wireTabs(root) {
+    root.querySelectorAll(".tabs").forEach(function (tabs) {
+      const buttons = Array.from(tabs.querySelectorAll(":scope > .tablist > button"));
+      function choose(index) {
+        buttons.forEach(function (button, place) { button.setAttribute("aria-selected", String(place === index)); });
+        tabs.querySelectorAll(":scope > .tabpanel").forEach(function (panel, place) { panel.hidden = place !== index; });
+        tabs.querySelectorAll(":scope > .tabpanel:not([hidden]) .plot").forEach(function (box) {
+          draw(box);
+          if (typeof Plotly !== "undefined" && figures.has(box)) { Plotly.Plots.resize(box); }
+        });
+      }
+      buttons.forEach(function (button, place) { button.addEventListener("click", function () { choose(place); }); });
+    });
+  }
+  function wireFilters(root) {
+    root.querySelectorAll(".gridbox").forEach(function (box) {
+      const groups = Array.from(box.querySelectorAll(".filters"));
+      groups.forEach(function (group) {
+        const buttons = Array.from(group.querySelectorAll("button"));
+        buttons.forEach(function (button) {
+          button.addEventListener("click", function () {
+            buttons.forEach(function (other) { other.setAttribute("aria-pressed", String(other === button)); });
+            const wanted = groups.map(function (one) { return [one.dataset.place, one.querySelector("[aria-pressed=true]").dataset.filter]; });
+            box.querySelectorAll("tr[data-row]").forEach(function (row) {
+              const fits = wanted.every(function (pair) { return pair[1] === "" || row.getAttribute("data-word-" + pair[0]) === pair[1]; });
+              row.classList.toggle("off", !fits);
+            });
           });
         });
       });
     });
-  });
-  document.querySelectorAll("details").forEach(function (part) {
-    part.addEventListener("toggle", function () { part.querySelectorAll(".plot").forEach(function (box) { if (part.open) { draw(box); } }); });
-  });
-
+  }
+  // Also for figures whose data came later than they did.
+  function watch(root) {
+    root.querySelectorAll(".plot[data-chart]:not([data-drawn])").forEach(function (box) { watcher.unobserve(box); watcher.observe(box); });
+    root.querySelectorAll("[data-motion]").forEach(function (box) { if (!box.motion) { moving.unobserve(box); moving.observe(box); } });
+  }
+  function wire(root) {
+    wireLegends(root);
+    wireTabs(root);
+    wireFilters(root);
+    wireTables(root);
+    watch(root);
+    root.querySelectorAll("details").forEach(function (part) {
+      part.addEventListener("toggle", function () { part.querySelectorAll(".plot").forEach(function (box) { if (part.open) { draw(box); } }); });
+    });
+  }
+  return { wire: wire, watch: watch, show: show, draw: draw };
+})();
+(function () {
+  if (document.documentElement.dataset.workbench !== undefined) { return; }
+  valvetrainFigures.wire(document);
   const links = new Map(Array.from(document.querySelectorAll("nav a")).map(function (a) { return [a.getAttribute("href").slice(1), a]; }));
   const sections = Array.from(document.querySelectorAll("section"));
   function mark() {

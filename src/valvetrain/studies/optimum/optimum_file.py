@@ -11,7 +11,7 @@ from valvetrain.parameters.schema_names import Line
 from valvetrain.parameters.schema_types import StrictModel, problem
 from valvetrain.studies.points.study_file import MOST_VARIED, Amount, FileText, VaryModel, Words, text_of_file
 
-#: Most objectives and constraints of a file, trials of a search and searches of other seeds: more are a slip of the pen.
+#: Most objectives and constraints of a file, trials of a search and searches of other seeds: more are taken for a mistake.
 MOST_OBJECTIVES, MOST_CONSTRAINTS, MOST_TRIALS, MOST_SEEDS, MOST_PER_ROUND = 4, 32, 20_000, 20, 256
 #: Engine speeds are told this closely where nobody says otherwise.
 RESOLUTION = "10 rpm"

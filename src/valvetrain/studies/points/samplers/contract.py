@@ -14,7 +14,7 @@ from valvetrain.registry import find
 from valvetrain.studies.points.varied import Varied
 
 Array = NDArray[np.float64]
-#: Points of a study beyond this number are a slip of the pen.
+#: Points of a study beyond this number are taken for a mistake.
 MOST_POINTS = 1_000_000
 #: Places where nobody says otherwise.
 COUNT, LEVELS = 100, 5

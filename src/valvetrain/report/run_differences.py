@@ -1,0 +1,46 @@
+"""What differs between two kept runs as rows of words, for the terminal and for pages."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from valvetrain.parameters.words import number
+from valvetrain.report.headlines import TOPICS
+from valvetrain.report.words import percent
+from valvetrain.solution.definition import label_of, shown
+from valvetrain.studies.run_differences import ResultDifference
+
+INPUT_HEADS = ("inputs", "A", "B")
+RESULT_HEADS = ("results", "run", "A", "B", "", "difference")
+
+
+def input_rows(inputs: Sequence[tuple[str, Any, Any]]) -> list[tuple[str, ...]]:
+    """Rows of the inputs that differ: key path, value in A, value in B.
+
+    >>> input_rows([("spring.total_coils", 6, None)])
+    [('spring.total_coils', '6', '–')]
+    """
+    return [(key, _word(first), _word(second)) for key, first, second in inputs]
+
+
+def result_rows(results: Sequence[ResultDifference]) -> list[tuple[str, ...]]:
+    """Rows of the numbers that both runs have and that differ: what is asked first, then the largest difference.
+
+    >>> result_rows([ResultDifference("peak_spring_force", "massless", "N", 800.0, 840.0)])
+    [('peak spring force', 'massless', '800', '840', 'N', '+5.0 %')]
+    """
+    first = [name for names in TOPICS.values() for name in names]
+    place = {name: index for index, name in enumerate(first)}
+    both = sorted((row for row in results if row.difference is not None), key=lambda row: place.get(row.quantity, len(first)))
+    rows: list[tuple[str, ...]] = []
+    for row in both:
+        a, b = (number(float(shown(row.quantity, value)[0])) for value in (row.a or 0.0, row.b or 0.0))
+        change = "" if row.relative is None else percent(row.relative)
+        rows.append((label_of(row.quantity), row.run, a, b, shown(row.quantity, 1.0)[1], change))
+    return rows
+
+
+def _word(value: Any) -> str:
+    text = "–" if value is None else ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,113 @@
+"""Values of a case file changed in its text, so that comments and order stay."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.overrides import REMOVED, read_assignment, with_values
+from valvetrain.units.text import clipped
+
+_PLAIN_FILE = re.compile(r"[^\W_][\w.+ -]*")
+
+
+def with_value(text: str, key: str, text_value: str) -> str:
+    """The case file ``text`` with the value at the dotted ``key``, written as ``--set`` takes it; empty removes the key.
+
+    A note on the earlier value (status, source) goes with it. Raises :class:`InputError` for a path that leads nowhere.
+
+    >>> with_value("[spring]\\ntotal_coils = 6 # counted\\n", "spring.total_coils", "7")
+    '[spring]\\ntotal_coils = 7 # counted\\n'
+    """
+    return with_change(text, *read_assignment(f"{key}={text_value}", key))
+
+
+def with_change(text: str, path: str, value: Any) -> str:
+    """As :func:`with_value`, with the value as the file holds it; :data:`REMOVED` removes the key."""
+    document = _document(text)
+    table: Any = document
+    *heads, last = path.split(".")
+    for depth, head in enumerate(heads):
+        if isinstance(table, list):
+            table = table[_place(table, head, path)]
+            continue
+        if head not in table:
+            if value is REMOVED:
+                raise InputError("is not in the case, so it cannot be removed; check the key path", path)
+            table[head] = {}
+        table = table[head]
+        if not isinstance(table, (dict, list)):
+            place = ".".join(heads[: depth + 1])
+            raise InputError(f"'{place}' is the plain value {str(table)[:40]!r}, which has no '{last}'; set it as a whole", path)
+    where: Any = _place(table, last, path) if isinstance(table, list) else last
+    if value is REMOVED:
+        if isinstance(table, dict) and where not in table:
+            raise InputError("is not in the case, so it cannot be removed; check the key path", path)
+        del table[where]
+    else:
+        table[where] = value
+    return _dumped(document)
+
+
+def with_name(text: str, name: str) -> str:
+    """The case file ``text`` with ``name`` as its name, where it tells one; else its folder's name is the case's."""
+    if "name" not in tomllib.loads(text):
+        return text
+    return with_value(text, "name", f'"{name}"')
+
+
+def refuse_foreign_files(text: str, changes: Mapping[str, Any] | None = None) -> None:
+    """Refuse a case, as it is with ``changes`` (key path -> value), that names a file elsewhere than beside it, whatever reads it later.
+
+    Raises :class:`InputError` with the name, or where a change leads nowhere.
+    """
+    try:
+        tree: Mapping[str, Any] = tomllib.loads(text)
+    except (ValueError, RecursionError):
+        return  # the reader says what is wrong with it
+    tree = with_values(tree, changes) if changes else tree
+    for name in _files(tree):
+        if not _PLAIN_FILE.fullmatch(name) or ".." in name:
+            shown = clipped(name, 60)
+            raise InputError(
+                f"names the file '{shown}', which is not beside the case; add the file and name it plainly, as in 'lift.csv'", "file"
+            )
+
+
+def _files(tree: Any) -> list[str]:
+    """Every text under a key ``file``, with a note or without."""
+    found: list[str] = []
+    left = [tree]
+    while left:
+        item = left.pop()
+        if isinstance(item, dict):
+            named = item.get("file")
+            value = named.get("value") if isinstance(named, dict) else named
+            found += [value] if isinstance(value, str) else []
+        left += item.values() if isinstance(item, dict) else item if isinstance(item, list) else ()
+    return found
+
+
+def _document(text: str) -> Any:
+    import tomlkit
+    from tomlkit.exceptions import TOMLKitError
+
+    try:
+        return tomlkit.parse(text)
+    except (TOMLKitError, RecursionError, ValueError) as error:
+        raise InputError(f"is not valid TOML: {clipped(str(error), 160)}; correct the text first", "case") from None
+
+
+def _dumped(document: Any) -> str:
+    import tomlkit
+
+    return tomlkit.dumps(document)
+
+
+def _place(table: list[Any], key: str, path: str) -> int:
+    if not key.isdecimal() or int(key) >= len(table):
+        raise InputError(f"'{key}' is no place in a list of {len(table)}; name one by its number from 0, such as '0.{key}'", path)
+    return int(key)

@@ -1,0 +1,209 @@
+"""One field of a form from one field of a typed table: what may be written there, in which unit, within which bounds."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from annotated_types import Ge, Le
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from valvetrain import registry
+from valvetrain.errors import InputError
+from valvetrain.parameters.defaults import shown_default
+from valvetrain.parameters.materials import MATERIALS
+from valvetrain.parameters.schema_curves import CurveField
+from valvetrain.parameters.schema_spring import EndField, MaterialField
+from valvetrain.parameters.schema_types import Quantity
+from valvetrain.parameters.spring import EndKind
+from valvetrain.parameters.toml_text import inline
+from valvetrain.units import DIMENSIONS, parse_quantity, to_unit, unit_factor
+from valvetrain.workbench.form_words import HELP, LABELS
+
+Kind = Literal["number", "text", "choice", "flag", "curve"]
+#: One number with its unit.
+_AMOUNT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\D.*?)?\s*")
+#: A slider reaches this far on both sides of the value, in this many steps.
+_REACH, _STEPS = 0.5, 200
+
+
+@dataclass(frozen=True, slots=True)
+class FieldOf:
+    """What :class:`valvetrain.workbench.form.Field` holds, but for the source."""
+
+    key: str
+    label: str
+    kind: Kind
+    value_text: str
+    unit: str
+    limits: tuple[float | None, float | None]
+    help: str
+    required: bool
+    default_text: str
+    choices: tuple[str, ...]
+    number: float | None
+    slider: tuple[float, float, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Form:
+    """What an annotation allows."""
+
+    kind: Kind
+    dimension: str | None = None
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[str, ...] = ()
+    whole: bool = False
+    listed: bool = False
+
+
+def field_of(key: str, name: str, info: FieldInfo, value: Any) -> FieldOf | None:
+    """The field of a form; None for a table of its own."""
+    form = _form(info.annotation, tuple(info.metadata))
+    form = _with_registry(key, name, form)
+    if form is None:
+        return None
+    number, unit = None, _unit(form)
+    if form.kind in ("number", "curve") and value is not None:
+        number, unit = _number(value, form, unit)
+    kind: Kind = "number" if form.kind == "curve" and (value is None or number is not None) else form.kind
+    limits = _limits(form, unit)
+    return FieldOf(
+        key, LABELS.get(name, words_of(name)), kind, written(value), unit, limits, info.description or HELP.get(name, ""),
+        info.is_required(), _default(info), form.choices, number, _slider(number, limits, form.whole),
+    )  # fmt: skip
+
+
+def words_of(name: str) -> str:
+    """Words of a key: ``wire_diameter`` -> wire diameter.
+
+    >>> words_of("wire_diameter")
+    'wire diameter'
+    """
+    return name.replace("_", " ")
+
+
+def written(value: Any) -> str:
+    """A value as ``--set`` takes it; empty for None.
+
+    >>> written("4 mm"), written(["1 mm", "2 mm"]), written(True)
+    ('4 mm', '["1 mm", "2 mm"]', 'true')
+    """
+    return "" if value is None else value if isinstance(value, str) else inline(value)
+
+
+def _form(annotation: Any, metadata: tuple[Any, ...]) -> _Form | None:
+    """What an annotation allows, through unions with None and notes; None for a table."""
+    for known, form in _KNOWN:
+        if annotation is known or _same(annotation, known, metadata):
+            return form
+    low: float | None = None
+    high: float | None = None
+    dimension: str | None = None
+    for mark in metadata:
+        if isinstance(mark, Quantity):
+            dimension, low, high = mark.dimension, mark.low, mark.high
+        elif isinstance(mark, Ge):
+            low = float(mark.ge)  # type: ignore[arg-type]
+        elif isinstance(mark, Le):
+            high = float(mark.le)  # type: ignore[arg-type]
+    origin = get_origin(annotation)
+    if origin is Annotated:
+        inner, *more = get_args(annotation)
+        return _form(inner, (*metadata, *more))
+    if origin in (Union, UnionType):
+        inner = [part for part in get_args(annotation) if part is not type(None)]
+        return _form(inner[0], metadata) if len(inner) == 1 else _Form("text")
+    if origin is Literal:
+        return _Form("choice", choices=tuple(map(str, get_args(annotation))))
+    if annotation is bool:
+        return _Form("flag", choices=("true", "false"))
+    if annotation is int:
+        return _Form("number", None, low, high, whole=True)
+    if annotation is float:
+        return _Form("number", dimension, low, high)
+    if origin is tuple:
+        return _Form("text", dimension, listed=True)
+    if annotation is str:
+        return _Form("text")
+    return None
+
+
+def _same(annotation: Any, known: Any, metadata: tuple[Any, ...]) -> bool:
+    """Whether an annotation taken apart (its type, and its marks) is a known annotated one."""
+    inner, *marks = get_args(known)
+    return annotation == inner and bool(marks) and all(any(mark is one for one in metadata) for mark in marks)
+
+
+_KNOWN: tuple[tuple[Any, _Form], ...] = (
+    (CurveField, _Form("curve", "length", low=0.0)),
+    (EndField, _Form("text", choices=tuple(get_args(EndKind)))),
+    (MaterialField, _Form("text", choices=tuple(MATERIALS))),
+)
+
+
+def _with_registry(key: str, name: str, form: _Form | None) -> _Form | None:
+    """Words of the registry where a key takes one of them."""
+    kinds = {"lift_law.kind": "lifts", "train.kind": "mechanisms"}
+    named = {"law": "contacts", "spring_model": "springs"} if key.startswith("train.") else {}
+    kind = kinds.get(key) or named.get(name, "")
+    return _Form("choice", choices=registry.words(kind)) if kind else form
+
+
+def _unit(form: _Form) -> str:
+    return DIMENSIONS[form.dimension].usual_unit if form.dimension is not None else ""
+
+
+def _number(value: Any, form: _Form, unit: str) -> tuple[float | None, str]:
+    """A value and its unit: the one it is written in, else the usual one; None where it is no single number or refused."""
+    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+        return None, unit
+    if form.whole:
+        return (float(value) if isinstance(value, int) else None), unit
+    try:
+        si_value = float(parse_quantity(value, form.dimension))
+        if isinstance(value, str) and (found := _AMOUNT.fullmatch(value)) is not None and found[2]:
+            return float(found[1]), found[2]
+        return _rounded(float(to_unit(si_value, unit)) if unit else si_value), unit
+    except (InputError, ValueError, TypeError):
+        return None, unit
+
+
+def _rounded(value: float) -> float:
+    """Twelve digits: what a change of units adds beyond them was never written."""
+    return float(f"{value:.12g}")
+
+
+def _limits(form: _Form, unit: str) -> tuple[float | None, float | None]:
+    factor = unit_factor(unit) if unit else 1.0
+    low, high = (
+        None if bound is None or (form.dimension is None and unit) else _rounded(bound / factor) for bound in (form.low, form.high)
+    )
+    return low, high
+
+
+def _slider(number: float | None, limits: tuple[float | None, float | None], whole: bool) -> tuple[float, float, float] | None:
+    """Half as much to half as much again, in round steps within the limits."""
+    if number is None or number == 0 or not math.isfinite(number):
+        return None
+    reach = abs(number) * _REACH
+    step = 1.0 if whole else 10.0 ** math.floor(math.log10(2 * reach / _STEPS))
+    low, high = (number - reach, number + reach)
+    low = low if limits[0] is None else max(low, limits[0])
+    high = high if limits[1] is None else min(high, limits[1])
+    low, high = (_rounded(round(end / step) * step) for end in (low, high))
+    return (low, high, step) if high - low >= 2 * step else None
+
+
+def _default(info: FieldInfo) -> str:
+    """What holds where a value is left out, in words."""
+    if info.is_required() or info.default_factory is not None or isinstance(info.default, (BaseModel, dict, list)):
+        return ""
+    if info.default is None or info.default == "":
+        return ""
+    return shown_default(info).replace("`", "")

@@ -1,0 +1,218 @@
+"""One job as a process: its inputs on disk, its progress over a pipe, and what it left, read from what the command printed."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
+from valvetrain.solution.atomic import is_living, write_bytes, write_text
+from valvetrain.studies.cost import Limits, memory_words, time_words
+from valvetrain.studies.unfinished_runs import unfinished_runs
+from valvetrain.workbench.kept import STUDIES
+from valvetrain.workbench.names import inside
+from valvetrain.workbench.requests import JobRequest, command_words, study_text
+from valvetrain.workbench.supervisor import GRACE, MEMORY_UP, TIME_UP, read_progress
+from valvetrain.workbench.workspace import Workspace
+
+ANSWER, COMPLAINTS, LOCK = "answer.json", "complaints.txt", "lock"
+#: The process that runs the command line.
+SUPERVISOR = [sys.executable, "-m", "valvetrain.workbench.supervisor"]
+#: Largest answer of a command that is read (bytes).
+MOST_ANSWER = 200_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a job ended: its state, a sentence, the run it left and the share that was done."""
+
+    state: str
+    error: str = ""
+    run_id: str = ""
+    share: float = 0.0
+
+
+def write_inputs(workspace: Workspace, job_id: str, request: JobRequest, text: str) -> None:
+    """Put what a job needs into its folder: the case as it now stands, the files it names, and the study file."""
+    folder = inside(workspace.jobs_folder, job_id)
+    for name, content in workspace.files(request.case).items():
+        write_bytes(inside(folder, name), content)
+    write_text(folder / f"{request.case}.toml", text)
+    if request.kind == "study":
+        write_text(folder / "study.toml", study_text(request, f"{request.case}.toml"))
+
+
+def wait_until_left(workspace: Workspace, job_id: str) -> None:
+    """Wait until the process of a job whose server was killed has written what it had; it ends by itself."""
+    path, last = workspace.jobs_folder / job_id / LOCK, time.monotonic() + 2 * GRACE
+    while path.exists() and is_living(path) and time.monotonic() < last:
+        time.sleep(0.1)
+
+
+def settle(workspace: Workspace, job_id: str, state: str, words: str) -> Outcome:
+    """How a job ended that was not watched to its end: a run with what it had, or folders of runs it left."""
+    answer = _answer(workspace.jobs_folder / job_id)
+    if run_id := _run_id(workspace, answer):
+        return Outcome(state, f"{words}; what it had finished is kept", run_id)
+    return Outcome(state, f"{words}{_left(workspace, job_id)}; start it again")
+
+
+class JobProcess:
+    """The process of one job.
+
+    Parameters
+    ----------
+    workspace, job_id, request : which one
+    workers : runs at a time within it
+    limits : longest time (s) and largest memory (bytes)
+    """
+
+    def __init__(self, workspace: Workspace, job_id: str, request: JobRequest, workers: int, limits: Limits) -> None:
+        self.workspace, self.job_id, self.request, self.workers, self.limits = workspace, job_id, request, workers, limits
+        self._process: subprocess.Popen[bytes] | None = None
+        self._asked = ""
+        self._share, self._text, self._begun = 0.0, "starting", 0.0
+
+    @property
+    def progress(self) -> tuple[float, str, float | None]:
+        """Share of the work done, what is going on, and seconds left (None while nothing can be said)."""
+        share, begun = self._share, self._begun
+        left = (time.monotonic() - begun) * (1 - share) / share if begun and 0.02 < share < 1 else None
+        return share, self._text, left
+
+    def cancel(self) -> None:
+        """Ask the job to stop because nobody wants it any more."""
+        self._end("cancelled")
+
+    def stop(self) -> None:
+        """Ask the job to stop because the server ends."""
+        self._end("interrupted")
+
+    def run(self) -> Outcome:
+        """Start the process, follow its progress and wait for its end."""
+        folder = inside(self.workspace.jobs_folder, self.job_id)
+        name = "study.toml" if self.request.kind == "study" else f"{self.request.case}.toml"
+        kept = f"runs/{STUDIES}/{self.request.case}-{self.job_id}"
+        words = command_words(self.request, f"jobs/{self.job_id}/{name}", self.workers, self.limits, kept)
+        bounds = [str(self.limits.seconds), str(self.limits.bytes), str(folder / LOCK)]
+        reading, writing = os.pipe()
+        environment = {
+            **os.environ,
+            "VALVETRAIN_PROGRESS": str(writing),
+            BESIDE_VARIABLE: "1",
+            "OPENBLAS_NUM_THREADS": "1",
+            "OMP_NUM_THREADS": "1",
+        }
+        try:
+            with (folder / ANSWER).open("wb") as answer, (folder / COMPLAINTS).open("wb") as complaints:
+                self._process = subprocess.Popen(
+                    [*SUPERVISOR, *bounds, *words], cwd=self.workspace.folder, env=environment,
+                    stdin=subprocess.PIPE, stdout=answer, stderr=complaints, pass_fds=(writing,), start_new_session=True,
+                )  # fmt: skip
+        finally:
+            os.close(writing)
+        if self._asked:
+            self._end(self._asked)
+        with os.fdopen(reading, "rb") as told:
+            for line in told:
+                self._hear(line)
+        code = self._process.wait()
+        self._close()
+        return self._outcome(folder, code)
+
+    def _hear(self, line: bytes) -> None:
+        if (heard := read_progress(line)) is not None:
+            share, self._text = heard
+            if share is not None:
+                self._begun = self._begun or time.monotonic()
+                self._share = share
+
+    def _end(self, state: str) -> None:
+        """The end of its standard input is what asks the process to stop."""
+        self._asked, self._text = self._asked or state, "stopping"
+        if self._process is not None:
+            self._close()
+
+    def _close(self) -> None:
+        if self._process is not None and self._process.stdin is not None:
+            with suppress(OSError, ValueError):
+                self._process.stdin.close()
+
+    def _outcome(self, folder: Path, code: int) -> Outcome:
+        answer = _answer(folder)
+        run_id, share = _run_id(self.workspace, answer), self._share
+        kept = "; what it had finished is kept" if run_id else _left(self.workspace, self.job_id)
+        if code == TIME_UP:
+            words = f"was stopped after {time_words(self.limits.seconds)}, the longest time of a job{kept}; ask for fewer speeds or models"
+            return Outcome("failed", words, run_id, share)
+        if code == MEMORY_UP:
+            words = f"was stopped because it took more than {memory_words(self.limits.bytes)}, the largest memory of a job{kept}"
+            return Outcome("failed", f"{words}; ask for fewer speeds or elements", run_id, share)
+        if self._asked:
+            words = {"cancelled": "was cancelled", "interrupted": "the server ended while this job ran"}[self._asked]
+            return Outcome(self._asked, f"{words}{kept}", run_id, share)
+        sentences = [str(words) for words in answer.get("failures", ()) or ()]
+        if run_id and (code == 0 or _some_completed(answer)):
+            return Outcome("finished", "; ".join(sentences[:3]), run_id, 1.0)
+        return Outcome("failed", _error(answer) or "; ".join(sentences[:3]) or _complaint(folder), run_id, share)
+
+
+def _answer(folder: Path) -> dict[str, Any]:
+    """The JSON object that the command printed; empty where there is none."""
+    try:
+        path = folder / ANSWER
+        if path.stat().st_size > MOST_ANSWER:
+            return {}
+        found = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _run_id(workspace: Workspace, answer: dict[str, Any]) -> str:
+    """Id of the run that the command kept, empty where there is none."""
+    folder = answer.get("folder")
+    if not isinstance(folder, str) or not (workspace.folder / folder).is_dir():
+        return ""
+    path = (workspace.folder / folder).resolve()
+    root = workspace.runs_folder.resolve()
+    return path.relative_to(root).as_posix() if path.is_relative_to(root) and path != root else ""
+
+
+def _some_completed(answer: dict[str, Any]) -> bool:
+    """Whether anything of a run that did not wholly complete came out."""
+    runs = [one.get("status", {}).get("code") for one in answer.get("runs", ()) if isinstance(one, dict)]
+    return "completed" in runs or (not runs and bool(answer.get("springs_at_rest")))
+
+
+def _error(answer: dict[str, Any]) -> str:
+    """The sentence of a command that refused."""
+    error = answer.get("error")
+    if not isinstance(error, dict):
+        return ""
+    where, message = str(error.get("where", "")), str(error.get("message", ""))
+    return f"{where}: {message}" if where else message
+
+
+def _complaint(folder: Path) -> str:
+    """The last line on standard error."""
+    with suppress(OSError):
+        lines = (folder / COMPLAINTS).read_bytes()[-4000:].decode("utf-8", "replace").strip().splitlines()
+        if lines:
+            return lines[-1][:400]
+    return "ended without an answer; start it again"
+
+
+def _left(workspace: Workspace, job_id: str) -> str:
+    """Words on finished runs that a killed job left in a folder of its own."""
+    for one in unfinished_runs(root=workspace.runs_folder):
+        if not one.goes_on and any(job_id in word for word in one.command_line) and one.finished > 1:
+            return f"; {one.finished} runs that it had finished lie in {one.folder.relative_to(workspace.folder)}"
+    return ""

@@ -1,0 +1,220 @@
+"""The fast chain while a slider moves: a worker process that holds the case built and answers with one force curve."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
+
+_NOTHING: Mapping[str, str] = MappingProxyType({})
+#: Chains that live at a time in one server, and the fast model and the rod.
+MOST_LIVE, FAST, ROD = 4, "multi-mass", "finite-element"
+#: Longest wait (s) for a curve of the chain, the first one compiling included, and for one of the rod; memory of a worker (bytes).
+LONGEST_CURVE, LONGEST_ROD, MEMORY = 120.0, 300.0, 8e9
+
+
+@dataclass(frozen=True, slots=True)
+class LiveResult:
+    """One curve.
+
+    Parameters
+    ----------
+    angle_deg : cam angles (cam degrees)
+    force_N : spring force on the retainer, of all springs together (N)
+    lift_mm : valve lift (mm)
+    seconds : time it took in the worker (s)
+    sentence : what went wrong, or is to be said of the curve; empty where there is nothing
+    quantities : words -> (value, unit shown) of a few numbers, such as the largest force
+    engine_speed : crank speed (rpm)
+    skipped : no curve was computed, for a newer one was asked for meanwhile
+    """
+
+    angle_deg: tuple[float, ...] = ()
+    force_N: tuple[float, ...] = ()
+    lift_mm: tuple[float, ...] = ()
+    seconds: float = 0.0
+    sentence: str = ""
+    quantities: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    engine_speed: float = 0.0
+    skipped: bool = False
+
+
+class LiveChain:
+    """A case in a worker process of its own; use it as a context, or call :meth:`close`.
+
+    Parameters
+    ----------
+    case_text : the case (TOML)
+    spring_model : ``multi-mass``, ``massless`` or ``wave-rod``; empty: the chain of masses
+    engine_speed : crank speed, such as ``"5600 rpm"``; empty: the highest of the case
+    folder : where files that the case names lie
+
+    Raises
+    ------
+    InputError : more than :data:`MOST_LIVE` at a time
+    """
+
+    _living = 0
+    _count = threading.Lock()
+
+    def __init__(self, case_text: str, spring_model: str = "", engine_speed: str = "", folder: Path = Path()) -> None:
+        self.engine_speed = engine_speed
+        with LiveChain._count:
+            if LiveChain._living >= MOST_LIVE:
+                raise InputError(f"{MOST_LIVE} sliders are in use; close one of them", "slider")
+            LiveChain._living += 1
+        self._closed = False
+        self._chain = _Worker(case_text, folder, spring_model or FAST, LONGEST_CURVE, warm=True)
+        self._rod = _Worker(case_text, folder, ROD, LONGEST_ROD)
+        self._chain.begin()
+
+    def curve(self, changes: Mapping[str, str] = _NOTHING, engine_speed: str = "") -> LiveResult:
+        """The curve of the case with ``changes`` (key path -> text, as ``--set`` takes them); a refusal is its ``sentence``.
+
+        Blocks for tens of milliseconds; a page calls it in a thread. Of calls that wait, only the last is computed, the others come back
+        ``skipped``.
+        """
+        return self._chain.ask(changes, engine_speed or self.engine_speed)
+
+    def rod(self, changes: Mapping[str, str] = _NOTHING, engine_speed: str = "") -> LiveResult:
+        """The curve by the geometrically exact rod, in seconds; :meth:`cancel` ends it, and so does a new call of :meth:`rod`."""
+        self._rod.stop()
+        return self._rod.ask(changes, engine_speed or self.engine_speed)
+
+    def cancel(self) -> None:
+        """End a rod that runs; its call comes back ``skipped``."""
+        self._rod.stop()
+
+    def close(self) -> None:
+        """End the workers."""
+        with LiveChain._count:
+            if self._closed:
+                return
+            self._closed = True
+            LiveChain._living -= 1
+        self._chain.close()
+        self._rod.close()
+
+    def __enter__(self) -> LiveChain:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class _Worker:
+    """The process, started at its first use and again after it was ended; ``warm``: it computes a curve before it is asked for one."""
+
+    def __init__(self, case_text: str, folder: Path, spring_model: str, longest: float, warm: bool = False) -> None:
+        told = {"case_text": case_text, "folder": str(folder), "spring_model": spring_model, "memory": MEMORY, "warm": warm}
+        self._first = json.dumps(told)
+        self._longest, self._process, self._closed = longest, None, False
+        self._turn, self._last = threading.Lock(), 0
+        self._busy = False
+
+    _process: subprocess.Popen[bytes] | None
+
+    def ask(self, changes: Mapping[str, str], engine_speed: str) -> LiveResult:
+        """The answer of the process, or skipped where a newer question came while this one waited."""
+        self._last = mine = self._last + 1
+        with self._turn:
+            if self._last != mine or self._closed:
+                return LiveResult(skipped=True)
+            process = self._begun()
+            self._busy = True
+            try:
+                assert process.stdin is not None and process.stdout is not None
+                process.stdin.write((json.dumps({"changes": dict(changes), "engine_speed": engine_speed}) + "\n").encode())
+                process.stdin.flush()
+                line = _line(process, self._longest)
+            except (OSError, ValueError):
+                line = b""  # it was ended
+            finally:
+                self._busy = False
+            if not line:
+                self._end(process)
+                if self._last != mine or self._closed:
+                    return LiveResult(skipped=True)
+                words = f"took longer than {self._longest:.0f} s" if line is None else "ended without an answer"
+                return LiveResult(sentence=f"the curve {words}; ask for fewer elements or a higher speed")
+            return _result(json.loads(line))
+
+    def begin(self) -> None:
+        """Start the process, so that it is ready when it is asked."""
+        with self._turn:
+            self._begun()
+
+    def stop(self) -> None:
+        """End the process if it computes."""
+        self._last += 1
+        process = self._process
+        if process is not None and self._busy:
+            process.kill()
+
+    def close(self) -> None:
+        """End the process for good."""
+        self._closed = True
+        if self._process is not None:
+            self._end(self._process)
+
+    def _begun(self) -> subprocess.Popen[bytes]:
+        process = self._process
+        if process is None or process.poll() is not None:
+            environment = {
+                **os.environ,
+                BESIDE_VARIABLE: "1",
+                "OPENBLAS_NUM_THREADS": "1",
+                "OMP_NUM_THREADS": "1",
+                "NUMBA_NUM_THREADS": "1",
+            }
+            process = self._process = subprocess.Popen(
+                [sys.executable, "-m", "valvetrain.workbench.live_worker"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL, env=environment, start_new_session=True,
+            )  # fmt: skip
+            assert process.stdin is not None
+            with suppress(OSError):  # one that has ended at once is found out when it is asked
+                process.stdin.write(self._first.encode() + b"\n")
+                process.stdin.flush()
+        return process
+
+    @staticmethod
+    def _end(process: subprocess.Popen[bytes]) -> None:
+        process.kill()
+        process.wait()
+        for stream in (process.stdin, process.stdout):
+            with suppress(OSError, AttributeError):
+                stream.close()  # type: ignore[union-attr]
+
+
+def _line(process: subprocess.Popen[bytes], longest: float) -> bytes | None:
+    """One line of the process's answer; empty where it ended, None where it took longer than that (s)."""
+    assert process.stdout is not None
+    last, found = time.monotonic() + longest, b""
+    while not found.endswith(b"\n"):
+        ready, _, _ = select.select([process.stdout], [], [], max(0.0, last - time.monotonic()))
+        if not ready:
+            return None
+        part = os.read(process.stdout.fileno(), 1 << 20)
+        if not part:
+            return b""
+        found += part
+    return found
+
+
+def _result(told: Mapping[str, Any]) -> LiveResult:
+    angle, force, lift = (tuple(told.get(name, ())) for name in ("angle_deg", "force_N", "lift_mm"))
+    quantities = {words: (float(value), str(unit)) for words, (value, unit) in told.get("quantities", {}).items()}
+    return LiveResult(angle, force, lift, float(told["seconds"]), str(told["sentence"]), quantities, float(told.get("engine_speed", 0.0)))

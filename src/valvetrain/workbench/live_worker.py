@@ -1,0 +1,136 @@
+"""The process behind :class:`valvetrain.workbench.live.LiveChain`: it holds the case read and built, and answers line by line.
+
+A line on standard input is a JSON object with ``changes`` (key path -> text) and ``engine_speed``; a line on standard output the answer.
+It ends when its standard input does.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import sys
+import threading
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from valvetrain.errors import InputError, ValvetrainError
+from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.overrides import read_assignment
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.solution.gaps import reason
+from valvetrain.studies.ready import Plan, Ready, integrate_point, make_ready, provenance_of
+from valvetrain.studies.run import member_rest
+from valvetrain.system.build import build
+from valvetrain.system.problem import Problem
+from valvetrain.units import si_speeds
+
+#: Cases built that are kept, changed or not: a slider goes to and fro.
+MOST_BUILT = 8
+
+
+class LiveCase:
+    """A case that is changed, built and run again and again.
+
+    Parameters
+    ----------
+    case_text : the case (TOML)
+    folder : where files that it names lie
+    spring_model : word of the model that runs
+    """
+
+    def __init__(self, case_text: str, folder: Path, spring_model: str) -> None:
+        self.case_text, self.folder, self.spring_model = case_text, folder, spring_model
+        self._built: dict[tuple[tuple[str, str], ...], tuple[Problem, Ready]] = {}
+
+    def answer(self, changes: Mapping[str, str], engine_speed: str) -> dict[str, Any]:
+        """The curve of the case with ``changes`` at a crank speed (text; empty: the highest of the case), or a sentence."""
+        begun = time.perf_counter()
+        try:
+            found = self._curve(changes, engine_speed)
+        except ValvetrainError as error:
+            found = {"sentence": str(error)}
+        except Exception as error:  # whatever goes wrong in one curve, the next is asked for
+            found = {"sentence": reason(error)}
+        return found | {"seconds": time.perf_counter() - begun}
+
+    def _curve(self, changes: Mapping[str, str], engine_speed: str) -> dict[str, Any]:
+        problem, ready = self._ready(changes)
+        if ready.refusal:
+            raise InputError(ready.refusal)
+        speeds = si_speeds(engine_speed, "engine_speed", "engine speed") if engine_speed else problem.engine_speeds
+        if not speeds:
+            raise InputError("the case names no engine speed; give one", "engine speed")
+        speed = max(speeds)
+        origin = provenance_of(problem, ready.member, speed, "")
+        plan = Plan("ends", None, True, problem.cycles, problem.cycles_to_settle)
+        run = integrate_point(ready, speed, plan, origin)
+        if run.status.code not in ("completed", "not-converged"):
+            return {"sentence": run.status.sentence()}
+        cycle = reported_cycle(run)
+        force, lift = (np.asarray(cycle.channel(name), dtype=float) for name in ("retainer_force", "valve_lift"))
+        peak = int(np.argmax(force))
+        degrees = np.degrees(cycle.cam_angle)
+        return {
+            "angle_deg": np.round(degrees, 4).tolist(), "force_N": np.round(force, 4).tolist(), "lift_mm": np.round(lift * 1e3, 6).tolist(),
+            "engine_speed": speed * 30 / np.pi, "sentence": "" if run.status.code == "completed" else run.status.sentence(),
+            "quantities": {
+                "largest force": (float(force[peak]), "N"), "at": (float(degrees[peak]), "deg"),
+                "smallest force": (float(force.min()), "N"), "largest lift": (float(lift.max()) * 1e3, "mm"),
+            },
+        }  # fmt: skip
+
+    def _ready(self, changes: Mapping[str, str]) -> tuple[Problem, Ready]:
+        key = tuple(sorted(changes.items()))
+        if key not in self._built:
+            given = dict(read_assignment(f"{path}={text}", path) for path, text in changes.items())
+            problem = build(parse_case(self.case_text, "case", self.folder, "case", given or None), spring_models=(self.spring_model,))
+            member = problem.members[0]
+            rest = member_rest(problem, member) if member.gear is not None else {}
+            self._built[key] = (problem, make_ready(problem, member, rest, ""))
+            while len(self._built) > MOST_BUILT:
+                del self._built[next(iter(self._built))]
+        return self._built[key]
+
+
+def main() -> None:
+    """Read the case from the first line, then answer each line that follows."""
+    lines: queue.SimpleQueue[str] = queue.SimpleQueue()
+    first = json.loads(sys.stdin.readline())
+    _bound(float(first["memory"]))
+    threading.Thread(target=_listen, args=(lines,), daemon=True).start()
+    case = LiveCase(first["case_text"], Path(first["folder"]), first["spring_model"])
+    if first["warm"]:
+        case.answer({}, "")
+    while True:
+        asked = json.loads(lines.get())
+        answer = case.answer(asked["changes"], asked["engine_speed"])
+        sys.stdout.write(json.dumps(answer, allow_nan=False) + "\n")
+        sys.stdout.flush()
+
+
+def _listen(lines: queue.SimpleQueue[str]) -> None:
+    """Hand on what is asked; end the process, whatever it computes, once nobody asks any more."""
+    for line in sys.stdin:
+        lines.put(line)
+    os._exit(0)
+
+
+def _bound(memory: float) -> None:
+    """No more address space than that, and no core dumps."""
+    with suppress(ImportError, ValueError, OSError):
+        import resource
+
+        for kind, most in ((resource.RLIMIT_AS, int(memory)), (resource.RLIMIT_CORE, 0)):
+            hard = resource.getrlimit(kind)[1]
+            least = most if hard == resource.RLIM_INFINITY else min(most, hard)
+            resource.setrlimit(kind, (least, least))
+
+
+if __name__ == "__main__":
+    main()

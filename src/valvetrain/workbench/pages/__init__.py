@@ -1,0 +1,54 @@
+"""The pages of the workbench in the browser, with NiceGUI (docs/decisions/0073-pages-with-nicegui.md)."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from valvetrain.errors import MissingExtraError
+
+if TYPE_CHECKING:
+    from valvetrain.workbench.jobs import Jobs
+    from valvetrain.workbench.settings import ServeSettings
+    from valvetrain.workbench.workspace import Workspace
+
+#: A valve spring, drawn by a line: the icon of the page, so that none is asked for elsewhere.
+ICON = (
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32"><path d="M6 5h20M6 27h20M7 9l18 4M7 14l18 4M7 19l18 4" '
+    'stroke="#1f5aa6" stroke-width="3" stroke-linecap="round" fill="none"/></svg>'
+)
+
+
+def start(workspace: Workspace, jobs: Jobs, settings: ServeSettings) -> None:
+    """Serve the pages until Ctrl-C.
+
+    Parameters
+    ----------
+    workspace : cases and runs that are shown
+    jobs : what computes
+    settings : address, token and bounds
+
+    Raises
+    ------
+    MissingExtraError : the web framework is not installed
+    """
+    try:
+        from nicegui import app, ui
+    except ImportError:
+        raise MissingExtraError('the pages need NiceGUI; install with pip install "valvetrain[serve]"') from None
+    from valvetrain.workbench.pages import assets, routes
+    from valvetrain.workbench.pages.desk import Desk
+    from valvetrain.workbench.safety import Guard, uvicorn_options
+
+    desk = Desk(workspace, jobs, settings)
+    routes.register(desk)
+    app.add_middleware(Guard, settings=settings)
+    app.on_startup(assets.warm)
+    app.on_shutdown(desk.close)
+    shown: str | bool = settings.first_page.removeprefix(settings.address.rstrip("/")) if settings.open_page else False
+    with suppress(KeyboardInterrupt):
+        ui.run(
+            host=settings.host, port=settings.port, title="valvetrain", favicon=ICON, dark=False, language="en-US", reload=False,
+            show=shown, tailwind=False, show_welcome_message=False, reconnect_timeout=30.0, gzip_middleware_factory=None,
+            uvicorn_logging_level="warning", **uvicorn_options(settings),
+        )  # fmt: skip

@@ -1,0 +1,254 @@
+"""The page of a case: its form, a slider, what to run, how the job stands, and the results as soon as they are there."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+from typing import Any
+
+from nicegui import events, ui
+
+from valvetrain.errors import InputError, ValvetrainError
+from valvetrain.parameters.case import Case
+from valvetrain.workbench import form
+from valvetrain.workbench.jobs import JobStatus
+from valvetrain.workbench.kept import Run
+from valvetrain.workbench.live import LiveResult
+from valvetrain.workbench.pages.desk import Desk
+from valvetrain.workbench.pages.elements import Form, Handler, JobPanel, Order, Results, Slider, button, link, tag
+from valvetrain.workbench.pages.forms import ENGINE_SPEED, engine_speed, shown_groups, sliding
+from valvetrain.workbench.pages.frame import frame
+from valvetrain.workbench.pages.job_words import job_shown
+from valvetrain.workbench.pages.live_chart import live_lines, live_numbers
+from valvetrain.workbench.pages.orders import choices_for, request_of
+from valvetrain.workbench.pages.run_list import run_table
+from valvetrain.workbench.pages.run_view import earlier, run_head
+from valvetrain.workbench.workspace import CaseId
+
+#: Time between two looks at a job (s), and how many of them are one where no job goes on.
+LOOK, SLOW_LOOK = 0.05, 10
+#: Groups of the form that are open at first, and earlier runs listed.
+OPEN_GROUPS, MOST_RUNS = 1, 8
+
+
+def case_page(desk: Desk, case: CaseId) -> None:
+    """The page of a case of the workspace."""
+    try:
+        text, read = desk.workspace.text(case), desk.workspace.read(case)
+    except ValvetrainError as error:
+        missing_page("This case cannot be shown", str(error))
+        return
+    CasePage(desk, case, text, read).build()
+
+
+def missing_page(title: str, sentence: str) -> None:
+    """A page that says what is not there."""
+    with frame(title, figures=False):
+        tag("h1", title)
+        tag("p", sentence, "refusal", role="alert")
+        link("Back to the start", "/", "button")
+
+
+class CasePage:
+    """One visit of a case's page; what it shows stands in the workspace, so that a reload or another tab finds the same."""
+
+    def __init__(self, desk: Desk, case: CaseId, text: str, read: Case) -> None:
+        self.desk, self.case, self.text, self.read = desk, case, text, read
+        self.job: JobStatus | None = None
+        self.shown_run = ""
+        self.moved: tuple[str, LiveResult] | None = None
+        self.looks = -1
+
+    # -- layout ----------------------------------------------------------------------------------------------------------
+
+    def build(self) -> None:
+        """Make the page."""
+        groups = form.fields(self.read)
+        kept = self.desk.workspace.remembered(self.case)
+        with frame(self.read.title or self.case):
+            with tag("div", classes="split"):
+                tag("h1", self.read.title or self.case)
+                with tag("div", classes="row"):
+                    link("Download the case", f"/download-case/{self.case}", "button small", download="")
+                    button("Copy of the case", self.copy, "button small")
+            tag("p", f"Case {self.case}. Changes are kept as you make them.", "said")
+            with tag("div", classes="bench"):
+                with tag("section", classes="inputs", aria_labelledby="inputs-title"):
+                    tag("h2", "Case", id="inputs-title")
+                    shown = shown_groups(groups)
+                    self.form = Form(shown, [one["key"] for one in shown if one["key"]][:OPEN_GROUPS], self.change)
+                with tag("div", classes="outputs"):
+                    handlers: dict[str, Handler] = {
+                        "begin": self.begin,
+                        "move": self.move,
+                        "moving": self.moving,
+                        "rest": self.rest,
+                        "keep": self.keep,
+                    }
+                    quantities = sliding(groups)
+                    self.order = Order(choices_for(self.read, quantities, kept), self.estimate, self.start)
+                    self.panel = JobPanel(self.cancel, self.again)
+                    self.slider = Slider([*engine_speed(self.read), *quantities], "", handlers)
+                    self.head = tag("div", classes="run-head")
+                    self.results = Results()
+                    self.list = tag("div", classes="run-list")
+        ui.timer(LOOK, self.look)
+
+    # -- the form --------------------------------------------------------------------------------------------------------
+
+    def change(self, event: events.GenericEventArguments) -> None:
+        """A field was changed: taken, or refused in its place."""
+        key, value = str(event.args["key"]), str(event.args["value"])
+        self.form.answer(key, self.put(key, value))
+
+    def put(self, key: str, value: str) -> str:
+        """Set a value of the case; the refusal, empty where it was taken."""
+        try:
+            self.desk.put(self.case, key, value)
+        except ValvetrainError as error:
+            return sentence_of(error, key)
+        self.refresh()
+        return ""
+
+    def refresh(self) -> None:
+        """Show the case as it stands."""
+        self.text, self.read, self.moved = self.desk.workspace.text(self.case), self.desk.workspace.read(self.case), None
+        groups = form.fields(self.read)
+        self.form.show(shown_groups(groups))
+        self.slider.show([*engine_speed(self.read), *sliding(groups)], "")
+        self.order.tell(quantities=sliding(groups))
+
+    def copy(self) -> None:
+        """A copy of the case, and its page."""
+        try:
+            ui.navigate.to(f"/case/{self.desk.workspace.duplicate(self.case)}")
+        except ValvetrainError as error:
+            ui.notify(str(error))
+
+    # -- the slider --------------------------------------------------------------------------------------------------------
+
+    async def begin(self) -> None:
+        """The list of quantities is opened: the chain is begun meanwhile."""
+        with suppress(ValvetrainError):
+            await asyncio.to_thread(self.desk.chain, self.case)
+
+    async def move(self, event: events.GenericEventArguments) -> None:
+        """The slider moved: the curve by the chain."""
+        key, value = str(event.args["key"]), str(event.args["value"])
+        try:
+            base, found = await self.desk.moved(self.case, key, value)
+        except ValvetrainError as error:
+            self.slider.answer([], [], sentence_of(error))
+            return
+        if not base.angle_deg or not found.angle_deg:
+            self.slider.answer([], [], found.sentence or base.sentence)
+            return
+        self.moved = (value, found)
+        self.slider.answer(live_lines(base, found, None, value), live_numbers(base, found), found.sentence)
+
+    async def rest(self, event: events.GenericEventArguments) -> None:
+        """The slider rests: the curve by the rod too."""
+        key, value = str(event.args["key"]), str(event.args["value"])
+        try:
+            base, found = await self.desk.by_rod(self.case, key, value)
+        except ValvetrainError as error:
+            self.slider.rod_answer([], sentence_of(error))
+            return
+        moved = self.moved[1] if self.moved is not None and self.moved[0] == value else None
+        if moved is None or not base.angle_deg or not found.angle_deg:
+            self.slider.rod_answer([], "" if found.skipped else found.sentence)
+            return
+        self.slider.rod_answer(live_lines(base, moved, found, value), f"The rod took {found.seconds:.1f} s. {found.sentence}".strip())
+
+    def moving(self) -> None:
+        """The slider moves again: a rod that runs is ended."""
+        opened = self.desk.chains.get(self.case)
+        if opened is not None:
+            opened.chain.cancel()
+
+    def keep(self, event: events.GenericEventArguments) -> None:
+        """Put the value of the slider into the case."""
+        key, value = str(event.args["key"]), str(event.args["value"])
+        if refusal := self.put("operation.engine_speeds" if key == ENGINE_SPEED else key, value):
+            self.slider.answer([], [], refusal)
+
+    # -- jobs ----------------------------------------------------------------------------------------------------------------
+
+    async def estimate(self, event: events.GenericEventArguments) -> None:
+        """What the choice would cost, or why it cannot be run."""
+        wish: dict[str, Any] = event.args
+        if wish.get("kind") == "study" and not wish.get("key"):
+            self.order.tell(estimate="Choose the quantity to vary.", refusal="")
+            return
+        try:
+            cost = await asyncio.to_thread(self.desk.jobs.estimate, request_of(self.case, wish))
+            self.order.tell(estimate=f"Takes {cost}." if cost else "", refusal="")
+        except ValvetrainError as error:
+            self.order.tell(estimate="", refusal=sentence_of(error))
+
+    def start(self, event: events.GenericEventArguments) -> None:
+        """Submit the job."""
+        wish: dict[str, Any] = event.args
+        try:
+            self.desk.jobs.submit(request_of(self.case, wish))
+        except ValvetrainError as error:
+            self.order.tell(estimate="", refusal=sentence_of(error))
+            return
+        place = "sweep" if wish.get("kind") == "sweep" else "speeds"
+        self.desk.workspace.remember(self.case, place, str(wish.get("speeds", "")))
+        self.desk.workspace.remember(self.case, "models", ",".join(map(str, wish.get("models", ()))))
+        self.looks = -1
+
+    def cancel(self) -> None:
+        """Stop the job that is shown."""
+        if self.job is not None:
+            self.desk.jobs.cancel(self.job.job_id)
+
+    def again(self) -> None:
+        """Start the job that is shown again."""
+        if self.job is not None:
+            try:
+                self.desk.jobs.restart(self.job.job_id)
+            except ValvetrainError as error:
+                ui.notify(str(error))
+
+    async def look(self) -> None:
+        """Show how the newest job of the case stands, and its run when there is one."""
+        self.looks += 1
+        if self.looks % SLOW_LOOK and (self.job is None or self.job.ended):
+            return
+        newest = next(iter(self.desk.jobs.jobs(self.case, 1)), None)
+        if newest != self.job:
+            self.job = newest
+            self.panel.show(job_shown(newest))
+            self.order.tell(busy=newest is not None and not newest.ended)
+        if newest is not None and newest.ended and newest.run_id and newest.run_id != self.shown_run:
+            self.results.show(f"/part/{newest.run_id}")
+            await asyncio.sleep(0.02)  # its figures first, then what stands around them
+            await self.show_run(newest.run_id)
+        elif not self.shown_run:
+            await self.show_run("")
+
+    async def show_run(self, run_id: str) -> None:
+        """Show a run, the newest of the case where none is named, with the earlier ones below it."""
+        runs = await asyncio.to_thread(self.desk.workspace.runs, self.case)
+        chosen: Run | None = next((one for one in runs if one.run_id == run_id), None) or next(iter(runs), None)
+        self.shown_run = run_id or (chosen.run_id if chosen is not None else "none")
+        if chosen is None:
+            return
+        self.results.show(f"/part/{chosen.run_id}")
+        self.head.clear()
+        with self.head:
+            run_head(self.desk, chosen, full=False)
+        self.list.clear()
+        others = earlier(runs, chosen.run_id)[:MOST_RUNS]
+        if others:
+            with self.list:
+                tag("h2", "Earlier runs of this case")
+                run_table(others, alone=True)
+
+
+def sentence_of(error: ValvetrainError, key: str = "") -> str:
+    """An error as a sentence; at the field of ``key`` the place is not told again."""
+    text = error.reason if key and isinstance(error, InputError) and error.where.endswith(key) else str(error)
+    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?")) else ".")

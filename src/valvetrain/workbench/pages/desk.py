@@ -1,0 +1,99 @@
+"""What the pages share: workspace, jobs, settings, and the chains of the cases that are open."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from valvetrain.workbench.jobs import Jobs
+from valvetrain.workbench.live import LiveChain, LiveResult
+from valvetrain.workbench.pages.forms import ENGINE_SPEED
+from valvetrain.workbench.settings import ServeSettings
+from valvetrain.workbench.workspace import CaseId, Workspace
+
+#: Cases whose chains are kept running.
+MOST_CHAINS = 3
+#: Times that the curve of a case is asked for where other questions come between.
+MOST_TRIES = 3
+
+
+@dataclass
+class OpenChain:
+    """A chain, the text of the case as it now stands, what was changed since the chain was built, and the curve of the case."""
+
+    chain: LiveChain
+    text: str
+    changes: dict[str, str] = field(default_factory=dict)
+    base: LiveResult | None = None
+
+
+@dataclass
+class Desk:
+    """What the pages share."""
+
+    workspace: Workspace
+    jobs: Jobs
+    settings: ServeSettings
+    chains: dict[CaseId, OpenChain] = field(default_factory=dict)
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def put(self, case: CaseId, key: str, value: str) -> None:
+        """Set a value of a case; a chain that holds the case is told of the change, and need not be begun anew.
+
+        Raises :class:`InputError`, and changes nothing, for a value that is refused.
+        """
+        before = self.workspace.text(case)
+        self.workspace.set_value(case, key, value)
+        found = self.chains.get(case)
+        if found is not None and found.text == before and value:
+            found.changes = {**found.changes, key: value}
+            found.text, found.base = self.workspace.text(case), None
+
+    def chain(self, case: CaseId) -> tuple[OpenChain, LiveResult]:
+        """The chain of a case as it stands, begun where there is none, and its curve; blocks for seconds then."""
+        with self._lock:
+            text = self.workspace.text(case)
+            found = self.chains.pop(case, None)
+            if found is not None and found.text != text:
+                found.chain.close()
+                found = None
+            if found is None:
+                self._close_oldest()
+                found = OpenChain(LiveChain(text, folder=self.workspace.case_folder(case)), text)
+            self.chains[case] = found
+            for _ in range(MOST_TRIES):
+                if found.base is None or found.base.skipped:  # another tab asked at the same moment
+                    found.base = found.chain.curve(found.changes)
+            return found, found.base or LiveResult()
+
+    def _close_oldest(self) -> None:
+        while len(self.chains) >= MOST_CHAINS:
+            self.chains.pop(next(iter(self.chains))).chain.close()
+
+    async def moved(self, case: CaseId, key: str, value: str) -> tuple[LiveResult, LiveResult]:
+        """The curve of a case, and that by the chain with ``value`` at ``key``."""
+        opened, base = await asyncio.to_thread(self.chain, case)
+        return base, await asyncio.to_thread(opened.chain.curve, *moved_to(opened.changes, key, value))
+
+    async def by_rod(self, case: CaseId, key: str, value: str) -> tuple[LiveResult, LiveResult]:
+        """The curve of a case by the chain, and that by the rod with ``value`` at ``key``."""
+        opened, base = await asyncio.to_thread(self.chain, case)
+        return base, await asyncio.to_thread(opened.chain.rod, *moved_to(opened.changes, key, value))
+
+    def close(self) -> None:
+        """End all chains."""
+        with self._lock:
+            for one in self.chains.values():
+                one.chain.close()
+            self.chains.clear()
+
+
+def moved_to(changes: Mapping[str, str], key: str, value: str) -> tuple[dict[str, str], str]:
+    """Changes of the case, and the engine speed, that a place of the slider stands for.
+
+    >>> moved_to({"a": "1"}, "b", "2"), moved_to({}, "engine_speed", "5000 rpm")
+    (({'a': '1', 'b': '2'}, ''), ({}, '5000 rpm'))
+    """
+    return (dict(changes), value) if key == ENGINE_SPEED else ({**changes, key: value}, "")

@@ -1,0 +1,133 @@
+"""Elements of the pages: plain HTML with words, and the parts that have a script of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from nicegui import ui
+from nicegui.elements.mixins.text_element import TextElement
+
+from valvetrain.report.chart import Line
+from valvetrain.workbench.pages.live_chart import live_figure, live_key
+
+Handler = Callable[..., Any]
+
+
+def tag(name: str, /, words: str = "", classes: str = "", **attributes: str | None) -> ui.element:
+    """An HTML element ``name`` holding ``words``; an underscore in the name of an attribute stands for a hyphen, None leaves it out."""
+    made = TextElement(tag=name, text=words) if words else ui.element(name)
+    if classes:
+        made.classes(classes)
+    for key, value in attributes.items():
+        if value is not None:
+            made.props[key.rstrip("_").replace("_", "-")] = value
+    return made
+
+
+def button(words: str, on_click: Handler, classes: str = "button", **attributes: str | None) -> ui.element:
+    """A button."""
+    return tag("button", words, classes, type="button", **attributes).on("click", on_click, args=[])
+
+
+def link(words: str, href: str, classes: str = "", **attributes: str | None) -> ui.element:
+    """A link."""
+    return tag("a", words, classes, href=href, **attributes)
+
+
+class Form(ui.element, component="form.js"):
+    """The form of a case: ``groups`` of fields as :func:`valvetrain.workbench.pages.forms.shown_groups` gives them."""
+
+    def __init__(self, groups: Sequence[Mapping[str, Any]], opened: Sequence[str], on_change: Handler) -> None:
+        super().__init__()
+        self.props["groups"], self.props["open"] = list(groups), list(opened)
+        self.on("change", on_change)
+
+    def show(self, groups: Sequence[Mapping[str, Any]]) -> None:
+        """Other fields or values."""
+        self.props["groups"] = list(groups)
+        self.update()
+
+    def answer(self, key: str, sentence: str) -> None:
+        """The refusal of what was typed for ``key``; empty where it was taken."""
+        self.run_method("answer", key, sentence)
+
+
+class Slider(ui.element, component="slider.js"):
+    """One quantity on a slider, with the curve that follows it."""
+
+    def __init__(self, quantities: Sequence[Mapping[str, Any]], engine_speed: str, on: Mapping[str, Handler]) -> None:
+        super().__init__()
+        self.props["quantities"], self.props["speed"] = list(quantities), engine_speed
+        for event, handler in on.items():
+            self.on(event, handler)
+
+    def show(self, quantities: Sequence[Mapping[str, Any]], engine_speed: str) -> None:
+        """Other quantities or values of theirs."""
+        self.props["quantities"], self.props["speed"] = list(quantities), engine_speed
+        self.update()
+
+    def answer(self, lines: Sequence[Line], numbers: Sequence[Mapping[str, str]], sentence: str) -> None:
+        """What the chain answered: lines (none where it was overtaken), numbers, or a sentence."""
+        self.run_method("answer", live_figure(lines) if lines else "", live_key(lines), list(numbers), sentence)
+
+    def rod_answer(self, lines: Sequence[Line], sentence: str) -> None:
+        """What the rod answered."""
+        self.run_method("rodAnswer", live_figure(lines) if lines else "", live_key(lines), sentence)
+
+
+class Order(ui.element, component="order.js"):
+    """What to run."""
+
+    def __init__(self, choices: Mapping[str, Any], on_estimate: Handler, on_run: Handler) -> None:
+        super().__init__()
+        self.tell(estimate="", refusal="", busy=False, **choices)
+        self.on("estimate", on_estimate)
+        self.on("run", on_run)
+
+    def tell(self, **values: Any) -> None:
+        """Change what it shows."""
+        for key, value in values.items():
+            self.props[key] = value
+        self.update()
+
+
+class JobPanel(ui.element, component="job.js"):
+    """How a job stands."""
+
+    def __init__(self, on_cancel: Handler, on_again: Handler) -> None:
+        super().__init__()
+        self.props["job"] = None
+        self.on("cancel", on_cancel, args=[])
+        self.on("again", on_again, args=[])
+
+    def show(self, job: Mapping[str, Any] | None) -> None:
+        """Another state; nothing is sent where it is the same."""
+        if self.props["job"] != job:
+            self.props["job"] = job
+            self.update()
+
+
+class Results(ui.element, component="results.js"):
+    """The sections of a run, asked for from ``source`` (an address of this server); ``whole``: all below each other, no tabs."""
+
+    def __init__(self, source: str = "", whole: bool = False) -> None:
+        super().__init__()
+        self.props["source"], self.props["whole"] = source, whole
+
+    def show(self, source: str) -> None:
+        """Another run."""
+        if self.props["source"] != source:
+            self.props["source"] = source
+            self.update()
+
+
+class Upload(ui.element, component="upload.js"):
+    """A file to send to ``url``."""
+
+    def __init__(self, field: str, label: str, hint: str, url: str, accept: str, most: int, on_done: Handler | None = None) -> None:
+        super().__init__()
+        for key, value in {"field": field, "label": label, "hint": hint, "url": url, "accept": accept, "most": most}.items():
+            self.props[key] = value
+        if on_done is not None:
+            self.on("done", on_done)

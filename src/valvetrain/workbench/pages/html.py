@@ -1,0 +1,48 @@
+"""Answers of the backend as parts of a page, in the form of the report."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from html import escape
+from typing import Any
+
+from valvetrain.report.compare_test_page import compare_test_page
+from valvetrain.report.page import Block, Cell, Grid, Section, render_part, text
+from valvetrain.report.plotly_chart import in_script
+from valvetrain.report.read_page import PageTable
+from valvetrain.studies.compare_test import ModelAgainstTest
+
+
+def figure_html(key: str, title: str, caption: str, plotly: Mapping[str, Any]) -> str:
+    """A figure with its data, as a report has it."""
+    height = int(plotly.get("layout", {}).get("height", 320))
+    return (
+        f'<figure id="fig-{escape(key)}"><h3>{escape(title)}</h3><div class="plot" data-chart="{escape(key)}" role="group" '
+        f'style="height:{height}px" aria-label="{escape(title)}"></div><figcaption>{escape(caption)}</figcaption></figure>'
+        f'<script type="application/json" id="data-{escape(key)}">{in_script(json.dumps(plotly, separators=(",", ":")))}</script>'
+    )
+
+
+def grid_of(key: str, title: str, table: PageTable | None, otherwise: str = "") -> str:
+    """A table as a section; ``otherwise``: the sentence in its place where it has no rows."""
+    blocks: tuple[Block, ...] = (grid(table),) if table is not None and table.rows else (text(otherwise, "quiet"),)
+    return render_part([Section(key, title, blocks)])
+
+
+def grid(table: PageTable) -> Grid:
+    """A table of the report's kind."""
+    right = table.right or (False,) * len(table.headers)
+    rows = tuple(
+        (tuple(Cell(words, "number" if place < len(right) and right[place] else "") for place, words in enumerate(row)), ())
+        for row in table.rows
+    )
+    return Grid(table.headers, rows, caption=table.title)
+
+
+def test_part(found: ModelAgainstTest) -> str:
+    """Test data over a run, as ``valvetrain compare-test`` shows them."""
+    if not found.runs:
+        return render_part([Section("test", "Test", tuple(text(words, "alert") for words in found.failures))])
+    return render_part([replace(section, key=f"test-{section.key}") for section in compare_test_page(found).sections])

@@ -1,0 +1,100 @@
+"""What may be run of a case, as the page offers it, and the request that a choice becomes."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from valvetrain import registry
+from valvetrain.errors import InputError
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.words import number
+from valvetrain.report.headlines import TOPICS
+from valvetrain.report.words import rpm
+from valvetrain.solution.definition import label_of
+from valvetrain.springs.spec import SpringModelSpec, spring_model
+from valvetrain.system.build import usual_models
+from valvetrain.workbench.jobs import JobRequest
+
+#: The model that a first run uses: seconds, and it moves.
+FIRST_MODEL, SWEEP = "multi-mass", "1000:8000:250 rpm"
+#: Topics whose quantities a study may tell, of a spring alone; a train adds those of its contacts.
+_SPRING_TOPICS = ("Spring force and coil bind", "Coil clash", "Surge")
+_TRAIN_TOPICS = ("Seating and contact",)
+#: Points of a study.
+LEAST_POINTS, MOST_POINTS = 2, 200
+
+
+def springs_of(case: Case) -> tuple[InstalledSpring, ...]:
+    """Every spring of a case, those of a train's sets included."""
+    return case.springs if case.train is None else tuple(spring for one in case.train.springs.values() for spring in one)
+
+
+def models_for(case: Case, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
+    """Spring models that can run the case: word, words, what they know; ``chosen`` or else the usual first one is ticked."""
+    springs = springs_of(case)
+    fit = [spec for spec in map(spring_model, registry.words("springs")) if _fits(spec, springs)]
+    words = [spec.word for spec in fit]
+    ticked = [word for word in chosen if word in words] or [word for word in (FIRST_MODEL, *usual_models(springs)) if word in words][:1]
+    return [
+        {"word": spec.word, "label": spec.label, "hint": f"knows {spec.knows}; leaves out {spec.leaves_out}", "chosen": spec.word in ticked}
+        for spec in fit
+    ]
+
+
+def _fits(spec: SpringModelSpec, springs: tuple[InstalledSpring, ...]) -> bool:
+    return not spec.no_motion and bool(springs) and not any(spec.why_not(spring) for spring in springs)
+
+
+def outputs_for(case: Case) -> list[dict[str, str]]:
+    """Quantities that a study may tell."""
+    topics = _SPRING_TOPICS if case.train is None else (*_SPRING_TOPICS, *_TRAIN_TOPICS)
+    names = [name for topic in topics for name in TOPICS[topic]]
+    return [{"name": name, "label": label_of(name)[:1].upper() + label_of(name)[1:]} for name in names]
+
+
+def choices_for(case: Case, quantities: Sequence[Mapping[str, Any]], kept: Mapping[str, str]) -> dict[str, Any]:
+    """All that the page offers; ``kept``: what was chosen last."""
+    own = ", ".join(f"{rpm(speed):.10g}" for speed in case.operation.engine_speeds)
+    return {
+        "models": models_for(case, kept.get("models", "").split(",")),
+        "speeds": kept.get("speeds") or (f"{own} rpm" if own else "4000 rpm"), "sweep": kept.get("sweep") or SWEEP,
+        "quantities": list(quantities), "outputs": outputs_for(case),
+    }  # fmt: skip
+
+
+def request_of(case: str, wish: Mapping[str, Any]) -> JobRequest:
+    """The request of what was chosen on the page. Raises :class:`InputError` for a choice that is missing."""
+    kind, models = str(wish.get("kind", "run")), tuple(map(str, wish.get("models", ())))
+    speeds = str(wish.get("speeds", "")).strip()
+    if not models:
+        raise InputError("no spring model is chosen; tick one or more", "spring models")
+    if kind in ("run", "sweep"):
+        return JobRequest("sweep" if kind == "sweep" else "run", case, models, speeds)
+    if kind != "study":
+        raise InputError(f"'{kind[:20]}' is nothing to run; choose run, sweep or study", "kind")
+    return JobRequest("study", case, study=_study(case, models, speeds, wish))
+
+
+def _study(case: str, models: tuple[str, ...], speeds: str, wish: Mapping[str, Any]) -> str:
+    key, points = str(wish.get("key", "")), wish.get("points")
+    if not key:
+        raise InputError("no quantity to vary is chosen; choose one", "quantity varied")
+    if not isinstance(points, (int, float)) or not LEAST_POINTS <= points <= MOST_POINTS:
+        raise InputError(f"the number of points is to be from {LEAST_POINTS} to {MOST_POINTS}", "points")
+    ends = {"low": str(wish.get("low", "")).strip(), "high": str(wish.get("high", "")).strip()}
+    vary = "".join(f"{name} = {_quoted(value)}\n" for name, value in ends.items())
+    asked = f"engine_speeds = {json.dumps(speeds)}\n" if speeds else ""
+    return (
+        f"case = {json.dumps(case)}\n{asked}spring_models = {json.dumps(list(models))}\n"
+        f"outputs = {json.dumps([str(wish.get('output', ''))])}\n"
+        f'points = {{ sampler = "grid", levels = {int(points)} }}\n\n[[vary]]\nkey = {json.dumps(key)}\n{vary}'
+    )
+
+
+def _quoted(value: str) -> str:
+    """A number as it stands, anything else as text."""
+    return number(float(value)) if re.fullmatch(r"[-+]?\d+(\.\d+)?", value) else json.dumps(value)

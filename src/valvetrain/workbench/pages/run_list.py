@@ -1,0 +1,66 @@
+"""Lists of runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime
+
+from valvetrain.report import theme
+from valvetrain.workbench.kept import Run
+from valvetrain.workbench.pages.elements import link, tag
+
+#: Command -> word.
+KINDS = {
+    "run": "run",
+    "compare": "models compared",
+    "sweep": "sweep",
+    "study": "study",
+    "static": "static curve",
+    "modes": "modes",
+    "run-up": "run-up",
+}
+_MOST_SPEEDS = 4
+
+
+def when(run: Run) -> str:
+    """Time of a run, to the minute, UTC."""
+    try:
+        return f"{datetime.fromisoformat(run.created_at):%Y-%m-%d %H:%M}"
+    except ValueError:
+        return run.created_at[:16]
+
+
+def models_of(run: Run) -> str:
+    """Spring models in words."""
+    return ", ".join(theme.model_words(model) for model in run.models) or "the case's own"
+
+
+def speeds_of(run: Run) -> str:
+    """Engine speeds in words."""
+    speeds = run.engine_speeds
+    if len(speeds) > _MOST_SPEEDS:
+        return f"{len(speeds)} from {speeds[0]:.10g} to {speeds[-1]:.10g} rpm"
+    return f"{', '.join(f'{speed:.10g}' for speed in speeds)} rpm" if speeds else "the case's own"
+
+
+def name_of(run: Run) -> str:
+    """A run in one line."""
+    return f"{run.case}, {KINDS.get(run.command, run.command)} of {when(run)}"
+
+
+def run_table(runs: Sequence[Run], alone: bool = False) -> None:
+    """A table of runs, newest first; ``alone``: all are of one case, whose name is then left out."""
+    heads = ("run", *(() if alone else ("case",)), "kind", "spring models", "engine speeds", "result")
+    with tag("div", classes="scroll", tabindex="0", role="region", aria_label="runs"), tag("table", classes="plain runs"):
+        with tag("thead"), tag("tr"):
+            for words in heads:
+                tag("th", words, scope="col")
+        with tag("tbody"):
+            for run in runs:
+                with tag("tr"):
+                    with tag("th", scope="row"):
+                        link(when(run), f"/run/{run.run_id}", aria_label=f"Open {name_of(run)}")
+                    cells = (KINDS.get(run.command, run.command), models_of(run), speeds_of(run))
+                    for words in cells if alone else (run.case, *cells):
+                        tag("td", words)
+                    tag("td", "complete" if run.completed else "in part", "good" if run.completed else "bad")

@@ -1,0 +1,105 @@
+// One quantity on a slider: while it moves the lumped chain answers, the newest wish first; when it rests the rod may answer too.
+export default {
+  emits: ["begin", "move", "moving", "rest", "keep"],
+  props: { quantities: Array, speed: String, rod: Boolean },
+  data() {
+    return { key: "", value: 0, text: "", sentence: "", numbers: [], lines: [], asked: false, waiting: null, busy: false, slow: false, rodWanted: this.rod,
+      rodSays: "", took: 0, times: [], started: 0, rested: null, typed: null, kept: "" };
+  },
+  computed: {
+    chosen() { return this.quantities.find((one) => one.key === this.key); },
+    grouped() {
+      const groups = new Map();
+      this.quantities.forEach((one) => { groups.set(one.group, [...(groups.get(one.group) || []), one]); });
+      return [...groups];
+    },
+    step() { return this.chosen ? this.chosen.step : 1; },
+  },
+  // The case changed: what was moved is moved no more, and the curve is asked for anew.
+  watch: { quantities() {
+    if (!this.chosen) { this.key = ""; return; }
+    this.asked = false;
+    this.value = this.chosen.value;
+    this.ask();
+  } },
+  methods: {
+    words(value) { return Number(Number(value).toPrecision(5)).toString(); },
+    given() { return this.words(this.value) + (this.chosen.unit ? " " + this.chosen.unit : ""); },
+    pick() { this.value = this.chosen ? this.chosen.value : 0; this.kept = ""; this.rodSays = ""; if (this.chosen) { this.asked = false; this.ask(); } },
+    move(value) { this.value = Number(value); this.asked = true; this.kept = ""; this.ask(); },
+    type(text) {
+      this.typed = null;
+      const value = Number.parseFloat(text);
+      if (Number.isFinite(value)) { this.move(value); } else { this.sentence = "Type a number in " + (this.chosen.unit || "the unit shown") + "."; }
+    },
+    ask() {
+      clearTimeout(this.rested);
+      if (this.slow) { this.slow = false; this.$emit("moving"); }
+      const wish = { key: this.key, value: this.given(), began: performance.now() };
+      if (this.busy) { this.waiting = wish; return; }
+      this.busy = true;
+      this.started = wish.began;
+      this.$emit("move", { key: wish.key, value: wish.value });
+    },
+    // What the server answers: the figure (JSON text), numbers, a sentence where the chain says no.
+    answer(figure, key, numbers, sentence) {
+      this.sentence = sentence;
+      this.busy = false;
+      if (figure) {
+        this.numbers = numbers;
+        this.lines = key;
+        this.draw(figure);
+        this.took = performance.now() - this.started;
+        this.times.push(this.took);
+        window.valvetrainSlider = this.times;
+      }
+      if (this.waiting) { const next = this.waiting; this.waiting = null; this.ask(next); } else { this.rest(); }
+    },
+    async draw(figure) {
+      if (typeof Plotly === "undefined") { await window.valvetrainDrawing; }
+      valvetrainFigures.show(this.$refs.plot, figure);
+    },
+    rest() {
+      clearTimeout(this.rested);
+      if (!this.rodWanted || !this.asked || this.sentence) { return; }
+      this.rested = setTimeout(() => { this.slow = true; this.rodSays = "The rod is running."; this.$emit("rest", { key: this.key, value: this.given() }); }, 500);
+    },
+    rodAnswer(figure, key, sentence) {
+      this.slow = false;
+      this.rodSays = sentence;
+      if (figure) { this.lines = key; this.draw(figure); }
+    },
+    keep() { this.asked = false; this.kept = "Kept: " + this.given() + "."; this.$emit("keep", { key: this.key, value: this.given() }); },
+    reset() { this.typed = null; this.value = this.chosen.value; this.asked = false; this.kept = ""; this.ask(); },
+    toggleRod() { if (this.rodWanted) { this.rest(); } else { clearTimeout(this.rested); } },
+  },
+  template: `
+<section class="panel live" aria-labelledby="live-title">
+  <div class="split"><h2 id="live-title">What if</h2><p class="hint">The lumped chain follows a quantity while you move it{{ speed ? ", at " + speed : "" }}.</p></div>
+  <div class="row end live-row">
+    <div class="labelled quantity"><label for="live-quantity">Quantity</label>
+      <select id="live-quantity" v-model="key" @change="pick" @focus.once="$emit('begin')"><option value="" disabled>choose …</option>
+        <optgroup v-for="[name, list] in grouped" :key="name" :label="name"><option v-for="one in list" :key="one.key" :value="one.key">{{ one.label }}</option></optgroup>
+      </select></div>
+    <template v-if="chosen">
+      <div class="labelled slide"><label for="live-slider">{{ chosen.label }}: {{ words(chosen.low) }} to {{ words(chosen.high) }} {{ chosen.unit }}</label>
+        <input id="live-slider" type="range" :min="chosen.low" :max="chosen.high" :step="step" :value="value" :aria-valuetext="given()" @input="move($event.target.value)"></div>
+      <div class="labelled number"><label for="live-value">{{ chosen.unit ? "Value (" + chosen.unit + ")" : "Value" }}</label>
+        <input id="live-value" type="text" inputmode="decimal" :value="typed ?? words(value)" @input="typed = $event.target.value"
+          @change="type($event.target.value)" @keydown.escape="reset"></div>
+    </template>
+  </div>
+  <div class="row" v-if="chosen">
+    <label class="check" for="live-rod"><input type="checkbox" id="live-rod" v-model="rodWanted" @change="toggleRod">Run the finite-element rod when I stop</label>
+    <button type="button" class="button small" :disabled="!asked" @click="keep">Keep this value</button>
+    <button type="button" class="button small" :disabled="!asked" @click="reset">Back to the case</button>
+    <span class="said" role="status">{{ [kept, rodSays].filter(Boolean).join(" ") }}</span>
+  </div>
+  <p v-if="busy && !numbers.length" class="said" role="status">The chain is being started.</p>
+  <p v-if="sentence" class="refusal" role="alert">{{ sentence }}</p>
+  <dl class="numbers" v-if="numbers.length"><div v-for="one in numbers" :key="one.label"><dt>{{ one.label }}</dt><dd>{{ one.value }} <small>{{ one.unit }}</small></dd></div></dl>
+  <div v-show="numbers.length" class="plot" ref="plot" role="group" aria-label="Spring force over the cam angle: case, moved quantity and rod" style="height:300px"></div>
+  <ul v-if="lines.length" class="key" aria-label="lines"><li v-for="one in lines" :key="one.words"><svg width="26" height="10" aria-hidden="true">
+    <path d="M1 5h24" :stroke="one.colour" stroke-width="2.4" :stroke-dasharray="one.dash || null" fill="none"></path></svg>{{ one.words }}</li></ul>
+</section>`,
+};

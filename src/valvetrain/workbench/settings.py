@@ -1,0 +1,52 @@
+"""How a workbench is served: address, token and bounds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class ServeSettings:
+    """Address and bounds of one server.
+
+    Parameters
+    ----------
+    host : address listened on, ``127.0.0.1`` by default
+    port : TCP port
+    token : what a visitor must show, empty where none is asked for (loopback)
+    names : names of this machine that a browser may call it by, beside its addresses
+    open_page : open the first page in a browser
+    most_upload : largest uploaded file (bytes)
+    most_body : largest body of any request, and largest message of a socket (bytes)
+    most_sessions : pages that are open at a time
+    most_requests : requests that are answered at a time
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 8420
+    token: str = ""
+    names: tuple[str, ...] = ()
+    open_page: bool = False
+    most_upload: int = 5_000_000
+    most_body: int = 6_000_000
+    most_sessions: int = 32
+    most_requests: int = 128
+
+    @property
+    def address(self) -> str:
+        """Where a browser finds the first page, without the token: ``http://127.0.0.1:8420/``.
+
+        >>> ServeSettings().address
+        'http://127.0.0.1:8420/'
+        """
+        host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(self.host, self.host)
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/"
+
+    @property
+    def first_page(self) -> str:
+        """The address with the token, where there is one: what is opened first.
+
+        >>> ServeSettings(token="abc").first_page
+        'http://127.0.0.1:8420/?token=abc'
+        """
+        return f"{self.address}?token={self.token}" if self.token else self.address

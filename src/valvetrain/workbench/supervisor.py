@@ -1,0 +1,149 @@
+"""The process between a server and one job: it runs the command line, bounds its time and memory, and ends it with the server.
+
+``python -m valvetrain.workbench.supervisor SECONDS BYTES LOCK WORD...`` runs ``valvetrain WORD...`` and locks the file LOCK as long as it
+lives. Standard input is the lifeline: when it
+ends, because the server closed it or was killed, the job is asked to stop, keeps what it finished, and is killed where it does not obey.
+Nothing of the package is computed here.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import select
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+#: What a job is given to write what it finished, once it is asked to stop; time between two looks at the server, and at the memory (s).
+GRACE, LOOK, WEIGH = 15.0, 0.1, 0.5
+#: What is run: the command line of this package.
+PROGRAM = [sys.executable, "-m", "valvetrain"]
+#: Exit codes of this process beside those of the command line: ended for its time, for its memory.
+TIME_UP, MEMORY_UP = 64, 65
+#: Address space that libraries reserve and never touch (bytes).
+RESERVED = 4e9
+_stop: list[int] = []
+_PR_SET_PDEATHSIG, _KILL = 1, getattr(signal, "SIGKILL", signal.SIGTERM)
+
+
+def main(words: list[str]) -> int:
+    """Run the command line with ``words[3:]``, at most ``words[0]`` seconds and ``words[1]`` bytes; its exit code or one of those above."""
+    seconds, memory = float(words[0]), float(words[1])
+    held = _locked(words[2])
+    begun, asked, reason, weighed = time.monotonic(), 0.0, 0, 0.0
+    with suppress(ValueError):
+        for name in ("SIGTERM", "SIGINT"):
+            signal.signal(getattr(signal, name), lambda *_: _stop.append(1))
+    lifeline = sys.stdin.fileno()
+    progress = os.environ.get("VALVETRAIN_PROGRESS", "")
+    job = subprocess.Popen(
+        [*PROGRAM, *words[3:]], stdin=subprocess.DEVNULL, close_fds=True,
+        pass_fds=(int(progress),) if progress.isdecimal() else (), preexec_fn=(lambda: _bound(memory)) if os.name == "posix" else None,
+    )  # fmt: skip
+    while job.poll() is None:
+        if not asked:
+            now = time.monotonic()
+            if now - begun > seconds:
+                reason = TIME_UP
+            elif now - weighed > WEIGH:
+                reason, weighed = MEMORY_UP if memory_of_group() > memory else 0, now
+            if reason or _stop or _ended(lifeline):
+                asked = time.monotonic()
+                with suppress(OSError):
+                    job.send_signal(signal.SIGTERM)
+            continue
+        if time.monotonic() - asked > (GRACE if reason != MEMORY_UP else GRACE / 4):
+            _kill_group(job)
+        time.sleep(LOOK)
+    code = job.wait()
+    _kill_group(job)  # workers that a job left behind
+    os.close(held)
+    return reason or (code if code >= 0 else 128 - code)
+
+
+def _locked(name: str) -> int:
+    """The open file ``name``, locked where the system has such locks."""
+    handle = os.open(name, os.O_RDWR | os.O_CREAT, 0o600)
+    with suppress(ImportError, OSError):
+        import fcntl
+
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    return handle
+
+
+def _ended(lifeline: int) -> bool:
+    """Whether the server is gone; waits a little for it."""
+    ready, _, _ = select.select([lifeline], [], [], LOOK)
+    return bool(ready) and not os.read(lifeline, 1024)
+
+
+def _bound(memory: float) -> None:
+    """In the new process, before it begins: no more memory than that, no core dumps, and an end with this process."""
+    import resource
+
+    for kind, most in ((resource.RLIMIT_AS, int(memory + RESERVED)), (resource.RLIMIT_CORE, 0)):
+        hard = resource.getrlimit(kind)[1]
+        least = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        with suppress(ValueError, OSError):
+            resource.setrlimit(kind, (least, least))
+    if sys.platform == "linux":
+        with suppress(AttributeError, OSError):
+            ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def _kill_group(job: subprocess.Popen[bytes]) -> None:
+    """Kill the job with every worker of its own; this process, the leader of the group, stays."""
+    for number in _group():
+        with suppress(OSError):
+            os.kill(number, _KILL)
+    if sys.platform != "linux" and hasattr(os, "killpg"):  # the group is not told, so all of it is asked, but for this process
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        with suppress(OSError):
+            os.killpg(0, signal.SIGTERM)
+    with suppress(OSError):
+        job.kill()
+
+
+def memory_of_group() -> float:
+    """Bytes of memory that the processes of this group hold, pages they share counted once each; 0 where the system does not tell."""
+    total = 0.0
+    for number in _group():
+        with suppress(OSError, ValueError, IndexError):
+            words = Path(f"/proc/{number}/statm").read_text("ascii").split()
+            total += (int(words[1]) - int(words[2])) * os.sysconf("SC_PAGE_SIZE")
+    return total
+
+
+def _group() -> list[int]:
+    """The other processes of this group."""
+    mine, own = os.getpid(), os.getpgid(0) if hasattr(os, "getpgid") else 0
+    found = []
+    with suppress(OSError):
+        for entry in os.listdir("/proc"):
+            if entry.isdecimal() and int(entry) != mine:
+                with suppress(OSError):
+                    if os.getpgid(int(entry)) == own:
+                        found.append(int(entry))
+    return found
+
+
+def read_progress(line: bytes) -> tuple[float | None, str] | None:
+    """Share and text of a line of progress; None for one that is none."""
+    try:
+        told = json.loads(line)
+        share, text = told["share"], str(told["text"])[:200]
+        return (None if share is None else min(1.0, max(0.0, float(share)))), text
+    except (ValueError, KeyError, TypeError):
+        return None
+
+
+if __name__ == "__main__":
+    code = main(sys.argv[1:])
+    with suppress(OSError):
+        sys.stdout.flush()
+    sys.exit(code)

@@ -1,0 +1,309 @@
+"""The workspace of a workbench: a folder with cases, kept runs and one database, and everything that may be done to them.
+
+``cases/NAME/case.toml`` (and the files it names beside it), ``runs/`` as the run store keeps it, ``jobs/`` inputs of jobs that go on,
+``workbench.sqlite``. Cases and runs are plain files that the command line reads too.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import MOST_BYTES
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.loading import LIBRARY, library_names, list_cases, parse_case, parse_toml
+from valvetrain.parameters.templates import KINDS, template_text
+from valvetrain.solution.atomic import lock, write_bytes, write_text
+from valvetrain.units.text import clipped
+from valvetrain.workbench.edits import refuse_foreign_files, with_change, with_name
+from valvetrain.workbench.form import read_change
+from valvetrain.workbench.kept import Run, RunFiles, delete_kept, file_of, kept_run, list_kept
+from valvetrain.workbench.names import case_name, checked_name, inside
+from valvetrain.workbench.store import Store
+
+#: Name of a case in its workspace: that of its folder, and of the case itself.
+CaseId = str
+CASE_FILE = "case.toml"
+#: Bounds of one workspace: cases, and files beside a case (number, and bytes together).
+MOST_CASES, MOST_FILES, MOST_FILE_BYTES = 500, 20, 20_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class CaseCard:
+    """What a list of cases shows of one.
+
+    Parameters
+    ----------
+    name : what :meth:`Workspace.new_case` takes (library and templates), or the :data:`CaseId` of a case of the workspace
+    title : one line
+    kind : ``library``, ``template`` or ``case``
+    holds : tables it has, such as ``spring``, ``lift_law``, ``train``
+    origin : where a case of the workspace comes from
+    changed_at : time of its last change, ISO 8601 UTC; empty for library and templates
+    """
+
+    name: str
+    title: str
+    kind: str
+    holds: tuple[str, ...] = ()
+    origin: str = ""
+    changed_at: str = ""
+
+
+class Workspace:
+    """A folder of cases and runs, made where it is not there.
+
+    Parameters
+    ----------
+    folder : the folder
+
+    Raises
+    ------
+    InputError : a folder that cannot be made or written, or whose database is of another version
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = Path(folder).absolute()
+        self.cases_folder, self.runs_folder, self.jobs_folder = (self.folder / name for name in ("cases", "runs", "jobs"))
+        try:
+            for place in (self.folder, self.cases_folder, self.runs_folder, self.jobs_folder):
+                place.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(
+                f"folder '{clipped(str(self.folder), 120)}' cannot be used ({error.strerror}); choose another", "--folder"
+            ) from None
+        self.store = Store(self.folder)
+
+    def hold(self) -> Callable[[], None]:
+        """Hold the workspace for this process, as a server does; what releases it.
+
+        Raises :class:`InputError` where another server holds it.
+        """
+        handle = os.open(self.folder / "workbench.lock", os.O_RDWR | os.O_CREAT, 0o600)
+        if not lock(handle):
+            os.close(handle)
+            name = clipped(str(self.folder), 120)
+            raise InputError(f"another server works in '{name}'; stop it, or choose another folder", "--folder")
+        return lambda: os.close(handle)
+
+    # cases
+
+    def library(self) -> list[CaseCard]:
+        """Cases of the library, and templates to begin with, which :meth:`new_case` takes by their names."""
+        cards = [CaseCard(one.name, one.title, "library", one.holds) for one in list_cases()]
+        return cards + [CaseCard(kind, f"Template: {words}", "template") for kind, words in KINDS.items()]
+
+    def cases(self) -> list[CaseCard]:
+        """Cases of the workspace, changed last first."""
+        with self.store.connected() as base:
+            origins = {row["name"]: row["origin"] for row in base.execute("SELECT name, origin FROM cases")}
+        found = []
+        for folder in self.cases_folder.iterdir():
+            path = folder / CASE_FILE
+            if folder.is_symlink() or path.is_symlink() or not path.is_file():
+                continue
+            tree: dict[str, Any] = {}
+            with suppress(InputError, OSError, ValueError):
+                tree = parse_toml(path.read_text("utf-8"), folder.name)
+            holds = tuple(key for key in ("spring", "lift_law", "train", "published") if key in tree)
+            at = datetime.fromtimestamp(path.stat().st_mtime, UTC)
+            title = clipped(str(tree.get("title", "")), 120)
+            found.append((at, CaseCard(folder.name, title, "case", holds, origins.get(folder.name, ""), f"{at:%Y-%m-%dT%H:%M:%SZ}")))
+        return [card for _, card in sorted(found, key=lambda one: one[0], reverse=True)]
+
+    def new_case(self, name: str, template_or_library: str) -> CaseId:
+        """A new case from a case of the library or a template (:meth:`library`); its id.
+
+        Raises :class:`InputError` for a name that is taken or cannot be one, and an unknown source.
+        """
+        ours = self._free(name)
+        if template_or_library in library_names():
+            text, origin = (LIBRARY / f"{template_or_library}.toml").read_text("utf-8"), f"library case {template_or_library}"
+            sides = {
+                path.name: path.read_bytes()
+                for path in LIBRARY.iterdir()
+                if path.suffix != ".toml" and path.is_file() and f'"{path.name}"' in text
+            }
+        else:
+            text, origin = template_text(template_or_library).replace("NAME", ours), f"template {template_or_library}"
+            sides = {}
+        return self._put(ours, with_name(text, ours), origin, sides)
+
+    def upload(self, name: str, content: bytes, side_files: Mapping[str, bytes] | None = None) -> CaseId:
+        """A new case from an uploaded file ``name``; its id, with a number where the name is taken. ``side_files``: files it names.
+
+        Raises :class:`InputError` with the reader's own sentence for what is no case, too large, or names files elsewhere.
+        """
+        if len(content) > MOST_BYTES:
+            raise InputError(f"is larger than {MOST_BYTES / 1e6:.3g} MB, so it is no case; give another file", clipped(name, 60))
+        try:
+            text = content.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            raise InputError("is no text file; a case is TOML in UTF-8", clipped(name, 60)) from None
+        ours = self._free(name, numbered=True)
+        sides = dict(side_files or {})
+        refuse_foreign_files(text)
+        with self._beside(sides) as folder:
+            parse_case(text, ours, folder, clipped(name, 60))
+        return self._put(ours, with_name(text, ours), f"file {clipped(name, 60)}", sides)
+
+    def text(self, case: CaseId) -> str:
+        """The case file as it stands. Raises :class:`InputError` for an unknown case."""
+        return self._file(case).read_text("utf-8")
+
+    def read(self, case: CaseId) -> Case:
+        """The case, read. Raises :class:`InputError` with the reader's sentence."""
+        return self.parse(case, self.text(case))
+
+    def parse(self, case: CaseId, toml: str, changes: Mapping[str, Any] | None = None) -> Case:
+        """``toml`` as the case would be read, with the files beside it and ``changes``; :class:`InputError` otherwise."""
+        refuse_foreign_files(toml, changes)
+        return parse_case(toml, case, self._file(case).parent, case, changes)
+
+    def replace_text(self, case: CaseId, toml: str) -> None:
+        """Put another text in the place of the case's. Raises :class:`InputError`, and changes nothing, for what is no case."""
+        if len(toml.encode("utf-8", "replace")) > MOST_BYTES:
+            raise InputError(f"the text is larger than {MOST_BYTES / 1e6:.3g} MB; shorten it", case)
+        self.parse(case, toml)
+        write_text(self._file(case), with_name(toml, case))
+
+    def set_value(self, case: CaseId, key: str, text_value: str) -> None:
+        """Set a value by its key path as ``--set`` would, empty text removing it; comments of the file stay.
+
+        Raises :class:`InputError` with the reader's sentence, and changes nothing, for a value that is refused.
+        """
+        before = self.text(case)
+        path, value, _ = read_change(before, key, text_value, self.case_folder(case), case)
+        text = with_change(before, path, value)
+        self.parse(case, text)
+        write_text(self._file(case), text)
+
+    def rename(self, case: CaseId, name: str) -> CaseId:
+        """Give a case another name; the new id. Its earlier runs keep the name they were made under."""
+        path, ours = self._file(case), self._free(name)
+        folder = self.cases_folder / ours
+        path.parent.rename(folder)
+        write_text(folder / CASE_FILE, with_name((folder / CASE_FILE).read_text("utf-8"), ours))
+        with self.store.connected() as base:
+            base.execute("UPDATE cases SET name = ? WHERE name = ?", (ours, case))
+            base.execute("UPDATE jobs SET case_name = ? WHERE case_name = ?", (ours, case))
+            base.execute("UPDATE OR REPLACE choices SET name = ? WHERE name = ?", (ours, case))
+        return ours
+
+    def duplicate(self, case: CaseId, name: str = "") -> CaseId:
+        """A copy of a case; its id."""
+        path = self._file(case)
+        ours = self._free(name or case, numbered=not name)
+        return self._put(ours, with_name(self.text(case), ours), f"copy of {case}", self.files(path.parent.name))
+
+    def delete(self, case: CaseId) -> None:
+        """Remove a case; its runs stay."""
+        shutil.rmtree(self._file(case).parent)
+        with self.store.connected() as base:
+            base.execute("DELETE FROM cases WHERE name = ?", (case,))
+            base.execute("DELETE FROM choices WHERE name = ?", (case,))
+
+    def files(self, case: CaseId) -> dict[str, bytes]:
+        """Files beside a case, by name."""
+        folder = self._file(case).parent
+        return {
+            path.name: path.read_bytes() for path in folder.iterdir() if path.name != CASE_FILE and path.is_file() and not path.is_symlink()
+        }
+
+    def attach(self, case: CaseId, name: str, content: bytes) -> None:
+        """Put a file (a table of lifts) beside a case, which may then name it. Raises :class:`InputError` beyond the bounds."""
+        there = {**self.files(case), checked_name(name): content}
+        if len(there) > MOST_FILES or sum(map(len, there.values())) > MOST_FILE_BYTES:
+            raise InputError(f"beside a case stand at most {MOST_FILES} files of {MOST_FILE_BYTES / 1e6:.0f} MB; leave this one out", name)
+        if name == CASE_FILE:
+            raise InputError(f"'{CASE_FILE}' is the case itself; give the file another name", name)
+        write_bytes(inside(self._file(case).parent, name), content)
+
+    # choices that a page remembers
+
+    def remember(self, case: CaseId, key: str, value: str) -> None:
+        """Keep a choice made for a case, such as the speeds asked for last."""
+        with self.store.connected() as base:
+            base.execute("INSERT OR REPLACE INTO choices VALUES (?, ?, ?)", (case, key[:80], value[:2000]))
+
+    def remembered(self, case: CaseId) -> dict[str, str]:
+        """Choices kept for a case."""
+        with self.store.connected() as base:
+            return {row["key"]: row["value"] for row in base.execute("SELECT key, value FROM choices WHERE name = ?", (case,))}
+
+    # runs
+
+    def runs(self, case: CaseId | None = None) -> list[Run]:
+        """Kept runs, newest first; of one case where given."""
+        return list_kept(self.runs_folder, case)
+
+    def run(self, run_id: str) -> Run:
+        """The run of an id such as ``CASE/20261122-130942-447e4694``. Raises :class:`InputError` where there is none."""
+        return kept_run(self.runs_folder, run_id)
+
+    def delete_run(self, run_id: str) -> None:
+        """Remove a kept run with its files."""
+        delete_kept(self.runs_folder, run_id)
+
+    def download(self, run_id: str, kind: RunFiles) -> Path:
+        """The file to hand out: ``case`` (TOML), ``data`` (all files, zip), ``report`` (HTML) or ``csv`` (all tables, zip).
+
+        The path lies inside the workspace. Raises :class:`InputError` for an unknown run or kind, or a run without such a file.
+        """
+        return file_of(self.runs_folder, self.jobs_folder, run_id, kind)
+
+    # inside
+
+    def case_folder(self, case: CaseId) -> Path:
+        """Folder of a case. Raises :class:`InputError` for an unknown one."""
+        return self._file(case).parent
+
+    def _file(self, case: CaseId) -> Path:
+        path = inside(self.cases_folder, case, CASE_FILE)
+        if not path.is_file():
+            raise InputError(f"there is no case '{clipped(case, 40)}' here; it may have been renamed or removed", "case")
+        return path
+
+    def _free(self, name: str, numbered: bool = False) -> CaseId:
+        ours = case_name(name)
+        taken = {path.name.lower() for path in self.cases_folder.iterdir()}
+        if len(taken) >= MOST_CASES:
+            raise InputError(f"there are {MOST_CASES} cases here; remove some, or use another folder", "name")
+        if numbered:
+            return next(one for n in range(1, MOST_CASES + 2) if (one := ours if n == 1 else f"{ours}-{n}").lower() not in taken)
+        if ours.lower() in taken:
+            raise InputError(f"there is a case '{ours}' already; choose another name", "name")
+        return ours
+
+    def _put(self, ours: CaseId, text: str, origin: str, sides: Mapping[str, bytes]) -> CaseId:
+        refuse_foreign_files(text)
+        folder = inside(self.cases_folder, ours)
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            raise InputError(f"there is a case '{ours}' already; choose another name", "name") from None
+        for side, content in sides.items():
+            write_bytes(inside(folder, side), content)
+        write_text(folder / CASE_FILE, text)
+        with self.store.connected() as base:
+            now = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}"
+            base.execute("INSERT OR REPLACE INTO cases VALUES (?, ?, ?)", (ours, origin, now))
+        return ours
+
+    @contextmanager
+    def _beside(self, sides: Mapping[str, bytes]) -> Iterator[Path]:
+        """A passing folder with the files that a case names, where it is read for the first time."""
+        if len(sides) > MOST_FILES or sum(map(len, sides.values())) > MOST_FILE_BYTES:
+            raise InputError(f"beside a case stand at most {MOST_FILES} files of {MOST_FILE_BYTES / 1e6:.0f} MB; leave some out", "upload")
+        with tempfile.TemporaryDirectory(prefix="upload-", dir=self.jobs_folder) as name:
+            for side, content in sides.items():
+                inside(Path(name), side).write_bytes(content)
+            yield Path(name)

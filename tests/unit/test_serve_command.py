@@ -1,0 +1,83 @@
+"""``valvetrain serve``: what it refuses before it serves, the token it prints, and its end.
+
+Evidence: what the command prints, the settings that reach the pages, and ports of this machine.
+"""
+
+from __future__ import annotations
+
+import re
+import socket
+
+import pytest
+
+from unit.cli_parts import call, sentence
+from valvetrain.cli import serve as command
+from valvetrain.workbench import pages
+from valvetrain.workbench.workspace import Workspace
+
+
+@pytest.fixture
+def started(monkeypatch, tmp_path):
+    """What reached the pages, which end at once as by Ctrl-C."""
+    seen = []
+
+    def start(workspace, jobs, settings):
+        seen.append((workspace, jobs, settings))
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(pages, "start", start)
+    monkeypatch.setattr(command, "find_spec", lambda _: True)
+    return seen
+
+
+def test_it_listens_on_this_machine_alone_and_ends_cleanly(started, tmp_path):
+    result = call("serve", "--no-open", "--port", "0", "--most-running", "2", "--limit", "30 min")
+    assert result.exit_code == 0, result.stderr
+    workspace, jobs, settings = started[0]
+    assert settings.host == "127.0.0.1" and settings.port > 0 and not settings.token and not settings.open_page
+    assert f"workbench 'workbench' at http://127.0.0.1:{settings.port}/" in result.stderr and "has ended" in result.stderr
+    assert workspace.folder == tmp_path / "workbench" and (jobs.most_running, jobs.limits.seconds, jobs.limits.bytes) == (2, 1800.0, 4e9)
+    assert call("serve", "--no-open", "--port", "0").exit_code == 0, "the workspace was given back"
+
+
+def test_another_address_gets_a_random_token_that_is_printed_once(started):
+    result = call("serve", "--no-open", "--port", "0", "--host", "0.0.0.0", "--quiet")
+    assert result.exit_code == 0
+    token = started[0][2].token
+    assert len(token) >= 32 and result.stderr.count(token) == 1 and re.search(r"http://127.0.0.1:\d+/\?token=", result.stderr)
+    assert call("serve", "--no-open", "--port", "0", "--host", "0.0.0.0").exit_code == 0 and started[1][2].token != token
+    assert call("serve", "--no-open", "--port", "0", "--token", "x" * 20).exit_code == 0 and started[2][2].token == "x" * 20
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--token", "short"), "at least 16 plain characters"), (("--host", "nowhere.invalid"), "is no address"),
+        (("--host", "192.0.2.1"), "no address of this machine"), (("--port", "70000"), "lies outside"), (("--limit", "3 x"), "is no bound"),
+        (("--most-running", "0"), "lies outside"), (("--folder", ""), "empty"), (("--host", ""), "is no address"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_served_is_refused_in_one_sentence(started, words, told):
+    result = call("serve", "--no-open", *words)
+    assert result.exit_code == 2 and told in sentence(result) and not started
+
+
+def test_a_taken_port_and_a_held_workspace_are_refused(started, tmp_path):
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = str(other.getsockname()[1])
+        assert f"port {port} is taken" in sentence(call("serve", "--no-open", "--port", port))
+    release = Workspace(tmp_path / "held").hold()
+    result = call("serve", "--no-open", "--port", "0", "--folder", "held")
+    release()
+    assert result.exit_code == 2 and "another server works in" in sentence(result) and not started
+    (tmp_path / "file").write_text("")
+    assert "cannot be used" in sentence(call("serve", "--no-open", "--port", "0", "--folder", "file"))
+
+
+def test_without_nicegui_the_sentence_names_the_extra(started, monkeypatch):
+    monkeypatch.setattr(command, "find_spec", lambda _: None)
+    result = call("serve", "--no-open", "--port", "0")
+    assert result.exit_code == 2 and 'pip install "valvetrain[serve]"' in sentence(result) and not started

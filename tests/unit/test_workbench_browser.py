@@ -1,0 +1,402 @@
+"""The workbench in a real browser: from the first visit to a finished run, refusals in place, cancel, reload, comparison, downloads.
+
+Evidence: what the page shows is compared with the files of the kept run; accessibility by axe-core; the browser's own console and requests.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+import tomllib
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from system_parts import program
+from valvetrain.measurements.cycles_file import write_cycles
+from valvetrain.measurements.measured_cycles import MeasuredCycles
+
+pytest.importorskip("nicegui")
+sync_api = pytest.importorskip("playwright.sync_api")
+axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+
+pytestmark = pytest.mark.chromium
+
+LONG = os.environ.get("VALVETRAIN_LONG") == "1"
+SERVE = """
+import sys
+from pathlib import Path
+from valvetrain.workbench.jobs import Jobs
+from valvetrain.workbench.pages import start
+from valvetrain.workbench.settings import ServeSettings
+from valvetrain.workbench.workspace import Workspace
+if __name__ == "__main__":
+    workspace = Workspace(Path(sys.argv[1]))
+    with Jobs(workspace) as jobs:
+        start(workspace, jobs, ServeSettings(port=int(sys.argv[2])))
+"""
+CASE = "gu2021-beehive"
+
+
+@dataclass
+class Bench:
+    """A server with its folder, and a browser."""
+
+    url: str
+    folder: Path
+    browser: Any
+
+    def page(self, width: int = 1400, seen: list[str] | None = None) -> Any:
+        """A page of that width in a context of its own; what goes wrong is told to ``seen``."""
+        page = self.browser.new_context(viewport={"width": width, "height": 900}, accept_downloads=True).new_page()
+        told = [] if seen is None else seen
+        page.on("console", lambda message: told.append(f"console: {message.text}") if message.type in ("error", "warning") else None)
+        page.on("pageerror", lambda error: told.append(f"error: {error}"))
+        page.on("request", lambda request: None if self.own(request.url) else told.append(f"request: {request.url}"))
+        return page
+
+    def own(self, url: str) -> bool:
+        """Whether an address is this server's, or none at all."""
+        return url.startswith((self.url, self.url.replace("http", "ws"), "data:", "blob:"))
+
+    def answer(self, run: str) -> dict[str, Any]:
+        """The ``run.json`` of a run."""
+        return json.loads((self.folder / "runs" / run / "run.json").read_text("utf-8"))
+
+    def case(self) -> dict[str, Any]:
+        """The case file."""
+        return tomllib.loads((self.folder / "cases" / CASE / "case.toml").read_text("utf-8"))
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory) -> Iterator[Bench]:
+    folder = tmp_path_factory.mktemp("workspace")
+    script = tmp_path_factory.mktemp("server") / "serve.py"
+    script.write_text(SERVE, encoding="utf-8")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    plain = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST_", "NICEGUI_"))}
+    environment = plain | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    server = subprocess.Popen([sys.executable, str(script), str(folder), str(port)], env=environment, start_new_session=True)
+    try:
+        _wait_for(port, server)
+        with sync_api.sync_playwright() as driver:
+            browser = driver.chromium.launch(executable_path=program("chromium"), args=["--no-sandbox", "--disable-gpu"])
+            yield Bench(f"http://127.0.0.1:{port}", folder, browser)
+            browser.close()
+    finally:
+        os.killpg(server.pid, signal.SIGINT)
+        try:
+            server.wait(20)
+        except subprocess.TimeoutExpired:
+            os.killpg(server.pid, signal.SIGKILL)
+            raise
+
+
+def _wait_for(port: int, server: subprocess.Popen[bytes]) -> None:
+    for _ in range(300):
+        with socket.socket() as door:
+            if door.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        assert server.poll() is None, "the server ended at once"
+        time.sleep(0.1)
+    raise AssertionError("the server does not listen")
+
+
+@pytest.fixture
+def page(bench) -> Iterator[Any]:
+    """A wide page of which nothing may go wrong."""
+    seen: list[str] = []
+    made = bench.page(seen=seen)
+    yield made
+    made.context.close()
+    assert not seen
+
+
+@pytest.fixture(scope="module")
+def finished(bench) -> str:
+    """From the first page to a finished run of the main case; the run's id."""
+    seen: list[str] = []
+    page = bench.page(seen=seen)
+    page.goto(bench.url)
+    page.get_by_role("button", name="Beehive valve spring").click()
+    page.wait_for_url(f"**/case/{CASE}")
+    page.get_by_label("Engine speeds (crank)").fill("4200 rpm")
+    if LONG:
+        page.locator("#model-finite-element").check()
+    page.get_by_role("button", name="Run", exact=True).click()
+    page.wait_for_selector(".results[data-shown]", timeout=600_000 if LONG else 60_000)
+    run = page.get_attribute(".results", "data-shown").removeprefix("/part/")
+    page.context.close()
+    assert not seen
+    return run
+
+
+def shown(page: Any) -> None:
+    """Wait until the results of a run are drawn."""
+    page.wait_for_selector(".results[data-shown]", timeout=30_000)
+
+
+def open_case(bench: Bench, page: Any) -> None:
+    page.goto(f"{bench.url}/case/{CASE}")
+    page.wait_for_selector(".form")
+
+
+def test_a_finished_run_shows_the_numbers_of_its_files(bench, page, finished):
+    page.goto(f"{bench.url}/run/{finished}")
+    shown(page)
+    told = page.locator("tr", has_text="Peak spring force (N)").first.locator("td").first.inner_text()
+    runs = {run["label"]: run for run in bench.answer(finished)["runs"]}
+    assert float(told) == pytest.approx(runs["multi-mass"]["quantities"]["peak_spring_force"]["value"], rel=1e-3)
+    assert ("finite-element" in runs) is LONG
+    page.get_by_role("tab", name="Coils and clashes").click()
+    page.wait_for_selector("#coils .plot .main-svg path")
+    assert page.locator("#coils .heatmaplayer image").count() >= 1
+
+
+def test_a_wrong_unit_is_refused_in_its_place_and_the_valid_value_kept(bench, page, finished):
+    open_case(bench, page)
+    field = page.get_by_label("Wire diameter", exact=True)
+    before = field.input_value()
+    field.fill("3.8 furlong")
+    field.press("Enter")
+    refusal = page.locator("[data-key='spring.wire_diameter'] [role=alert]")
+    refusal.wait_for()
+    assert "furlong" in refusal.inner_text() and before in refusal.inner_text()
+    assert field.get_attribute("aria-invalid") == "true"
+    assert bench.case()["spring"]["wire_diameter"]["value"] == before
+    field.press("Escape")
+    refusal.wait_for(state="detached")
+    assert field.input_value() == before
+
+
+def test_what_is_being_typed_outlives_the_answer_to_the_field_before(bench, page, finished):
+    open_case(bench, page)
+    page.locator("summary", has_text="Spring: damping").click()
+    first, second = page.get_by_label("Ratio", exact=True), page.get_by_label("Ratio frequency", exact=True)
+    first.fill("0.017")
+    first.press("Tab")  # sets it; its answer comes while the next field is typed in
+    second.press_sequentially("64", delay=5)
+    page.wait_for_timeout(700)
+    assert bench.case()["spring"]["damping"]["ratio"] == 0.017
+    assert "64" in second.input_value()
+    second.press("Escape")
+    first.fill("0.016")
+    first.press("Enter")
+    page.wait_for_timeout(300)
+
+
+def test_a_reload_and_another_tab_find_the_job_which_is_then_cancelled(bench, page, finished):
+    open_case(bench, page)
+    page.locator("#model-multi-mass").uncheck()
+    page.locator("#model-finite-element").check()
+    page.get_by_label("Engine speeds (crank)").fill("4200, 5600, 8000 rpm")
+    page.get_by_role("button", name="Run", exact=True).click()
+    page.wait_for_selector(".job progress")
+    page.reload()
+    page.wait_for_selector(".job progress")
+    other = bench.page(seen=[])
+    open_case(bench, other)
+    other.wait_for_selector(".job progress")
+    assert other.get_by_role("button", name="Running").is_disabled()
+    other.get_by_role("button", name="Cancel").click()
+    for one in (page, other):
+        one.wait_for_selector(".job[data-state=cancelled]", timeout=30_000)
+    assert page.get_by_role("button", name="Run it again").is_visible()
+    other.context.close()
+
+
+def test_a_run_without_a_model_or_with_a_wrong_speed_is_refused(bench, page, finished):
+    open_case(bench, page)
+    page.get_by_label("Engine speeds (crank)").fill("4200 bananas")
+    page.wait_for_function("document.getElementById('order-refusal').textContent.includes('bananas')")
+    page.get_by_label("Engine speeds (crank)").fill("4200 rpm")
+    for box in page.locator(".models input:checked").all():
+        box.uncheck()
+    page.wait_for_function("document.getElementById('order-refusal').textContent.includes('no spring model')")
+
+
+def test_the_slider_moves_the_curve_and_its_value_can_be_kept(bench, page, finished):
+    open_case(bench, page)
+    page.select_option("#live-quantity", "spring.precompression")
+    page.wait_for_selector(".live .numbers", timeout=60_000)
+    slider = page.locator("#live-slider")
+    slider.focus()
+    slider.press("End")
+    page.wait_for_function("document.querySelector('.live .numbers').textContent.includes('+')", timeout=30_000)
+    assert page.locator(".live .plot .scatterlayer .trace").count() == 2
+    page.get_by_role("button", name="Keep this value").click()
+    page.wait_for_function("document.getElementById('field-spring-precompression').value === '10.5 mm'")
+    assert bench.case()["spring"]["precompression"] == "10.5 mm"
+    field = page.get_by_label("Precompression", exact=True)
+    field.fill("7 mm")
+    field.press("Enter")
+    page.wait_for_function("document.getElementById('live-value').value === '7'")
+
+
+def test_two_runs_are_compared(bench, page, finished):
+    open_case(bench, page)
+    shown(page)
+    field = page.get_by_label("Wire diameter", exact=True)
+    field.fill("3.9 mm")
+    field.press("Enter")
+    for box in page.locator(".models input:checked").all():
+        box.uncheck()
+    page.locator("#model-multi-mass").check()
+    page.get_by_label("Engine speeds (crank)").fill("4200 rpm")
+    page.get_by_role("button", name="Run", exact=True).click()
+    page.wait_for_function(f"!document.querySelector('.results').dataset.shown.includes('{finished}')", timeout=60_000)
+    other = page.get_attribute(".results", "data-shown").removeprefix("/part/")
+    page.goto(f"{bench.url}/compare?a={finished}&b={other}")
+    shown(page)
+    rows = {row.locator("td").first.inner_text(): row.inner_text() for row in page.locator("#inputs-differ tbody tr").all()}
+    assert "spring.wire_diameter" in rows and "3.9 mm" in rows["spring.wire_diameter"]
+    assert page.locator("#results-differ tbody tr").count() > 5
+    page.wait_for_selector("#fig-both-force-retainer .scatterlayer .trace")
+    assert page.locator("#fig-both-force-retainer .scatterlayer .trace").count() >= 2
+
+
+def test_files_of_a_run_are_handed_out(bench, page, finished, tmp_path):
+    page.goto(f"{bench.url}/run/{finished}")
+    paths = {}
+    for words in ("Report (HTML)", "All data", "Tables (CSV)", "Case file"):
+        with page.expect_download() as waited:
+            page.get_by_role("link", name=words).click()
+        paths[words] = tmp_path / waited.value.suggested_filename
+        waited.value.save_as(paths[words])
+    assert "<title>Beehive valve spring with coil clash</title>" in paths["Report (HTML)"].read_text("utf-8")
+    names = zipfile.ZipFile(paths["All data"]).namelist()
+    assert any(name.endswith("run.json") for name in names) and any(name.endswith(".nc") for name in names)
+    assert {Path(name).suffix for name in zipfile.ZipFile(paths["Tables (CSV)"]).namelist()} == {".csv"}
+    assert tomllib.loads(paths["Case file"].read_text("utf-8"))["spring"]["wire_diameter"]["value"] == "3.7709 mm"
+
+
+def test_measured_cycles_are_laid_over_a_run(bench, page, finished, tmp_path):
+    """The test is made up: a level of 500 N, 7 N up and down in two repeats, so its mean is known."""
+    angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
+    values = 500.0 + np.outer([7.0, -7.0], np.ones(360))
+    test = write_cycles(tmp_path / "level.csv", [MeasuredCycles("seat_force", "N", angle, values, 70 * np.pi, synthetic=True)])
+    page.goto(f"{bench.url}/run/{finished}")
+    page.set_input_files("#test-file", str(test))
+    page.wait_for_selector("#test-verdict", timeout=30_000)
+    page.wait_for_selector(".panel .plot .scatterlayer .trace", state="attached")
+    drawn = page.evaluate("Array.from(document.querySelector('.panel .plot')._fullData, (trace) => Array.from(trace.y).slice(0, 5))")
+    assert any(all(abs(value - 500) < 1e-3 for value in values) for values in drawn if values)
+    page.set_input_files("#test-file", {"name": "broken.csv", "mimeType": "text/csv", "buffer": b"\x00\x01 no test"})
+    page.locator(".upload [role=alert]").wait_for()
+
+
+def test_a_file_that_is_no_case_is_refused_and_a_case_opens(bench, page, tmp_path):
+    page.goto(bench.url)
+    wrong = tmp_path / "notes.toml"
+    wrong.write_bytes(b"[spring]\nwire_diameter = \xff\xfe")
+    page.set_input_files("#case-file", str(wrong))
+    page.get_by_role("alert").wait_for()
+    assert "text" in page.get_by_role("alert").inner_text()
+    mine = tmp_path / "mine.toml"
+    mine.write_text('[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n', encoding="utf-8")
+    page.set_input_files("#case-file", str(mine))
+    page.wait_for_url("**/case/mine")
+    assert page.get_by_label("Preload", exact=True).input_value() == "250 N"
+
+
+def test_all_is_done_by_the_keyboard(bench, page, finished):
+    page.goto(bench.url)
+    page.wait_for_selector("ul.cases button")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.textContent") == "Skip to the content"
+    page.keyboard.press("Enter")
+    for _ in range(40):
+        page.keyboard.press("Tab")
+        if "A spring alone" in page.evaluate("document.activeElement.textContent"):
+            break
+    outline = page.evaluate("getComputedStyle(document.activeElement).outlineStyle")
+    assert outline == "solid"
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/case/my-spring")
+    page.wait_for_selector(".form")
+    page.locator("#find-quantity").focus()
+    page.keyboard.type("wire dia")
+    page.wait_for_function("document.getElementById('found-quantities').textContent === '1 value'")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.id") == "field-spring-wire_diameter"
+    page.keyboard.press("Control+A")
+    page.keyboard.type("4 m")
+    page.keyboard.press("Enter")
+    page.locator("[data-key='spring.wire_diameter'] [role=alert]").wait_for()
+    page.keyboard.press("Escape")
+    for _ in range(60):
+        if page.evaluate("document.activeElement.id") == "run-button":
+            break
+        page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.id") == "run-button"
+    page.goto(f"{bench.url}/run/{finished}")
+    shown(page)
+    page.locator("#tab-overview").focus()
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate("document.activeElement.getAttribute('aria-selected')") == "true"
+    assert page.evaluate("document.activeElement.id") != "tab-overview"
+
+
+PLACES = ("/", "/runs", "/case/CASE", "/run/RUN", "/compare?a=RUN&b=RUN", "/case/none")
+_CUT = """() => {
+  const found = [];
+  document.querySelectorAll("button, a, label, h1, h2, h3, summary, input, select, .plot .ytick text, .plot .xtick text").forEach((one) => {
+    const place = one.getBoundingClientRect();
+    if (!place.width || one.closest(".scroll, .off-screen, .nicegui-skip-link, .vtm-list")) { return; }
+    if (place.left < -1 || place.right > window.innerWidth + 1) { found.push(one.tagName + " " + one.textContent.slice(0, 40)); }
+  });
+  return {found, wider: document.documentElement.scrollWidth - window.innerWidth};
+}"""
+
+
+@pytest.mark.parametrize("width", [1400, 390] if LONG else [390])
+def test_nothing_is_cut_off_and_axe_finds_nothing_serious(bench, finished, width):
+    seen: list[str] = []
+    page = bench.page(width, seen)
+    for place in PLACES:
+        page.goto(bench.url + place.replace("CASE", CASE).replace("RUN", finished))
+        page.wait_for_selector(".sheet h1")
+        if place.startswith(("/case/CASE", "/run/")):
+            shown(page)
+            page.locator(".results section:not([hidden]) .plot").first.scroll_into_view_if_needed()
+            page.wait_for_selector(".results .plot .main-svg", state="attached")
+        cut = page.evaluate(_CUT)
+        assert cut == {"found": [], "wider": 0}, place
+        results = axe.Axe().run(page).response["violations"]
+        assert not [(one["id"], one["nodes"][0]["html"][:200]) for one in results if one["impact"] in ("serious", "critical")], place
+    page.context.close()
+    assert [line for line in seen if "404" not in line] == []
+
+
+def test_dark_is_kept_and_colours_every_figure(bench, page, finished):
+    page.goto(f"{bench.url}/run/{finished}")
+    shown(page)
+    page.get_by_role("button", name="Dark").click()
+    page.wait_for_function("document.documentElement.dataset.theme === 'dark'")
+    page.reload()
+    shown(page)
+    page.wait_for_selector(".plot .main-svg", state="attached")
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(20, 20, 20)"
+    assert "invert" in page.evaluate("getComputedStyle(document.querySelector('.plot')).filter")
+    assert not [one["id"] for one in axe.Axe().run(page).response["violations"] if one["id"] == "color-contrast"]
+
+
+def test_every_page_carries_the_policy_and_asks_nothing_of_the_network(bench, page, finished):
+    for place in ("/", f"/run/{finished}"):
+        answer = page.goto(bench.url + place)
+        assert re.search(r"default-src 'self'", answer.headers.get("content-security-policy", "")), place
+        assert "http:" not in answer.headers["content-security-policy"] and "https:" not in answer.headers["content-security-policy"]

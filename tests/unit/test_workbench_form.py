@@ -1,0 +1,124 @@
+"""Forms: every value of every case that ships stands in its form as the reader takes it, and refusals are the reader's own.
+
+Evidence: the reader of case files (another path through the tables than the form's), and values known from the library's files.
+"""
+
+from __future__ import annotations
+
+import time
+import tomllib
+
+import pytest
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.annotations import split_notes
+from valvetrain.parameters.loading import LIBRARY, parse_case
+from valvetrain.parameters.templates import TEMPLATES
+from valvetrain.units import to_unit
+from valvetrain.workbench.form import Field, check, fields, read_change
+from workbench_parts import SMALL
+
+FILES = sorted([*LIBRARY.glob("*.toml"), *TEMPLATES.glob("*.toml")], key=lambda path: path.stem)
+#: Tables and lists that a form leaves to the text of the case.
+LEFT = ("published", "sources", "remarks", "study", "name")
+
+
+def flat(text: str) -> dict[str, Field]:
+    return {field.key: field for group in fields(text) for field in group.fields}
+
+
+def leaves(item, path=""):
+    """Key path -> plain value of a bare tree; a curve, an end or a material is one value."""
+    for key, value in item.items():
+        here = f"{path}.{key}" if path else key
+        if (isinstance(value, dict) and not {"formula", "coils", "kind", "name"} & set(value)) or key in ("lift_law", "train"):
+            yield from leaves(value, here)
+        elif isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
+            for place, one in enumerate(value):
+                yield from leaves(one, f"{here}.{place}")
+        else:
+            yield here, value
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_every_value_of_a_case_stands_in_its_form_and_is_taken_back(path):
+    text = path.read_text(encoding="utf-8")
+    form = flat(text)
+    bare, notes, _ = split_notes(tomllib.loads(text))
+    missing = [
+        key for key, value in leaves(bare)
+        if key.split(".")[0] not in LEFT and (key not in form or not form[key].value_text) and value != ""
+        and not (key.startswith("train.variants.") or ".variants." in key or isinstance(value, dict))
+    ]  # fmt: skip
+    assert not missing
+    for place, field in enumerate(form.values()):
+        if field.value_text and place % 3 == 0:  # each is read from its own table; a third of them is enough here
+            assert check(text, field.key, field.value_text, LIBRARY) is None, field
+    for key, note in notes.items():
+        if key in form and form[key].value_text:
+            assert (note.source in form[key].source) and (str(note.status or "") in form[key].source)
+
+
+def test_values_of_the_beehive_as_its_file_has_them():
+    form = flat((LIBRARY / "gu2021-beehive.toml").read_text("utf-8"))
+    wire = form["spring.wire_diameter"]
+    assert (wire.kind, wire.unit, wire.number, wire.required) == ("number", "mm", 3.7709, True) and wire.source.startswith("identified")
+    assert wire.slider is not None and wire.slider[0] < 3.77 < wire.slider[1] and wire.slider[2] == 0.01
+    assert form["spring.pitch"].kind == "curve" and form["spring.pitch"].number is None
+    assert form["spring.hand"].choices == ("right", "left")
+    assert form["spring.options.multi-mass.masses_per_coil"].limits == (1.0, 2000.0)
+    assert form["operation.cycles"].default_text == "2"
+
+
+def test_a_value_keeps_the_unit_it_is_written_in():
+    form = flat((TEMPLATES / "finger.toml").read_text("utf-8"))
+    for field in form.values():
+        if field.kind == "number" and field.number is not None and field.unit:
+            assert field.value_text.replace(" ", "").startswith(f"{field.number:g}"[:4]), field
+            low, high = field.limits
+            assert (low is None or field.number >= low) and (high is None or field.number <= high), field
+    assert float(to_unit(0.0039, "mm")) == pytest.approx(3.9)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("spring.mass", "42 mm", "'42 mm' is a length, but a mass is needed here"),
+        ("spring.mass", "42", "unit"),
+        ("spring.mass", "-1 g", "too small"),
+        ("spring.mas", "42 g", "did you mean mass"),
+        ("lift_law.kind", "polynom", "polynomial"),
+        ("operation.cycles", "2.5", "integer"),
+        ("lift_law.closing_start", "170 deg", "must come after"),
+        ("", "1", "sets nothing"),
+    ],
+)  # fmt: skip
+def test_a_refusal_stands_in_place_and_is_the_readers(key, value, words):
+    found = check(SMALL, key, value)
+    assert found is not None and words in found
+    with pytest.raises(InputError) as refused:
+        read_change(SMALL, key, value)
+    assert refused.value.reason in found
+
+
+def test_text_that_looks_like_a_number_is_a_title():
+    assert check(SMALL, "title", "24") is None
+    assert read_change(SMALL, "title", "24")[2].title == "24"
+    assert check(SMALL, "title", "a\x07b") is not None
+
+
+def test_a_check_is_quick():
+    """Under 50 ms of processor time for the largest case that ships; a slider asks for many."""
+    text = (LIBRARY / "vaz-ohc.toml").read_text("utf-8")
+    check(text, "train.valve.mass", "126 g")
+    begun = time.process_time()
+    for place in range(5):
+        assert check(text, "train.valve.mass", f"{126 + place} g") is None
+    assert (time.process_time() - begun) / 5 < 0.05
+
+
+def test_a_form_of_a_text_that_is_none():
+    with pytest.raises(InputError, match="not valid TOML"):
+        fields("x = [")
+    assert [group.key for group in fields("")] == ["", "operation"]
+    assert parse_case(SMALL).springs

@@ -1,0 +1,118 @@
+"""The live chain: its curves are those of a run, bit for bit; the newest question wins; a rod can be ended.
+
+Evidence: ``simulate`` (which records every channel) against the worker's shorter record; Hooke's law for a massless spring.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from valvetrain.errors import InputError
+from valvetrain.parameters.loading import LIBRARY, parse_case
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.workbench import live, live_worker
+from valvetrain.workbench.live import LiveChain, LiveResult
+from valvetrain.workbench.live_worker import LiveCase
+from workbench_parts import SMALL, lives, wait_for
+
+
+def test_a_curve_is_that_of_a_run_of_the_changed_case():
+    found = LiveCase(SMALL, Path(), "multi-mass").answer({"spring.mass": "50 g"}, "5000 rpm")
+    case = parse_case(SMALL, "case", changes={"spring.mass": "50 g"})
+    cycle = reported_cycle(vt.simulate(case, "5000 rpm", spring_models=["multi-mass"]).solutions[0])
+    assert found["sentence"] == "" and found["engine_speed"] == pytest.approx(5000)
+    assert np.array_equal(found["force_N"], np.round(cycle.channel("retainer_force"), 4))
+    assert np.array_equal(found["lift_mm"], np.round(cycle.channel("valve_lift") * 1e3, 6))
+    assert found["angle_deg"][0] == 0 and found["angle_deg"] == sorted(found["angle_deg"])
+    assert found["quantities"]["largest force"][0] == pytest.approx(max(found["force_N"]), abs=1e-4)
+
+
+def test_a_massless_spring_is_hookes_law():
+    found = LiveCase(SMALL, Path(), "massless").answer({"spring.rate": "40 N/mm"}, "")
+    assert found["engine_speed"] == pytest.approx(4000)
+    assert np.allclose(found["force_N"], 250 + 40 * np.array(found["lift_mm"]), atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "speed", "words"),
+    [({"spring.mass": "50 mm"}, "", "is a length"), ({"spring.mas": "1 g"}, "", "did you mean"), ({}, "4000 kg", "is a mass"),
+     ({"operation.engine_speeds": ""}, "", "names no engine speed"), ({"a\0": "1"}, "", "unknown"),
+     ({"spring.solid_height": "30 mm"}, "", "coil bind")],
+)  # fmt: skip
+def test_a_refusal_is_a_sentence_and_the_next_curve_comes(changes, speed, words):
+    case = LiveCase(SMALL, Path(), "multi-mass")
+    assert words in case.answer(changes, speed)["sentence"]
+    assert case.answer({}, "")["sentence"] == ""
+
+
+def test_a_slider_to_and_fro_keeps_what_is_built_and_no_more(monkeypatch):
+    case = LiveCase(SMALL, Path(), "massless")
+    for mass in (*range(40, 40 + 2 * live_worker.MOST_BUILT), 40):
+        assert not case.answer({"spring.mass": f"{mass} g"}, "")["sentence"]
+    assert len(case._built) == live_worker.MOST_BUILT
+
+
+def test_a_chain_curve_of_the_beehive_takes_less_than_a_tenth_of_a_second():
+    """Processor time of reading, building and integrating at its highest speed, the best of five: the machine may be busy."""
+    text = (LIBRARY / "gu2021-beehive.toml").read_text("utf-8")
+    case = LiveCase(text, LIBRARY, live.FAST)
+    case.answer({}, "")
+    times = []
+    for place in range(5):
+        begun = time.process_time()
+        assert not case.answer({"spring.precompression": f"{6.5 + place / 10} mm"}, "")["sentence"]
+        times.append(time.process_time() - begun)
+    assert min(times) < 0.1
+
+
+def test_of_questions_that_wait_the_last_is_answered_and_nothing_lives_on(monkeypatch):
+    results: dict[int, LiveResult] = {}
+    with LiveChain(SMALL, "massless") as chain:
+        first = chain.curve()
+        assert len(first.force_N) == len(first.angle_deg) == len(first.lift_mm) == 720 and first.engine_speed == pytest.approx(4000)
+        assert chain.curve({"spring.rate": "1 kg"}).sentence
+        with chain._chain._turn:  # the worker is busy
+            threads = []
+            for place in range(4):
+                asked = {"spring.rate": f"{30 + place} N/mm"}
+                threads.append(threading.Thread(target=lambda place=place, asked=asked: results.update({place: chain.curve(asked)})))
+                threads[-1].start()
+                wait_for(lambda place=place: chain._chain._last == place + 3)
+        for thread in threads:
+            thread.join()
+        assert [results[place].skipped for place in range(4)] == [True, True, True, False]
+        assert max(results[3].force_N) == pytest.approx(250 + 33 * 9, abs=1e-3)
+        chain._chain._longest = 0.0
+        assert "took longer than 0 s" in chain.curve({"operation.cycles": "10000"}).sentence
+        chain._chain._longest = 120.0
+        assert max(chain.curve().force_N) == pytest.approx(250 + 32 * 9, abs=1e-3), "the worker that was ended is replaced"
+        process = chain._chain._process
+        assert process is not None
+    wait_for(lambda: not lives(process.pid))
+    assert chain.curve().skipped, "it is closed"
+
+
+def test_a_rod_is_ended_by_cancel(monkeypatch):
+    monkeypatch.setattr(live, "ROD", "multi-mass")  # a quick stand-in whose run is made long by its speed
+    with LiveChain(SMALL) as chain:
+        found: list[LiveResult] = []
+        thread = threading.Thread(target=lambda: found.append(chain.rod({"operation.cycles": "10000"}, "100 rpm")))
+        thread.start()
+        wait_for(lambda: chain._rod._busy and chain._rod._process is not None)
+        number = chain._rod._process.pid
+        chain.cancel()
+        thread.join(20)
+        assert found and found[0].skipped and not lives(number)
+
+
+def test_sliders_are_bounded(monkeypatch):
+    monkeypatch.setattr(live, "MOST_LIVE", 1)
+    with LiveChain(SMALL), pytest.raises(InputError, match="1 sliders are in use"):
+        LiveChain(SMALL)
+    LiveChain(SMALL).close()

@@ -1,0 +1,255 @@
+"""The workspace: cases put in, changed and taken out, runs found, and no name that leads out of it.
+
+Evidence: what stands on disk afterwards, and the reader of case files on it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+
+import pytest
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
+from valvetrain.parameters.loading import LIBRARY, parse_case
+from valvetrain.studies.run_store import Inputs, collect_inputs, find_run, keep, link_latest, new_folder
+from valvetrain.workbench.form import read_change
+from valvetrain.workbench.jobs import JobRequest, Jobs
+from valvetrain.workbench.workspace import MOST_CASES, Workspace
+from workbench_parts import SMALL
+
+BAD_NAMES = ("../x", "..", "a/b", "a\\b", "/etc/passwd", "", ".hidden", "a\0b", "CON", "x" * 300, "a..b", "-x", "a:b", "a\nb")
+
+
+@pytest.fixture
+def workspace(tmp_path):
+    return Workspace(tmp_path / "bench")
+
+
+def kept(workspace, case="small", created="2026-01-01T00:00:00+00:00", **files):
+    """A run as the run store keeps it, with text files."""
+    from datetime import datetime
+
+    inputs, at = Inputs(case, SMALL, {}, {"spring_models": ["massless"], "engine_speeds": [4000.0]}), datetime.fromisoformat(created)
+    folder = new_folder(inputs, at, workspace.runs_folder)
+    for name, text in files.items():
+        (folder / name.replace("_", ".")).write_text(text)
+    answer = {"case": case, "command": "run", "created_at": created, "completed": True, "files": [*(n.replace("_", ".") for n in files)]}
+    link_latest(keep(folder, inputs, answer).folder)
+    return folder.relative_to(workspace.runs_folder).as_posix()
+
+
+def test_every_case_and_template_of_the_library_becomes_a_case_that_reads_the_same(workspace):
+    cards = workspace.library()
+    assert {card.kind for card in cards} == {"library", "template"} and len(cards) >= 12
+    for card in cards:
+        name = workspace.new_case(f"my {card.name}", card.name)
+        assert name == f"my-{card.name}"
+        found = workspace.read(name)
+        if card.kind == "library":
+            path = LIBRARY / f"{card.name}.toml"
+            assert found == parse_case(path.read_text("utf-8"), name, LIBRARY)
+    assert {card.name for card in workspace.cases()} == {f"my-{card.name}" for card in cards}
+
+
+def test_a_value_is_set_as_on_the_command_line_and_comments_stay(workspace):
+    name = workspace.upload("small.toml", SMALL.encode())
+    workspace.set_value(name, "spring.mass", "45 g")
+    text = workspace.text(name)
+    assert 'mass = "45 g" # weighed' in text and "drawing 17" in text
+    due = parse_case(SMALL, name, changes={"spring.mass": "45 g"})
+    assert workspace.read(name).springs == due.springs
+    workspace.set_value(name, "spring.installed_height", "35 mm")
+    assert "drawing 17" not in workspace.text(name), "the source of the earlier value is none of the new one"
+    workspace.set_value(name, "spring.options.multi-mass.elements", "7")
+    assert workspace.read(name).springs[0].options["multi-mass"] == {"elements": 7}
+    workspace.set_value(name, "title", "24")
+    assert workspace.read(name).title == "24"
+    workspace.set_value(name, "spring.options.multi-mass.elements", "")
+    assert "elements" not in workspace.text(name)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("spring.mass", "45 mm"), ("spring.mass", "-1 g"), ("spring.mas", "1 g"), ("spring.mass.x", "1 g"), ("lift_law.kind", "x"),
+     ("", "1"), ("spring.0.mass", "1 g"), ("spring.mass", ""), ("spring", ""), ("operation.engine_speeds", "")],
+)  # fmt: skip
+def test_a_refused_value_changes_nothing_and_says_what_the_reader_says(workspace, key, value):
+    name = workspace.upload("small.toml", SMALL.encode())
+    before = workspace.text(name)
+    refused = None
+    try:
+        workspace.set_value(name, key, value)
+    except InputError as error:
+        refused = error
+    assert (refused is None) == ((key, value) in {("operation.engine_speeds", ""), ("spring.mass", ""), ("spring", "")})
+    if refused is not None:
+        assert workspace.text(name) == before and len(str(refused)) > 20
+
+
+def test_what_is_no_case_is_refused_with_the_readers_sentence(workspace):
+    for content, words in ((b"", "empty"), (b"\xff\xfe", "no text file"), (b"x = [", "not valid TOML"), (b"x = 1", "unknown"),
+                           (b" " * 5_000_001, "larger than 5 MB")):  # fmt: skip
+        with pytest.raises(InputError, match=words):
+            workspace.upload("a.toml", content)
+    assert not workspace.cases() and not list(workspace.jobs_folder.iterdir())
+    name = workspace.upload("small.toml", SMALL.encode())
+    with pytest.raises(InputError, match="not valid TOML"):
+        workspace.replace_text(name, "x = [")
+    assert workspace.text(name) == SMALL
+
+
+@pytest.mark.parametrize("file", ["/etc/passwd", "../secret.csv", "a/../../b.csv", "..\\b.csv", ".hidden"])
+def test_a_case_names_no_file_elsewhere(workspace, file):
+    """Whatever reads the case later would open it: refused when it comes in, by upload, by text and by value."""
+    table = f"[lift_law]\nkind = 'measured'\nfile = {json.dumps(file)}\n"
+    with pytest.raises(InputError, match="not beside the case"):
+        workspace.upload("a.toml", table.encode())
+    name, law = workspace.upload("small.toml", SMALL.encode()), f"{{ kind = 'table', file = {json.dumps(file)} }}"
+    study = (
+        f"outputs = ['preload']\nchanges = {{ 'lift_law.file' = {json.dumps(file)} }}\n[[vary]]\nkey = 'spring.mass'\nvalues = '1, 2 g'\n"
+    )
+    with Jobs(workspace) as jobs:
+        for change in (
+            lambda: workspace.replace_text(name, table), lambda: workspace.set_value(name, "lift_law.file", file),
+            lambda: workspace.set_value(name, "lift_law", law), lambda: read_change(SMALL, "lift_law.file", file),
+            lambda: jobs.submit(JobRequest("run", name, settings={"lift_law.file": file})),
+            lambda: jobs.submit(JobRequest("run", name, settings={"lift_law": law})),
+            lambda: jobs.submit(JobRequest("study", name, study=study)),
+        ):  # fmt: skip
+            with pytest.raises(InputError, match="not beside the case"):
+                change()
+
+
+@pytest.mark.parametrize("file", ["/etc/hostname", "../case.toml", "a/b.csv", "linked.csv"])
+def test_the_process_of_a_job_opens_no_file_elsewhere(tmp_path, monkeypatch, file):
+    """Whatever came past the door, the reader of a job and of a slider opens what lies beside the case and nothing else."""
+    os.symlink("/etc/hostname", tmp_path / "linked.csv")
+    text = f"[lift_law]\nkind = 'table'\nfile = {json.dumps(file)}\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\n"
+    with pytest.raises(InputError) as opened:
+        parse_case(text, "case", tmp_path)
+    assert "elsewhere than beside the case" not in str(opened.value)
+    monkeypatch.setenv(BESIDE_VARIABLE, "1")
+    with pytest.raises(InputError, match="elsewhere than beside the case"):
+        parse_case(text, "case", tmp_path)
+    with pytest.raises(InputError):
+        collect_inputs("case", text, tmp_path, {})
+
+
+def test_a_table_beside_a_case_is_read_and_goes_with_its_copies(workspace):
+    angles = "\n".join(f"{place * 10} {max(0.0, 9 - abs(place - 18)) ** 2 / 9:.4f}" for place in range(36))
+    table = (
+        SMALL.split("[lift_law]")[0]
+        + "[lift_law]\nkind = 'table'\nfile = 'lift.txt'\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\nlift_of = 'valve'\n"
+    )
+    name = workspace.upload("measured.toml", table.encode(), {"lift.txt": angles.encode()})
+    copy = workspace.duplicate(name)
+    assert workspace.files(copy) == {"lift.txt": angles.encode()}
+    assert workspace.read(copy).lift_law == workspace.read(name).lift_law
+    with pytest.raises(InputError):
+        workspace.attach(name, "../lift.txt", b"x")
+    with pytest.raises(InputError, match="at most"):
+        workspace.attach(name, "big.txt", b"x" * 20_000_001)
+
+
+def test_cases_are_renamed_copied_and_removed(workspace):
+    name = workspace.upload("small.toml", ("name = 'old'\n" + SMALL).encode())
+    workspace.remember(name, "engine_speeds", "4000 rpm")
+    assert workspace.read(name).name == "small"
+    assert workspace.upload("small.toml", SMALL.encode()) == "small-2"
+    with pytest.raises(InputError, match="already"):
+        workspace.rename(name, "Small-2")
+    other = workspace.rename(name, "Other one")
+    assert other == "Other-one" and workspace.read(other).name == "Other-one"
+    assert workspace.remembered(other) == {"engine_speeds": "4000 rpm"}
+    assert workspace.duplicate(other) == "Other-one-2"
+    workspace.delete(other)
+    with pytest.raises(InputError, match="no case 'Other-one'"):
+        workspace.text(other)
+    assert {card.name for card in workspace.cases()} == {"small-2", "Other-one-2"}
+    assert Workspace(workspace.folder).cases() == workspace.cases(), "another server finds the same"
+
+
+@pytest.mark.parametrize("name", BAD_NAMES)
+def test_no_name_leads_out_of_the_workspace(workspace, name):
+    calls = (
+        lambda: workspace.text(name), lambda: workspace.delete(name), lambda: workspace.set_value(name, "title", "x"),
+        lambda: workspace.run(f"{name}/x"), lambda: workspace.run(f"small/{name}"), lambda: workspace.delete_run(f"small/{name}"),
+        lambda: workspace.download(f"small/{name}", "case"), lambda: workspace.run(name),
+    )  # fmt: skip
+    workspace.upload("small.toml", SMALL.encode())
+    for call in calls:
+        with pytest.raises(InputError):
+            call()
+    assert [card.name for card in workspace.cases()] == ["small"]
+    made = None
+    try:
+        made = workspace.new_case(name, "spring")
+    except InputError:
+        pass
+    assert made is None or (workspace.cases_folder / made).resolve().parent == workspace.cases_folder.resolve()
+
+
+def test_links_are_not_followed(workspace, tmp_path):
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    (outside / "case.toml").write_text(SMALL)
+    os.symlink(outside, workspace.cases_folder / "linked")
+    run_id = kept(workspace)
+    folder = workspace.runs_folder / run_id
+    os.symlink(outside / "case.toml", folder / "report.html")
+    os.symlink(outside, folder / "more")
+    os.symlink(folder.parent, workspace.runs_folder / "elsewhere")
+    assert not workspace.cases()
+    for call in (lambda: workspace.text("linked"), lambda: workspace.download(run_id, "report"),
+                 lambda: workspace.run(f"elsewhere/{folder.name}"), lambda: workspace.delete("linked")):  # fmt: skip
+        with pytest.raises(InputError):
+            call()
+    with zipfile.ZipFile(workspace.download(run_id, "data")) as archive:
+        assert {name.rpartition("/")[2] for name in archive.namelist()} == {"case.toml", "run.json"}
+    assert (outside / "case.toml").exists()
+
+
+def test_runs_are_those_of_the_run_store(workspace, monkeypatch):
+    first = kept(workspace, report_html="<html>", quantities_csv="a\n1\n")
+    second = kept(workspace, "other", "2026-01-02T00:00:00+00:00")
+    assert [run.run_id for run in workspace.runs()] == [second, first]
+    assert [run.run_id for run in workspace.runs("small")] == [first]
+    run = workspace.run(first)
+    assert find_run(first, workspace.runs_folder).answer == run.answer and run.models == ("massless",)
+    assert workspace.download(first, "case").read_text() == SMALL
+    assert workspace.download(first, "report") == run.page
+    with zipfile.ZipFile(workspace.download(first, "csv")) as archive:
+        assert [name.rpartition("/")[2] for name in archive.namelist()] == ["quantities.csv"]
+    for kind in ("case", "data", "report", "csv"):
+        assert workspace.download(first, kind).resolve().is_relative_to(workspace.folder.resolve())
+    with pytest.raises(InputError, match="no report page"):
+        workspace.download(second, "report")
+    with pytest.raises(InputError, match="none of case"):
+        workspace.download(first, "../x")  # type: ignore[arg-type]
+    workspace.delete_run(first)
+    assert [run.run_id for run in workspace.runs()] == [second] and not (workspace.runs_folder / "small").exists()
+
+
+def test_a_second_server_and_another_layout_are_refused(workspace):
+    release = workspace.hold()
+    with pytest.raises(InputError, match="another server works"):
+        Workspace(workspace.folder).hold()
+    release()
+    Workspace(workspace.folder).hold()()
+    with workspace.store.connected() as base:
+        base.execute("PRAGMA user_version=99")
+    with pytest.raises(InputError, match="another version"):
+        Workspace(workspace.folder)
+    workspace.store.path.write_bytes(b"no database" * 100)
+    with pytest.raises(InputError, match="cannot be used"):
+        Workspace(workspace.folder)
+
+
+def test_cases_are_bounded(workspace):
+    for place in range(MOST_CASES):
+        (workspace.cases_folder / f"c{place}").mkdir()
+    with pytest.raises(InputError, match=f"there are {MOST_CASES} cases"):
+        workspace.upload("small.toml", SMALL.encode())

@@ -1,0 +1,86 @@
+"""A workspace with a small case, and a stand-in for the command line whose jobs sleep, eat memory or refuse as they are told."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+#: A spring known by its card under a short lift: reads and runs at once.
+SMALL = """
+[spring]
+preload = "250 N"
+rate = "32 N/mm"
+mass = "42 g" # weighed
+installed_height = { value = "36 mm", status = "measured", source = "drawing 17" }
+[lift_law]
+kind = "polynomial"
+maximum_lift = "9 mm"
+opening_start = "115 deg"
+opening_end = "180 deg"
+closing_start = "180 deg"
+closing_end = "245 deg"
+[operation]
+engine_speeds = "4000 rpm"
+"""
+
+#: The stand-in: what it does is told by FAKE, where it leaves the numbers of its processes by PIDS.
+PROGRAM = """
+import json, os, signal, subprocess, sys, time
+mode, folder = os.environ["FAKE"], "runs/small/20260101-000000-00000000"
+def tell(share, text):
+    os.write(int(os.environ["VALVETRAIN_PROGRESS"]), (json.dumps({"share": share, "text": text}) + "\\n").encode())
+def keep(code, **more):
+    os.makedirs(folder, exist_ok=True)
+    print(json.dumps({"folder": folder, **more}), flush=True)
+    os._exit(code)
+def asked(*_):
+    keep(143, failures=["interrupted"]) if mode != "deaf" else None
+signal.signal(signal.SIGTERM, asked)
+if mode == "refused":
+    print(json.dumps({"error": {"message": "a wire of 4 m is no wire", "where": "spring.wire_diameter", "code": 2}}))
+    sys.exit(2)
+tell(0.25, "first half")
+if mode == "quick":
+    tell(1.0, "done")
+    keep(0, command=sys.argv[1])
+worker = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(120)"])
+with open(os.environ["PIDS"], "w") as file:
+    file.write(f"{os.getpid()} {worker.pid}")
+if mode == "hungry":
+    held = bytearray(os.urandom(1 << 20)) * 300
+while True:
+    time.sleep(0.05)
+"""
+
+
+def stand_in(folder: Path, grace: float = 1.0) -> list[str]:
+    """Words that start the supervisor with the stand-in in place of the command line, and a short grace."""
+    path = folder / "stand_in.py"
+    path.write_text(PROGRAM)
+    code = (
+        "import sys; from valvetrain.workbench import supervisor as one; "
+        f"one.PROGRAM = [sys.executable, {str(path)!r}]; one.GRACE = {grace}; one.WEIGH = 0.1; sys.exit(one.main(sys.argv[1:]))"
+    )
+    return [sys.executable, "-c", code]
+
+
+def wait_for(what: Callable[[], object], longest: float = 60.0) -> object:
+    """What ``what`` gives once it is true; a failure after ``longest`` seconds."""
+    last = time.monotonic() + longest
+    while not (found := what()):
+        assert time.monotonic() < last, "waited too long"
+        time.sleep(0.02)
+    return found
+
+
+def lives(number: int) -> bool:
+    """Whether a process runs; one that ended and was not fetched does not."""
+    try:
+        os.kill(number, 0)
+        state = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0]
+    except (OSError, IndexError):
+        return False
+    return state != "Z"
