@@ -5,8 +5,13 @@ Evidence: what the command prints, the settings that reach the pages, and ports 
 
 from __future__ import annotations
 
+import os
 import re
+import signal
 import socket
+import subprocess
+import sys
+import time
 
 import pytest
 
@@ -81,3 +86,26 @@ def test_without_nicegui_the_sentence_names_the_extra(started, monkeypatch):
     monkeypatch.setattr(command, "find_spec", lambda _: None)
     result = call("serve", "--no-open", "--port", "0")
     assert result.exit_code == 2 and 'pip install "valvetrain[serve]"' in sentence(result) and not started
+
+
+@pytest.mark.skipif(os.name != "posix", reason="servers are ended by signals")
+@pytest.mark.parametrize("name", ["SIGINT", pytest.param("SIGHUP", marks=pytest.mark.long)])
+def test_a_signal_ends_a_server_without_a_traceback(tmp_path, name):
+    """A real server in a process of its own: it raises the signal again within its loop when it has ended."""
+    pytest.importorskip("uvicorn")
+    code = (
+        "import sys, uvicorn; from valvetrain.workbench import pages; from valvetrain.cli import serve, main\n"
+        "async def app(scope, receive, send):\n"
+        "    while (await receive())['type'] != 'lifespan.startup': pass\n"
+        "    print('serves', flush=True)\n"
+        "    await send({'type': 'lifespan.startup.complete'}); await receive(); await send({'type': 'lifespan.shutdown.complete'})\n"
+        "pages.start = lambda workspace, jobs, settings: uvicorn.run(app, port=settings.port, log_level='error')\n"
+        "serve.find_spec = lambda _: True\n"
+        "sys.argv = ['valvetrain', 'serve', '--no-open', '--port', '0']; main.main()"
+    )
+    server = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert server.stdout is not None and server.stdout.readline() == "serves\n"
+    time.sleep(0.2)  # until it listens
+    server.send_signal(getattr(signal, name))
+    told = server.communicate(timeout=60)[1]
+    assert server.returncode == 0 and "Traceback" not in told and told.splitlines()[-1] == "the server has ended"

@@ -34,18 +34,6 @@ axe = pytest.importorskip("axe_playwright_python.sync_playwright")
 pytestmark = pytest.mark.chromium
 
 LONG = os.environ.get("VALVETRAIN_LONG") == "1"
-SERVE = """
-import sys
-from pathlib import Path
-from valvetrain.workbench.jobs import Jobs
-from valvetrain.workbench.pages import start
-from valvetrain.workbench.settings import ServeSettings
-from valvetrain.workbench.workspace import Workspace
-if __name__ == "__main__":
-    workspace = Workspace(Path(sys.argv[1]))
-    with Jobs(workspace) as jobs:
-        start(workspace, jobs, ServeSettings(port=int(sys.argv[2])))
-"""
 CASE = "gu2021-beehive"
 
 
@@ -82,14 +70,13 @@ class Bench:
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory) -> Iterator[Bench]:
     folder = tmp_path_factory.mktemp("workspace")
-    script = tmp_path_factory.mktemp("server") / "serve.py"
-    script.write_text(SERVE, encoding="utf-8")
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     plain = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST_", "NICEGUI_"))}
     environment = plain | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-    server = subprocess.Popen([sys.executable, str(script), str(folder), str(port)], env=environment, start_new_session=True)
+    command = [sys.executable, "-m", "valvetrain", "serve", "--folder", str(folder), "--port", str(port), "--no-open", "--quiet"]
+    server = subprocess.Popen(command, env=environment, start_new_session=True)
     try:
         _wait_for(port, server)
         with sync_api.sync_playwright() as driver:

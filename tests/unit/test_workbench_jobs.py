@@ -181,6 +181,7 @@ def test_nothing_runs_on_when_the_server_is_killed(workspace, fake, tmp_path):
         (JobRequest("run", "small", settings={"a\0b": "1"}), "is unknown"),
         (JobRequest("run", "../small"), "no name of a file"),
         (JobRequest("sweep", "small", engine_speeds="1:2000000:1 rpm"), "speeds"),
+        (JobRequest("run", "small", settings={"operation.cycles": "10000"}, engine_speeds="10:3000:1 rpm"), "valvetrain serve --limit"),
     ],
 )  # fmt: skip
 def test_what_is_refused_is_refused_before_a_process_begins(workspace, fake, request_of_a_page, words):

@@ -5,6 +5,9 @@ Evidence: ``simulate`` (which records every channel) against the worker's shorte
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -109,6 +112,21 @@ def test_a_rod_is_ended_by_cancel(monkeypatch):
         chain.cancel()
         thread.join(20)
         assert found and found[0].skipped and not lives(number)
+
+
+def test_a_worker_ends_with_a_server_that_is_killed():
+    code = (
+        "import time; from valvetrain.workbench.live import LiveChain; from workbench_parts import SMALL; "
+        "one = LiveChain(SMALL, 'massless'); print(one._chain._process.pid, flush=True); time.sleep(120)"
+    )
+    path = os.pathsep.join(str(Path(__file__).parents[1] / name) for name in ("", "../src"))
+    server = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": path})
+    assert server.stdout is not None
+    number = int(server.stdout.readline())
+    assert lives(number)
+    server.kill()
+    server.communicate()
+    wait_for(lambda: not lives(number))
 
 
 def test_sliders_are_bounded(monkeypatch):

@@ -15,6 +15,8 @@ from valvetrain.cli.outcome import manner, tell
 Report = Callable[[float, str], None]
 #: Names the open file (its number) that is told the progress, ``{"share": 0.25, "text": "multi-mass, 4200 rpm"}`` a line.
 PROGRESS_VARIABLE = "VALVETRAIN_PROGRESS"
+#: What was announced to come before the first share of the work.
+_AHEAD: list[str] = []
 
 
 def tell_progress(share: float | None, text: str) -> None:
@@ -28,7 +30,8 @@ def tell_progress(share: float | None, text: str) -> None:
 @contextmanager
 def progress_bar(title: str) -> Iterator[Report]:
     """A bar with the time left while the block runs, on a terminal only; yields ``report(share done, what was just done)``."""
-    tell_progress(0.0, title)
+    tell_progress(0.0, "; ".join([title, *_AHEAD]))
+    _AHEAD.clear()
     if manner().quiet or not sys.stderr.isatty():
         yield tell_progress
         return
@@ -75,4 +78,5 @@ def announce_compilation(*kinds: str) -> None:
     if seconds:
         words = f"compiling kernels, once, about {seconds:.0f} s"
         tell_progress(None, words)
+        _AHEAD[:] = [words]
         tell(words)

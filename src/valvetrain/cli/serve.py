@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
 import os
+import signal
 import socket
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -84,14 +89,37 @@ def _serve(folder: Path, settings: ServeSettings, running: int, waiting: int, se
             tell(f"workbench '{folder}' at {settings.address}; Ctrl-C ends it")
             if settings.token:
                 complain(f"visitors need its token: {settings.first_page}")
-            try:
+            with _ended_by_signals(), suppress(KeyboardInterrupt):
                 start(workspace, jobs, settings)
-            except KeyboardInterrupt:  # how a server is ended
-                pass
             going = sum(one.state == "running" for one in jobs.jobs())
         tell("the server has ended" + (f"; {going} running jobs were stopped, what they had finished is kept" if going else ""))
     finally:
         release()
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """While a server runs, a signal ends it and nothing else: where an event loop runs, the loop's server has its own way of ending, and an
+    exception in the midst of it would be told as a fault."""
+
+    def end(number: int, _: Any) -> None:
+        try:
+            asyncio.get_running_loop()
+        except RuntimeError:
+            raise KeyboardInterrupt from None
+        if number not in (signal.SIGINT, signal.SIGTERM):  # which the server hears itself, and hands on when it has ended
+            signal.raise_signal(signal.SIGTERM)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    numbers = [one for name in ("SIGINT", "SIGTERM", "SIGHUP") if (one := getattr(signal, name, None)) is not None]
+    before = {number: signal.signal(number, end) for number in numbers if signal.getsignal(number) is not signal.SIG_IGN}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def free_port(host: str, port: int) -> int:

@@ -148,7 +148,7 @@ def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
 
 def cost_words(cost: Cost, limits: Limits) -> str:
     """The cost in words. Raises :class:`InputError` where it lies beyond the bounds of a job."""
-    return refuse_cost(cost, limits, "the server's --most-seconds and --most-memory, which now bound a job: ")
+    return refuse_cost(cost, limits, "valvetrain serve --limit ")
 
 
 def study_text(request: JobRequest, case_file: str) -> str:

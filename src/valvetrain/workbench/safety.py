@@ -66,10 +66,10 @@ def check_settings(settings: ServeSettings) -> ServeSettings:
 
 
 def uvicorn_options(settings: ServeSettings) -> dict[str, Any]:
-    """Options of the server (uvicorn) that belong to safety: bounds of messages and heads, no trust in headers of a proxy."""
+    """Options of the server (uvicorn) that belong to safety: bounds of messages and heads, no trust in headers of a proxy, a quick end."""
     return {
         "proxy_headers": False, "server_header": False, "ws_max_size": settings.most_body, "h11_max_incomplete_event_size": 65_536,
-        "timeout_keep_alive": 30, "backlog": 128,
+        "timeout_keep_alive": 30, "timeout_graceful_shutdown": 3, "backlog": 128,
     }  # fmt: skip
 
 
