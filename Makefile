@@ -9,13 +9,14 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON VENV LOWEST
 
-.PHONY: help run test test-long validate bench identify uncertainty lint pins clean environment-run environment-test parts mutants faults fuzz guides workbench
+.PHONY: help run test test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides workbench
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
 	@echo "make test      set up, then run all tests (PYTHON=python3.12: by that interpreter; LOWEST=1: with the lowest versions allowed)"
 	@echo "make test-long the tests that make test leaves out for their length (some minutes)"
 	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
+	@echo "make docs      the documentation site in build/docs, gallery run, any warning a failure"
 	@echo "make bench     measure the speed of the main parts"
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
 	@echo "make uncertainty  error bars of the published case anew; after make identify or a change of the rod"
@@ -46,6 +47,10 @@ test: environment-test parts
 validate: environment-test parts
 	$(BIN)/python -m valvetrain.validation --page docs/validation.md
 	$(PYTEST) $(wildcard tests/published tests/limits tests/order) $(ARGS)
+
+docs: environment-test
+	$(ONE_THREAD) $(BIN)/python -m sphinx -b html -n -W --keep-going -q -d build/doctrees docs build/docs
+	@echo "build/docs/index.html"
 
 bench: environment-run
 	$(ONE_THREAD) $(BIN)/python -m benchmarks $(ARGS)
@@ -86,5 +91,5 @@ pins:
 	@bash scripts/pins.sh
 
 clean:
-	rm -rf .venv .venv-* build dist runs src/valvetrain.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .numba_cache
+	rm -rf .venv .venv-* build docs/api docs/gallery docs/commands.rst dist runs src/valvetrain.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .numba_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,53 @@
+"""Figures of the gallery: each example ends in a plotly figure named ``figure``.
+
+It stands on the page as an SVG picture, which needs no script, and turns into the interactive one where scripts run: from one copy of
+plotly.js that all pages share.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+from figure_svg import svg_of
+
+from valvetrain.report.page import plotly_script
+
+
+def scrape(block, block_vars, gallery_conf) -> str:
+    """What a block leaves on the page: nothing, or its figure once."""
+    scope = block_vars["example_globals"]
+    figure = scope.get("figure")
+    if figure is None or scope.get("_shown") is figure:
+        return ""
+    scope["_shown"] = figure
+    path = Path(next(block_vars["image_path_iterator"])).with_suffix(".svg")
+    path.write_text(svg_of(figure), encoding="utf-8")
+    name = path.name
+    data = json.dumps(json.loads(figure.to_json()), separators=(",", ":")).replace("<", "\\u003c")
+    words = figure.layout.title.text or "figure"
+    lines = [
+        f'<figure class="gallery-figure"><img src="../_images/{name}" alt="{words}">',
+        f'<script type="application/json" class="figure-data">{data}</script></figure>',
+    ]
+    indented = "\n".join(f"    {line}" for line in lines)
+    return f".. raw:: html\n\n{indented}\n\n"
+
+
+def copy_script(app, error) -> None:
+    """One plotly.js beside the other scripts of the site, and the pictures of the examples."""
+    if error is None and app.builder.format == "html":
+        static, images = Path(app.outdir) / "_static", Path(app.outdir) / "_images"
+        target = static / "plotly.min.js"
+        if not target.exists():
+            target.write_text(plotly_script(), encoding="utf-8")
+        images.mkdir(exist_ok=True)
+        for picture in (Path(app.srcdir) / "gallery" / "images").glob("*.svg"):
+            shutil.copyfile(picture, images / picture.name)
+
+
+def setup(app):
+    """Copy what the figures need when the build is done."""
+    app.connect("build-finished", copy_script)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
