@@ -111,8 +111,9 @@ def main() -> int:
     given = parser.parse_args()
     if given.only:
         kind, seed, number = given.only.split("-")
-        print(ask(kind, int(seed), int(number), PLACE))
         written = PLACE / f"{given.only}.txt"
+        written.unlink(missing_ok=True)  # of an earlier time
+        print(ask(kind, int(seed), int(number), PLACE))
         print(written.read_text("utf-8") if written.exists() else "nothing was found")
         return 0
     named = (given.cases, given.runs, given.files)

@@ -83,6 +83,8 @@ def ask(content: bytes) -> str:
     if checked not in (0, 2) or ran not in (0, 1, 2):
         raise Finding(f"exit codes {checked} {ran}: {reason[-200:]} {said[-200:]}")
     integrated = ran != 2 and not (runs and all(run["status"]["code"] == "refused" for run in runs))
-    if (checked == 0) != integrated:
+    # a spring that cannot be compressed to its installed height: `run` shows its curve as far as it goes, with its status
+    stuck = checked == 2 and ran == 1 and not runs
+    if (checked == 0) != integrated and not stuck:
         raise Finding(f"check gives {checked} ({reason[-250:]}), run gives {ran} ({said[-250:]})")
     return ("completed", "failed in time" if integrated else "refused", "refused")[ran]
