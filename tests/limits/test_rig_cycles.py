@@ -81,7 +81,7 @@ def test_one_pulse_a_turn_says_that_speed_within_a_turn_is_unseen(recorded):
     once = RigAnswers(angle_of="cam", once="Cam pulse")
     found = cycles_in(steady, "once", once, lift)
     assert np.degrees(abs(found.offset)) < 0.1
-    assert any("within a turn stays unseen" in note for note in found.notes)
+    assert any("within a turn is not seen" in note for note in found.notes)
     shaken = cycles_in(recorded, "once", once, lift)
     assert np.degrees(abs(shaken.offset)) > 0.1, "what it cannot see moves the cycle"
 

@@ -84,7 +84,7 @@ def test_an_exact_model_runs_by_the_contract_too_and_gives_the_same():
         (lambda: run(train(), 100.0, RunUp(300.0, -1000.0)), "must lead from its first to its last speed"),
         (lambda: run(prescribed(), 100.0, RunUp(300.0, -1000.0)), "must lead from its first to its last speed"),
         (lambda: run(prescribed(), 100.0, RunUp(300.0, 0.0)), "must lead from its first to its last speed"),
-        (lambda: run(prescribed(), 100.0, RunUp(300.0, 1e-6)), "slip of the pen"),
+        (lambda: run(prescribed(), 100.0, RunUp(300.0, 1e-6)), "is taken for a mistake"),
         (lambda: PrescribedSpring((), LAW), "one or two springs"),
     ],
 )
