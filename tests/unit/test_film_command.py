@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -87,7 +88,8 @@ def test_the_page_shows_every_figure_and_says_that_the_film_is_synthetic(answer)
     for words in ("Displacement of the coil sections", "Space-time picture", "Peak displacement along the spring", "Free decay",
                   "Spectrum with the surge lines", "synthetic", "camera drifted"):  # fmt: skip
         assert words in page
-    assert "http://" not in page.split("</script>")[-1] and 'src="http' not in page
+    ours = re.sub(r"<script>.*?</script>", lambda part: "" if len(part[0]) > 1_000_000 else part[0], page, flags=re.DOTALL)  # not Plotly's
+    assert "http://" not in ours.split("</script>")[-1] and 'src="http' not in ours
 
 
 NAMES = tuple(f"outer_coil_{turn}_70_displacement" for turn in range(6))
