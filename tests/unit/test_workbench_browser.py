@@ -169,6 +169,17 @@ def test_a_wrong_unit_is_refused_in_its_place_and_the_valid_value_kept(bench, pa
     assert field.input_value() == before
 
 
+def test_a_page_at_rest_asks_nothing(bench, page, finished):
+    """Each answer brought the list of quantities anew, which asked for the next estimate: four messages a second without end."""
+    sent = []
+    page.on("websocket", lambda line: line.on("framesent", lambda frame: sent.append(str(frame))))
+    open_case(bench, page)
+    page.wait_for_timeout(1200)
+    before = len(sent)
+    page.wait_for_timeout(1500)
+    assert before > 0 and not [frame for frame in sent[before:] if "event" in frame]
+
+
 def test_what_is_being_typed_outlives_the_answer_to_the_field_before(bench, page, finished):
     open_case(bench, page)
     page.locator("summary", has_text="Spring: damping").click()

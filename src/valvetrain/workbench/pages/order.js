@@ -9,8 +9,10 @@ export default {
   mounted() { this.changed(); },
   computed: {
     quantity() { return this.quantities.find((one) => one.key === this.key); },
+    // Every answer of the server brings the list anew: what counts is whether it says something else.
+    offered() { return JSON.stringify(this.quantities); },
   },
-  watch: { quantities() { this.changed(); } },
+  watch: { offered() { this.changed(); } },
   methods: {
     wish() {
       return { kind: this.kind, speeds: this.kind === "sweep" ? this.over : this.at, models: this.models.map((one) => one.word).filter((word) => this.chosen[word]),
