@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.measurements.reader_process import answered, bounded, form_of
+from valvetrain.measurements.reader_process import MOST_MEMORY, MOST_SECONDS, answered, form_of
+from valvetrain.solution.read_apart import bound_process
 
 
 def damaged(whole: bytes, random: np.random.Generator) -> tuple[str, bytes]:
@@ -53,7 +54,7 @@ def outcome(content: bytes, name: str) -> str:
         child = os.fork()
         if not child:
             try:
-                bounded()
+                bound_process(MOST_MEMORY, MOST_SECONDS)
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
                 answer = answered(path, name, form, (), Path(folder))

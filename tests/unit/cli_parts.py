@@ -89,9 +89,10 @@ def process_environment(**changes: str) -> dict[str, str]:
 
 
 def hear_interrupts() -> None:
-    """Before a new process becomes the command: let SIGINT reach it. Tests that a script runs in the background have it ignored, and so
-    would what they start, for good: that is how a shell keeps Ctrl-C from background jobs."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """Before a new process becomes the command: let SIGINT and SIGHUP reach it. Tests that a script runs in the background, or under
+    nohup, have them ignored, and so would what they start, for good: that is how a shell keeps Ctrl-C from background jobs."""
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
 
 
 def sentence(result: Result | subprocess.CompletedProcess[str]) -> str:

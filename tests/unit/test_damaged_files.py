@@ -13,7 +13,9 @@ import xarray
 
 from synthetic_study import at_rest, rod_run
 from valvetrain.errors import InputError
-from valvetrain.solution import checksum
+from valvetrain.measurements.cycles_file import read_cycles, write_cycles
+from valvetrain.measurements.measured_cycles import MeasuredCycles
+from valvetrain.solution import checksum, netcdf, read_apart
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve, save_modal_result, save_netcdf, save_static_curve
 from valvetrain.solution.textfile import load_csv, save_csv
 from valvetrain.studies.run_answer import answer_text, read_answer
@@ -42,8 +44,9 @@ def without_checksum(path):
 
 
 @pytest.fixture
-def opened(tmp_path):
-    """A run saved as before there were checksums, to be changed with h5py by the test."""
+def opened(tmp_path, monkeypatch):
+    """A run saved as before there were checksums, to be changed with h5py by the test; read here only, which ends as h5py wrote it."""
+    monkeypatch.setattr(netcdf, "tried_apart", lambda *_: None)
     path = save_netcdf(RUN, tmp_path / "run.nc")
     without_checksum(path)
     return path
@@ -206,6 +209,61 @@ def test_a_csv_description_that_lies_is_refused(tmp_path, old, new):
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
     checksum.close_file(path)
     refused(load_csv, path)
+
+
+# ---- files that the library of the format does not come back from
+
+
+def without_end(path, words):
+    """Empty the store of long words before ``words``: the library looks for the next entry for ever, each of no length."""
+    content = bytearray(path.read_bytes())
+    place = content.index(words)
+    content[place - 48 : place + 1] = bytes(49)
+    path.write_bytes(bytes(content))
+
+
+def test_a_file_that_the_library_never_ends_to_read_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(read_apart, "MOST_SECONDS", 3)
+    path = save_static_curve(at_rest()[0].curve, tmp_path / "curve.nc")
+    without_checksum(path)
+    without_end(path, b'{"format"')
+    refused(load_static_curve, path, "does not come back")
+
+
+def test_measured_cycles_come_from_others_and_their_checksum_vouches_for_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(read_apart, "MOST_SECONDS", 3)
+    angles = np.linspace(0.0, 6.0, 24)
+    path = write_cycles(
+        tmp_path / "cycles.nc", [MeasuredCycles("valve_lift", "m", angles, np.ones((2, 24)), 150.0, "a rig", notes=("x" * 99,))]
+    )
+    assert read_cycles(path)
+    body = checksum.checked_content(path)[0]
+    path.write_bytes(body)
+    without_end(path, b"xxxxxxxx")
+    checksum.close_file(path)
+    refused(read_cycles, path, "does not come back")
+
+
+@pytest.mark.parametrize(
+    ("end", "words"), [("raise MemoryError", "more than 4 GB"), ("os.abort()", "does not come back"), ("x = {}[0]", "")]
+)
+def test_the_end_of_a_trial_is_told(tmp_path, monkeypatch, end, words):
+    (tmp_path / "reader_of_tests.py").write_text(f"import os\ndef read(path):\n    assert path.name == 'it'\n    {end}\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    (tmp_path / "it").write_bytes(b"x")
+    if words:
+        refused(lambda path: read_apart.tried_apart("reader_of_tests:read", path, str(path)), tmp_path / "it", words)
+    else:  # an exception is met by the caller
+        read_apart.tried_apart("reader_of_tests:read", tmp_path / "it", "it")
+
+
+def test_what_its_checksum_vouches_for_is_read_at_once(tmp_path, monkeypatch):
+    tried = []
+    monkeypatch.setattr(netcdf, "tried_apart", lambda *given: tried.append(given))
+    path = save_netcdf(RUN, tmp_path / "run.nc")
+    assert load_netcdf(path).identical(RUN) and not tried
+    without_checksum(path)
+    assert load_netcdf(path).identical(RUN) and tried == [("valvetrain.solution.netcdf:dataset_of", path, str(path))]
 
 
 # ---- kept runs

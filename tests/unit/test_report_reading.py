@@ -50,6 +50,7 @@ def visit(browser, path, width=1400, **settings):
 def downloaded(page, key):
     """Rows of the data that the button under a figure gives."""
     button = page.locator(f'button[data-csv="{key}"]')
+    page.wait_for_timeout(120)  # Chromium drops what a page saves for the eleventh time in a second
     with page.expect_download() as waiting:
         button.evaluate("button => button.click()")  # it may stand behind a tab
     path = waiting.value.path()

@@ -15,7 +15,7 @@ import time
 
 import pytest
 
-from unit.cli_parts import call, sentence
+from unit.cli_parts import call, hear_interrupts, sentence
 from valvetrain.cli import serve as command
 from valvetrain.workbench import pages
 from valvetrain.workbench.workspace import Workspace
@@ -103,7 +103,8 @@ def test_a_signal_ends_a_server_without_a_traceback(tmp_path, name):
         "serve.find_spec = lambda _: True\n"
         "sys.argv = ['valvetrain', 'serve', '--no-open', '--port', '0']; main.main()"
     )
-    server = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "preexec_fn": hear_interrupts}
+    server = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, text=True, **pipes)
     assert server.stdout is not None and server.stdout.readline() == "serves\n"
     time.sleep(0.2)  # until it listens
     server.send_signal(getattr(signal, name))

@@ -15,6 +15,7 @@ from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.solution.arrays import ChannelArrays, Variable
 from valvetrain.solution.checksum import checked_content
 from valvetrain.solution.netcdf_layout import write_arrays
+from valvetrain.solution.read_apart import tried_apart
 from valvetrain.solution.rebuilt import refuse_claims
 
 #: How an HDF5 file begins.
@@ -49,20 +50,26 @@ def netcdf_image(cycles: Sequence[MeasuredCycles]) -> bytes:
 
 def netcdf_cycles(path: Path) -> tuple[MeasuredCycles, ...]:
     """The channels of a NetCDF file of measured cycles. Raises :class:`InputError` for a damaged one or one of another kind."""
-    import h5py
-
     checked_content(path)
+    tried_apart(f"{__name__}:channels_of", path, path.name[:80])
     try:
-        refuse_claims(path)
-        with h5py.File(path, "r") as file:
-            if _word(file.attrs.get("title", "")) != _KIND:
-                raise InputError("holds no measured cycles; a recording of a rig is read by 'valvetrain rig'", path.name[:80])
-            names = [name for name in file if not name.startswith((_GRID, "cycle_of_"))]
-            return tuple(_channel(file, name, path.name[:80]) for name in names)
+        return channels_of(path)
     except InputError:
         raise
     except Exception as error:  # the library raises many kinds for bytes that make no sense to it
         raise InputError("cannot be read as NetCDF; it is another kind of file or was cut short", path.name[:80]) from error
+
+
+def channels_of(path: Path) -> tuple[MeasuredCycles, ...]:
+    """The channels of a file of measured cycles; errors of the library pass. The file may come from anywhere: see :func:`netcdf_cycles`."""
+    import h5py
+
+    refuse_claims(path)
+    with h5py.File(path, "r") as file:
+        if _word(file.attrs.get("title", "")) != _KIND:
+            raise InputError("holds no measured cycles; a recording of a rig is read by 'valvetrain rig'", path.name[:80])
+        names = [name for name in file if not name.startswith((_GRID, "cycle_of_"))]
+        return tuple(_channel(file, name, path.name[:80]) for name in names)
 
 
 def _channel(file: Any, name: str, where: str) -> MeasuredCycles:

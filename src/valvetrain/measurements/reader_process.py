@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import tempfile
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +15,7 @@ from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.measurements.recording import Recording, RigChannel
 from valvetrain.measurements.rig_formats.contract import HEAD, RigFormat
+from valvetrain.solution.read_apart import apart_environment, bound_process
 
 #: Bytes of memory and seconds (of the processor, of the clock) that reading one file may take.
 MOST_MEMORY, MOST_SECONDS, LONGEST_WAIT = 4_000_000_000, 120, 300
@@ -66,10 +65,7 @@ def form_of(path: Path, name: str) -> str:
 
 def _apart(path: Path, name: str, form: str, wanted: tuple[str, ...]) -> Recording:
     asked = json.dumps({"path": str(path.absolute()), "name": name, "form": form, "wanted": wanted})
-    # paths of the caller are handed on, so that a format of another package is found there too
-    paths = os.pathsep.join(part for part in sys.path if part)
-    # no plugins of HDF5, and no threads whose stacks would count as memory of the file
-    environment = os.environ | {"PYTHONPATH": paths, "HDF5_PLUGIN_PRELOAD": "::", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    environment = apart_environment()
     with tempfile.TemporaryDirectory(prefix="valvetrain.") as folder:
         # -P: a module that lies beside the recording is none of ours
         command = [sys.executable, "-P", "-c", f"from {__name__} import serve; serve()", folder]
@@ -100,20 +96,10 @@ def _taken(answer: dict[str, Any], folder: Path) -> Recording:
 
 def serve() -> None:
     """Read what standard input asks for and put it into the folder named by the first argument: the other side of this module."""
-    bounded()
+    bound_process(MOST_MEMORY, MOST_SECONDS)
     asked, folder = json.loads(sys.stdin.read()), Path(sys.argv[1])
     answer = answered(Path(asked["path"]), asked["name"], asked["form"], tuple(asked["wanted"]), folder)
     Path(folder, "answer.json").write_text(json.dumps(answer), encoding="utf-8")
-
-
-def bounded() -> None:
-    """Bound memory and time of this process, where the system can."""
-    with suppress(ImportError, ValueError, OSError):
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
-        resource.setrlimit(resource.RLIMIT_CPU, (MOST_SECONDS, MOST_SECONDS))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
 def answered(path: Path, name: str, form: str, wanted: tuple[str, ...], folder: Path) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from valvetrain.solution.checksum import checked_content, closing_line
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.netcdf_layout import write_arrays
 from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.read_apart import tried_apart
 from valvetrain.solution.rebuilt import DAMAGED, refuse_claims, solution_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import Buckling, Leaning, StaticCurve
@@ -177,14 +178,12 @@ def _write(arrays: ChannelArrays, text: str, path: _PathLike) -> Path:
 
 
 def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
-    import xarray
-
     where = str(path)
     _, closed = checked_content(Path(path))
+    if not closed:
+        tried_apart(f"{__name__}:dataset_of", Path(path), where)
     try:
-        refuse_claims(Path(path))
-        with warnings.catch_warnings(action="ignore"), xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened:
-            dataset = opened.load()
+        dataset = dataset_of(Path(path))
         text = dataset[_METADATA].values.item() if _METADATA in dataset.variables else None
         text = text.decode() if isinstance(text, bytes) else text
         dataset = dataset if text is None else _plain_attributes(dataset.drop_vars(_METADATA))
@@ -195,6 +194,15 @@ def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
     if not isinstance(text, str):
         raise InputError(f"is not a valvetrain {kind} file; give one that this package wrote", where)
     return dataset, metadata.unpack(text, kind, where, closed)
+
+
+def dataset_of(path: Path) -> xarray.Dataset:
+    """Everything in a NetCDF file, as it is stored; errors of the library pass."""
+    import xarray
+
+    refuse_claims(path)
+    with warnings.catch_warnings(action="ignore"), xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened:
+        return opened.load()
 
 
 #: Arrays of a static curve and of a modal result with their dimensions.
