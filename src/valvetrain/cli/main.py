@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
+from functools import cache
 from typing import Annotated
 
 import typer
@@ -11,13 +13,6 @@ import typer
 from valvetrain.cli.guard import GuardedGroup
 from valvetrain.errors import InputError
 from valvetrain.registry import find, words
-
-app = typer.Typer(
-    cls=GuardedGroup, name="valvetrain", pretty_exceptions_enable=False, invoke_without_command=True,
-    context_settings={"help_option_names": ["-h", "--help"]},
-    help="Dynamics of valve springs and valvetrains, from the static curve to coil clash.",
-    epilog="Exit codes: 0 done, 1 a run or a part of its answer failed, 2 wrong input, 130 interrupted (143 by SIGTERM).",
-)  # fmt: skip
 
 
 def _version(wanted: bool) -> None:
@@ -28,8 +23,7 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
-def start(
+def _start(
     context: typer.Context,
     version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")] = False,
 ) -> None:
@@ -38,20 +32,40 @@ def start(
         typer.echo(context.get_help())
 
 
-def _register_all() -> None:
-    """Add every registered command; one that an installed package brings and that cannot be loaded is left out with a sentence."""
-    for word in words("commands"):
+def app_of(chosen: Sequence[str]) -> typer.Typer:
+    """The command line with these commands; one that an installed package brings and that cannot be loaded is left out with a sentence."""
+    made = typer.Typer(
+        cls=GuardedGroup, name="valvetrain", pretty_exceptions_enable=False, invoke_without_command=True,
+        context_settings={"help_option_names": ["-h", "--help"]},
+        help="Dynamics of valve springs and valvetrains, from the static curve to coil clash.",
+        epilog="Exit codes: 0 done, 1 a run or a part of its answer failed, 2 wrong input, 130 interrupted (143 by SIGTERM).",
+    )  # fmt: skip
+    made.callback()(_start)
+    for word in chosen:
         try:
-            find("commands", word)(app)
+            find("commands", word)(made)
         except InputError as error:
             sys.stderr.write(f"note: {error}\n")
+    return made
 
 
-_register_all()
+@cache
+def _whole() -> typer.Typer:
+    return app_of(words("commands"))
+
+
+def __getattr__(name: str) -> typer.Typer:
+    """``app``: the command line with all commands, made when it is first asked for."""
+    if name == "app":
+        return _whole()
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def main() -> None:
     """The console script."""
     # Runs are parallel over cases; linear algebra on matrices of this size only loses to threads of its own (2.2 s instead of 1.5).
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    app(prog_name="valvetrain")
+    asked = sys.argv[1:2]
+    # one command needs none of the others, whose modules and options take a tenth of a second; completion asks for all
+    alone = bool(asked) and asked[0] in words("commands") and "_VALVETRAIN_COMPLETE" not in os.environ
+    (app_of(asked) if alone else _whole())(prog_name="valvetrain")

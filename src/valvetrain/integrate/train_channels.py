@@ -126,13 +126,14 @@ def spring_outputs(spring: SpringModel, record: CycleRecord, start: Array, place
     states, found = record.spring_states[place], []
     whole = np.array(start, dtype=float)
     whole[: 2 * spring.unknowns] = 0.0  # velocities that a large model did not record count as zero
+    large = spring if isinstance(spring, LargeSpring) else None
     for row in range(len(states)):
         whole[: states.shape[1]] = states[row]
         q, v = float(record.q[row, retainer]), float(record.v[row, retainer])
-        if isinstance(spring, LargeSpring):
+        if large is not None:
             # its positions belong to the retainer's place of the step before
             step, a = record.time_step, float(record.a[row, retainer])
-            spring.place_retainer(whole, q, step * (v - 0.5 * step * a))
+            large.place_retainer(whole, q, step * (v - 0.5 * step * a))
         found.append(spring.outputs(whole, q, v))
     return found
 

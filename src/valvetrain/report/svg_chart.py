@@ -181,16 +181,14 @@ def _rules(frame: _Frame) -> str:
 
 
 def _line(frame: _Frame, line: Line) -> str:
-    x, y = frame.x(line.x), frame.y(line.y)
-    commands, pen = [], "M"
-    for across, down in zip(np.round(x, 2).tolist(), np.round(y, 2).tolist(), strict=True):
-        if across != across or down != down:
-            pen = "M"
-            continue
-        commands.append(f"{pen}{across:g} {down:g}")
-        pen = "L"
+    points = np.round(np.column_stack((frame.x(line.x), frame.y(line.y))), 2)
+    there = np.isfinite(points).all(axis=1)
+    begins = there & ~np.concatenate(([False], there[:-1]))
+    # one format for all points: a call for each takes five times as long
+    form = "".join("M%g %g" if begin else "L%g %g" for begin in begins[there].tolist())
+    path = form % tuple(points[there].ravel().tolist())
     style = f'stroke="{line.colour}" stroke-width="{line.width}" stroke-linejoin="round"{_DASHES[line.dash]}'
-    return f'<path d="{"".join(commands)}" fill="none" {style}/>'
+    return f'<path d="{path}" fill="none" {style}/>'
 
 
 def _direct(frame: _Frame, line: Line) -> str:

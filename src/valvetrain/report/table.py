@@ -78,7 +78,9 @@ def quoted(value: Any) -> str:
     an apostrophe."""
     if value is None:
         return ""
-    text = repr(value) if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return repr(value)
+    text = str(value)
     if isinstance(value, str) and text.startswith(_FORMULA) and not _NUMBER.fullmatch(text):
         text = f"'{text}"
     return '"' + text.replace('"', '""') + '"' if any(sign in text for sign in ',"\n\r') else text

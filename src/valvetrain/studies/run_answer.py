@@ -19,7 +19,23 @@ _CHECKSUM = "checksum"
 def answer_text(answer: Mapping[str, Any]) -> str:
     """The text of ``run.json``: the answer and its checksum."""
     plain = json.loads(json.dumps(answer, allow_nan=False, default=str))
-    return json.dumps(plain | {_CHECKSUM: _sum(plain)}, indent=2, allow_nan=False) + "\n"
+    return _lines(plain | {_CHECKSUM: _sum(plain)}) + "\n"
+
+
+def _lines(answer: Mapping[str, Any]) -> str:
+    """JSON with a line for each entry, and for each part of an entry: every level on lines of its own takes ten times as long."""
+    write = json.JSONEncoder(allow_nan=False).encode
+    entries = []
+    for key, value in answer.items():
+        if isinstance(value, dict) and value:
+            parts = (f"{write(name)}: {write(part)}" for name, part in value.items())
+            text = "{\n    " + ",\n    ".join(parts) + "\n  }"
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            text = "[\n    " + ",\n    ".join(map(write, value)) + "\n  ]"
+        else:
+            text = write(value)
+        entries.append(f"  {write(key)}: {text}")
+    return "{\n" + ",\n".join(entries) + "\n}"
 
 
 def read_answer(folder: Path) -> dict[str, Any]:
