@@ -182,7 +182,7 @@ def _rules(frame: _Frame) -> str:
 
 def _line(frame: _Frame, line: Line) -> str:
     points = np.round(np.column_stack((frame.x(line.x), frame.y(line.y))), 2)
-    there = np.isfinite(points).all(axis=1)
+    there = np.asarray(np.isfinite(points).all(axis=1))
     begins = there.copy()
     begins[1:] &= ~there[:-1]
     # one format for all points: a call for each takes five times as long
