@@ -70,6 +70,8 @@ def test_a_model_reaches_to_the_last_speed_before_the_first_that_is_not_good(val
 def test_what_the_bars_leave_open_is_neither_good_nor_poor():
     found = mapped(*rows_of((540.0, 500.0, 500.0), error=20.0)).reach("peak_spring_force", "massless")
     assert found.words == "open" and not found.everywhere and found.poor_from is None
+    later = mapped(*rows_of((500.0, 500.0, 540.0), error=20.0)).reach("peak_spring_force", "massless")
+    assert later.words == "to 2000, then open" and later.poor_from is None
 
 
 def test_the_cheapest_good_model_is_recommended_and_else_the_reference():

@@ -74,14 +74,14 @@ class Reach:
 
     @property
     def words(self) -> str:
-        """``all``, ``none``, ``to 6500``, ``open from 7000``: engine speeds in rpm."""
+        """``all``, ``none``, ``open``, ``to 6500`` or ``to 6500, then open`` (never poor): engine speeds in rpm."""
         if self.missing:
             return "not told"
         if self.everywhere:
             return "all"
         if self.good_to is None:
             return "none" if self.poor_from is not None else "open"
-        return f"to {self.good_to / RPM:.6g}"
+        return f"to {self.good_to / RPM:.6g}" + (", then open" if self.poor_from is None else "")
 
 
 @dataclass(frozen=True, slots=True)
