@@ -23,7 +23,8 @@ def watched(headers: Sequence[str], rows: Iterable[Sequence[str]], title: str = 
         cells = [row[place] for row in told if place < len(row) and row[place] not in ("", "–")]
         numbers = [bool(NUMBER.fullmatch(cell)) for cell in cells]
         assert not cells or not all(numbers) or place in right or head in ANYTHING, f"numbers under '{head}' stand at the left: {cells[:3]}"
-        assert any(numbers) or not cells or place not in right, f"words under '{head}' stand at the right: {cells[:3]}"
+        digits = any(char.isdigit() for cell in cells for char in cell)
+        assert digits or not cells or place not in right, f"words under '{head}' stand at the right: {cells[:3]}"
     return usual(headers, told, title, right)
 
 
