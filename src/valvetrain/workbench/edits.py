@@ -69,7 +69,7 @@ def refuse_foreign_files(text: str, changes: Mapping[str, Any] | None = None) ->
     except (ValueError, RecursionError):
         return  # the reader says what is wrong with it
     tree = with_values(tree, changes) if changes else tree
-    for name in _files(tree):
+    for name in named_files(tree):
         if not _PLAIN_FILE.fullmatch(name) or ".." in name:
             shown = clipped(name, 60)
             raise InputError(
@@ -77,8 +77,12 @@ def refuse_foreign_files(text: str, changes: Mapping[str, Any] | None = None) ->
             )
 
 
-def _files(tree: Any) -> list[str]:
-    """Every text under a key ``file``, with a note or without."""
+def named_files(tree: Any) -> list[str]:
+    """Every text under a key ``file`` of the tree of a case, with a note or without.
+
+    >>> named_files({"lift_law": {"file": {"value": "lift.csv", "status": "measured"}}})
+    ['lift.csv']
+    """
     found: list[str] = []
     left = [tree]
     while left:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from contextlib import suppress
 from typing import Any
 
@@ -14,6 +15,7 @@ from valvetrain.workbench import form
 from valvetrain.workbench.jobs import JobStatus
 from valvetrain.workbench.kept import Run
 from valvetrain.workbench.live import LiveResult
+from valvetrain.workbench.pages.case_files import CaseFiles
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Form, Handler, JobPanel, Order, Results, Slider, button, link, tag
 from valvetrain.workbench.pages.forms import ENGINE_SPEED, engine_speed, shown_groups, sliding
@@ -75,8 +77,9 @@ class CasePage:
             with tag("div", classes="bench"):
                 with tag("section", classes="inputs", aria_labelledby="inputs-title"):
                     tag("h2", "Case", id="inputs-title")
-                    shown = shown_groups(groups)
+                    shown = shown_groups(groups, self.files())
                     self.form = Form(shown, [one["key"] for one in shown if one["key"]][:OPEN_GROUPS], self.change)
+                    CaseFiles(self.desk, self.case, self.refresh)
                 with tag("div", classes="outputs"):
                     handlers: dict[str, Handler] = {
                         "begin": self.begin,
@@ -114,9 +117,13 @@ class CasePage:
         """Show the case as it stands."""
         self.text, self.read, self.moved = self.desk.workspace.text(self.case), self.desk.workspace.read(self.case), None
         groups = form.fields(self.read)
-        self.form.show(shown_groups(groups))
+        self.form.show(shown_groups(groups, self.files()))
         self.slider.show([*engine_speed(self.read), *sliding(groups)], "")
         self.order.tell(quantities=sliding(groups))
+
+    def files(self) -> list[str]:
+        """Names of the files beside the case."""
+        return [one.name for one in self.desk.workspace.side_files(self.case)]
 
     def copy(self) -> None:
         """A copy of the case, and its page."""
@@ -197,6 +204,8 @@ class CasePage:
         place = "sweep" if wish.get("kind") == "sweep" else "speeds"
         self.desk.workspace.remember(self.case, place, str(wish.get("speeds", "")))
         self.desk.workspace.remember(self.case, "models", ",".join(map(str, wish.get("models", ()))))
+        if wish.get("sets"):
+            self.desk.workspace.remember(self.case, "sets", json.dumps(list(map(str, wish["sets"]))))
         self.looks = -1
 
     def cancel(self) -> None:

@@ -35,6 +35,10 @@ def link(words: str, href: str, classes: str = "", **attributes: str | None) -> 
     return tag("a", words, classes, href=href, **attributes)
 
 
+class Theme(ui.element, component="theme.js"):
+    """The button for light or dark, which tells how it stands."""
+
+
 class Form(ui.element, component="form.js"):
     """The form of a case: ``groups`` of fields as :func:`valvetrain.workbench.pages.forms.shown_groups` gives them."""
 
@@ -123,11 +127,14 @@ class Results(ui.element, component="results.js"):
 
 
 class Upload(ui.element, component="upload.js"):
-    """A file to send to ``url``."""
+    """A file to send to ``url``; ``many``: several together."""
 
-    def __init__(self, field: str, label: str, hint: str, url: str, accept: str, most: int, on_done: Handler | None = None) -> None:
+    def __init__(
+        self, field: str, label: str, hint: str, url: str, accept: str, most: int, on_done: Handler | None = None, many: bool = False
+    ) -> None:
         super().__init__()
-        for key, value in {"field": field, "label": label, "hint": hint, "url": url, "accept": accept, "most": most}.items():
+        told = {"field": field, "label": label, "hint": hint, "url": url, "accept": accept, "most": most, "many": many}
+        for key, value in told.items():
             self.props[key] = value
         if on_done is not None:
             self.on("done", on_done)

@@ -14,18 +14,21 @@ from valvetrain.workbench.form import Field, FieldGroup
 ENGINE_SPEED = "engine_speed"
 
 
-def shown_groups(groups: Sequence[FieldGroup]) -> list[dict[str, Any]]:
-    """Groups of fields with words, for the script of the form."""
+def shown_groups(groups: Sequence[FieldGroup], files: Sequence[str] = ()) -> list[dict[str, Any]]:
+    """Groups of fields with words, for the script of the form; ``files``: names that a field for a file suggests."""
     return [
-        {"key": group.key, "title": group.title, "fields": [_shown(field) for field in group.fields]} for group in groups if group.fields
+        {"key": group.key, "title": group.title, "fields": [_shown(field, files) for field in group.fields]}
+        for group in groups
+        if group.fields
     ]
 
 
-def _shown(field: Field) -> dict[str, Any]:
+def _shown(field: Field, files: Sequence[str]) -> dict[str, Any]:
+    choices = files if field.key.endswith(".file") else field.choices
     return {
         "key": field.key, "label": _head(field.label), "kind": field.kind, "text": field.value_text, "unit": field.unit,
         "limits": limit_words(field), "help": field.help, "source": field.source, "required": field.required,
-        "usual": field.default_text, "choices": list(field.choices),
+        "usual": field.default_text, "choices": list(choices),
     }  # fmt: skip
 
 
