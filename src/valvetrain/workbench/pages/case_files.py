@@ -25,7 +25,8 @@ class CaseFiles:
 
     def __init__(self, desk: Desk, case: CaseId, on_change: Callable[[], None]) -> None:
         self.desk, self.case, self.on_change = desk, case, on_change
-        files = self.desk.workspace.side_files(case)
+        self.shown: list[SideFile] = []
+        files = desk.workspace.side_files(case)
         with tag("details", classes="group", id="case-files", open="" if files else None):
             with tag("summary"):
                 tag("span", "Files of this case")
@@ -36,10 +37,17 @@ class CaseFiles:
                 hint = "A table of lifts, for instance: name it in the lift law, as in 'lift.csv'."
                 address = f"/upload/file?case={quote(case)}"
                 Upload("side-file", "Add a file", hint, address, "", desk.settings.most_upload, self.changed)
-        self.show(files)
+        self.fill(files)
 
-    def show(self, files: list[SideFile], refusal: str = "") -> None:
-        """The files as they lie there, and why one was not removed."""
+    def show(self) -> None:
+        """The files as they now lie there; nothing is sent where they are the same."""
+        files = self.desk.workspace.side_files(self.case)
+        if files != self.shown:
+            self.fill(files)
+
+    def fill(self, files: list[SideFile], refusal: str = "") -> None:
+        """List files, and why one was not removed."""
+        self.shown = files
         for place in (self.count, self.list, self.refusal):
             place.clear()
         with self.count:
@@ -62,7 +70,7 @@ class CaseFiles:
 
     def changed(self) -> None:
         """A file came or went."""
-        self.show(self.desk.workspace.side_files(self.case))
+        self.fill(self.desk.workspace.side_files(self.case))
         self.on_change()
 
     def remove(self, name: str) -> None:
@@ -70,6 +78,6 @@ class CaseFiles:
         try:
             self.desk.workspace.detach(self.case, name)
         except ValvetrainError as error:
-            self.show(self.desk.workspace.side_files(self.case), f"{error}.")
+            self.fill(self.desk.workspace.side_files(self.case), f"{error}.")
             return
         self.changed()

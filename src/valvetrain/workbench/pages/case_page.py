@@ -79,7 +79,7 @@ class CasePage:
                     tag("h2", "Case", id="inputs-title")
                     shown = shown_groups(groups, self.files())
                     self.form = Form(shown, [one["key"] for one in shown if one["key"]][:OPEN_GROUPS], self.change)
-                    CaseFiles(self.desk, self.case, self.refresh)
+                    self.beside = CaseFiles(self.desk, self.case, self.refresh)
                 with tag("div", classes="outputs"):
                     handlers: dict[str, Handler] = {
                         "begin": self.begin,
@@ -118,6 +118,7 @@ class CasePage:
         self.text, self.read, self.moved = self.desk.workspace.text(self.case), self.desk.workspace.read(self.case), None
         groups = form.fields(self.read)
         self.form.show(shown_groups(groups, self.files()))
+        self.beside.show()
         self.slider.show([*engine_speed(self.read), *sliding(groups)], "")
         self.order.tell(quantities=sliding(groups))
 

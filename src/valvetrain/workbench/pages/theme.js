@@ -11,5 +11,5 @@ export default {
     },
     follow(event) { if (event.key === "valvetrain-theme" && event.newValue) { this.show(event.newValue === "dark"); } },
   },
-  template: `<button type="button" class="button small" id="theme" :aria-pressed="dark ? 'true' : 'false'" @click="turn">Dark: {{ dark ? "on" : "off" }}</button>`,
+  template: `<div><button type="button" class="button small" id="theme" :aria-pressed="dark ? 'true' : 'false'" @click="turn">Dark: {{ dark ? "on" : "off" }}</button></div>`,
 };
