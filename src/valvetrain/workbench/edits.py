@@ -27,7 +27,7 @@ def with_value(text: str, key: str, text_value: str) -> str:
 
 def with_change(text: str, path: str, value: Any) -> str:
     """As :func:`with_value`, with the value as the file holds it; :data:`REMOVED` removes the key."""
-    document = _document(text)
+    document = opened(text)
     table: Any = document
     *heads, last = path.split(".")
     for depth, head in enumerate(heads):
@@ -49,7 +49,7 @@ def with_change(text: str, path: str, value: Any) -> str:
         del table[where]
     else:
         table[where] = value
-    return _dumped(document)
+    return saved(document)
 
 
 def with_name(text: str, name: str) -> str:
@@ -95,7 +95,8 @@ def named_files(tree: Any) -> list[str]:
     return found
 
 
-def _document(text: str) -> Any:
+def opened(text: str) -> Any:
+    """The case file ``text`` as a document whose comments stay. Raises :class:`InputError` for what is no TOML."""
     import tomlkit
     from tomlkit.exceptions import TOMLKitError
 
@@ -105,7 +106,8 @@ def _document(text: str) -> Any:
         raise InputError(f"is not valid TOML: {clipped(str(error), 160)}; correct the text first", "case") from None
 
 
-def _dumped(document: Any) -> str:
+def saved(document: Any) -> str:
+    """The text of a document of :func:`opened`."""
     import tomlkit
 
     return tomlkit.dumps(document)

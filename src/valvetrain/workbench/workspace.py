@@ -28,6 +28,8 @@ from valvetrain.workbench.form import read_change
 from valvetrain.workbench.kept import Run, RunFiles, delete_kept, file_of, kept_run, list_kept
 from valvetrain.workbench.names import case_name, checked_name, inside
 from valvetrain.workbench.side_files import CASE_FILE, SideFile, check_bounds, found_file, list_files, names_in, not_sent, plain_files
+from valvetrain.workbench.start_values import with_law
+from valvetrain.workbench.starts import with_addition
 from valvetrain.workbench.store import Store
 
 #: Name of a case in its workspace: that of its folder, and of the case itself.
@@ -190,6 +192,20 @@ class Workspace:
         text = with_change(before, path, value)
         self.parse(case, text)
         write_text(self._file(case), text)
+
+    def add_table(self, case: CaseId, key: str) -> None:
+        """Give a case a table it does not have, with values to begin with (:func:`valvetrain.workbench.starts.additions`).
+
+        Raises :class:`InputError`, and changes nothing, for a table that it may not get.
+        """
+        self.replace_text(case, with_addition(self.read(case), key))
+
+    def change_law(self, case: CaseId, kind: str) -> None:
+        """Give a case a lift law of another kind; what both kinds know stays.
+
+        Raises :class:`InputError`, and changes nothing, for a kind whose values cannot be told for it.
+        """
+        self.replace_text(case, with_law(self.read(case), kind, [one.name for one in self.side_files(case)]))
 
     def rename(self, case: CaseId, name: str) -> CaseId:
         """Give a case another name; the new id. Its earlier runs keep the name they were made under."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
@@ -12,19 +13,21 @@ from nicegui import events, ui
 from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.parameters.case import Case
 from valvetrain.workbench import form
+from valvetrain.workbench.form import FieldGroup
 from valvetrain.workbench.jobs import JobStatus
 from valvetrain.workbench.kept import Run
 from valvetrain.workbench.live import LiveResult
 from valvetrain.workbench.pages.case_files import CaseFiles
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Form, Handler, JobPanel, Order, Results, Slider, button, link, tag
-from valvetrain.workbench.pages.forms import ENGINE_SPEED, engine_speed, shown_groups, sliding
+from valvetrain.workbench.pages.forms import ENGINE_SPEED, engine_speed, shown_additions, shown_groups, sliding
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.job_words import job_shown
 from valvetrain.workbench.pages.live_chart import live_lines, live_numbers
-from valvetrain.workbench.pages.orders import choices_for, request_of
+from valvetrain.workbench.pages.orders import choices_for, models_for, request_of
 from valvetrain.workbench.pages.run_list import run_table
 from valvetrain.workbench.pages.run_view import earlier, run_head
+from valvetrain.workbench.starts import additions, removable
 from valvetrain.workbench.workspace import CaseId
 
 #: Time between two looks at a job (s), and how many of them are one where no job goes on.
@@ -77,8 +80,9 @@ class CasePage:
             with tag("div", classes="bench"):
                 with tag("section", classes="inputs", aria_labelledby="inputs-title"):
                     tag("h2", "Case", id="inputs-title")
-                    shown = shown_groups(groups, self.files())
-                    self.form = Form(shown, [one["key"] for one in shown if one["key"]][:OPEN_GROUPS], self.change)
+                    shown, more = self.shown(groups)
+                    changes: dict[str, Handler] = {"change": self.change, "add": self.add, "remove": self.remove}
+                    self.form = Form(shown, more, [one["key"] for one in shown if one["key"]][:OPEN_GROUPS], changes)
                     self.beside = CaseFiles(self.desk, self.case, self.refresh)
                 with tag("div", classes="outputs"):
                     handlers: dict[str, Handler] = {
@@ -109,18 +113,43 @@ class CasePage:
         try:
             self.desk.put(self.case, key, value)
         except ValvetrainError as error:
+            if key != "lift_law.kind" or not value:
+                return sentence_of(error, key)
+            return self.done(lambda: self.desk.workspace.change_law(self.case, value), key)
+        self.refresh()
+        return ""
+
+    def done(self, change: Callable[[], None], key: str) -> str:
+        """Make a change to the tables of the case; the refusal, empty where it was made."""
+        try:
+            change()
+        except ValvetrainError as error:
             return sentence_of(error, key)
         self.refresh()
         return ""
+
+    def add(self, event: events.GenericEventArguments) -> None:
+        """A table is to be added."""
+        key = str(event.args["key"])
+        self.form.answer(key, self.done(lambda: self.desk.workspace.add_table(self.case, key), key))
+
+    def remove(self, event: events.GenericEventArguments) -> None:
+        """A table is to be removed."""
+        key = str(event.args["key"])
+        self.form.answer(key, self.done(lambda: self.desk.workspace.set_value(self.case, key, ""), key))
+
+    def shown(self, groups: list[FieldGroup]) -> tuple[list[dict[str, Any]], list[dict[str, str]]]:
+        """Groups of the form, and tables that may be added, as its script takes them."""
+        return shown_groups(groups, self.files(), removable(self.read)), shown_additions(additions(self.read))
 
     def refresh(self) -> None:
         """Show the case as it stands."""
         self.text, self.read, self.moved = self.desk.workspace.text(self.case), self.desk.workspace.read(self.case), None
         groups = form.fields(self.read)
-        self.form.show(shown_groups(groups, self.files()))
+        self.form.show(*self.shown(groups))
         self.beside.show()
         self.slider.show([*engine_speed(self.read), *sliding(groups)], "")
-        self.order.tell(quantities=sliding(groups))
+        self.order.tell(quantities=sliding(groups), models=models_for(self.read))
 
     def files(self) -> list[str]:
         """Names of the files beside the case."""

@@ -40,20 +40,23 @@ class Theme(ui.element, component="theme.js"):
 
 
 class Form(ui.element, component="form.js"):
-    """The form of a case: ``groups`` of fields as :func:`valvetrain.workbench.pages.forms.shown_groups` gives them."""
+    """The form of a case: ``groups`` of fields and ``additions`` as :mod:`valvetrain.workbench.pages.forms` gives them."""
 
-    def __init__(self, groups: Sequence[Mapping[str, Any]], opened: Sequence[str], on_change: Handler) -> None:
+    def __init__(
+        self, groups: Sequence[Mapping[str, Any]], additions: Sequence[Mapping[str, str]], opened: Sequence[str], on: Mapping[str, Handler]
+    ) -> None:
         super().__init__()
-        self.props["groups"], self.props["open"] = list(groups), list(opened)
-        self.on("change", on_change)
+        self.props["groups"], self.props["additions"], self.props["open"] = list(groups), list(additions), list(opened)
+        for event, handler in on.items():
+            self.on(event, handler)
 
-    def show(self, groups: Sequence[Mapping[str, Any]]) -> None:
+    def show(self, groups: Sequence[Mapping[str, Any]], additions: Sequence[Mapping[str, str]]) -> None:
         """Other fields or values."""
-        self.props["groups"] = list(groups)
+        self.props["groups"], self.props["additions"] = list(groups), list(additions)
         self.update()
 
     def answer(self, key: str, sentence: str) -> None:
-        """The refusal of what was typed for ``key``; empty where it was taken."""
+        """The refusal of what was typed for ``key``, or of the table that was to be added or removed; empty where it was taken."""
         self.run_method("answer", key, sentence)
 
 

@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.words import number
 from valvetrain.report.words import rpm
 from valvetrain.workbench.form import Field, FieldGroup
+from valvetrain.workbench.starts import Addition
 
 #: Key of the engine speed among the quantities of a slider.
 ENGINE_SPEED = "engine_speed"
 
 
-def shown_groups(groups: Sequence[FieldGroup], files: Sequence[str] = ()) -> list[dict[str, Any]]:
-    """Groups of fields with words, for the script of the form; ``files``: names that a field for a file suggests."""
+def shown_groups(groups: Sequence[FieldGroup], files: Sequence[str] = (), removed: Collection[str] = ()) -> list[dict[str, Any]]:
+    """Groups of fields with words, for the script of the form.
+
+    ``files``: names that a field for a file suggests; ``removed``: keys of the tables that may be taken away.
+    """
     return [
-        {"key": group.key, "title": group.title, "fields": [_shown(field, files) for field in group.fields]}
+        {"key": group.key, "title": group.title, "fields": [_shown(field, files) for field in group.fields], "goes": group.key in removed}
         for group in groups
         if group.fields
     ]
+
+
+def shown_additions(found: Sequence[Addition]) -> list[dict[str, str]]:
+    """Tables that may be added, for the script of the form."""
+    return [{"key": one.key, "label": one.label, "help": one.help} for one in found]
 
 
 def _shown(field: Field, files: Sequence[str]) -> dict[str, Any]:

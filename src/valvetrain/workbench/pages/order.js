@@ -12,7 +12,11 @@ export default {
     // Every answer of the server brings the list anew: what counts is whether it says something else.
     offered() { return JSON.stringify(this.quantities); },
   },
-  watch: { offered() { this.changed(); } },
+  watch: {
+    offered() { this.changed(); },
+    // A case that got a spring or a lift law may be run by other models.
+    models() { this.models.forEach((one) => { if (!(one.word in this.chosen)) { this.chosen[one.word] = one.chosen; } }); },
+  },
   methods: {
     wish() {
       return { kind: this.kind, speeds: this.kind === "sweep" ? this.over : this.at, models: this.models.map((one) => one.word).filter((word) => this.chosen[word]),
