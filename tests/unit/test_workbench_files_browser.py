@@ -58,6 +58,8 @@ def test_the_chosen_spring_set_runs_and_is_remembered(bench, page, finished):
     answer = bench.answer(finished)
     assert answer["choices"]["spring_sets"] == ["performance"]
     assert {run["spring_set"] for run in answer["runs"]} == {"performance"}
+    page.goto(f"{bench.url}/run/{finished}")
+    assert page.locator(".facts").inner_text().endswith("performance")
     open_case(bench, page, TRAIN)
     assert page.get_by_label("performance", exact=True).is_checked() and not page.get_by_label("stock", exact=True).is_checked()
 
@@ -119,6 +121,7 @@ def test_a_table_is_put_beside_a_case_and_named_in_its_lift_law(bench, page, tmp
     page.locator("summary", has_text="Lift law").click()
     field = page.locator("#field-lift_law-file")
     assert page.locator("#field-lift_law-file-list option").evaluate_all("all => all.map((one) => one.value)") == ["lift.csv", "other.csv"]
+    assert field.input_value() == "lift.csv"
     field.fill("other.csv")
     field.press("Enter")
     page.wait_for_function("document.querySelector('#case-files li:last-child').textContent.includes('named by the case')")
@@ -131,5 +134,15 @@ def test_a_table_is_put_beside_a_case_and_named_in_its_lift_law(bench, page, tmp
     panel.get_by_role("button", name="Remove lift.csv").click()
     panel.get_by_role("button", name="Remove lift.csv").wait_for(state="detached")
     assert {path.name for path in (bench.folder / "cases" / "mine").iterdir()} == {"case.toml", "other.csv"}
+    page.select_option("#field-lift_law-kind", "polynomial")
+    page.locator("#field-lift_law-maximum_lift").wait_for()
+    assert bench.case("mine")["lift_law"]["kind"] == "polynomial"
+    page.locator("summary", has_text="Add to the case").click()
+    page.get_by_role("button", name="Add: Second spring").click()
+    page.wait_for_function("document.activeElement.id === 'field-spring-1-name'")
+    assert [one["preload"] for one in bench.case("mine")["spring"]] == ["250 N", "100 N"]
     page.set_viewport_size({"width": 390, "height": 900})
     nothing_serious(page)
+    page.get_by_role("button", name="Remove Spring, inner").click()
+    page.get_by_role("button", name="Remove Spring, inner").wait_for(state="detached")
+    assert len(bench.case("mine")["spring"]) == 1

@@ -39,12 +39,12 @@ def at(tree, key):
 def test_every_table_that_is_offered_is_taken_shown_and_removed_again(name):
     text = TEXTS[name]
     case, before = read(text), tomllib.loads(text)
-    offered = additions(case)
+    offered = additions(case, text)
     assert len({one.key for one in offered}) == len(offered)
     for one in offered:
-        made = with_addition(case, one.key)
+        made = with_addition(case, text, one.key)
         found = read(made)
-        assert one.key in removable(found) and one.key not in [other.key for other in additions(found)]
+        assert one.key in removable(found, made) and one.key not in [other.key for other in additions(found, made)]
         assert any(group.key == one.key for group in fields(made)), "the form has it"
         assert any(field.source.startswith("assumed") for group in fields(made) for field in group.fields if group.key == one.key)
         assert [line for line in text.splitlines() if "#" in line and line not in made.splitlines()] == [], "comments stay"
@@ -61,8 +61,8 @@ def test_a_second_spring_fits_inside_the_first(name):
     """By the definition of a helix: outer diameter of the inner one is the inner diameter of the outer one less the gap."""
     text = TEXTS["gu2021-beehive"].replace('value = "right"', 'value = "left"', 1) if name == "beehive wound left" else TEXTS[name]
     case = read(text)
-    for key in [one.key for one in additions(case) if one.key.endswith(".1")]:
-        found = read(with_addition(case, key))
+    for key in [one.key for one in additions(case, text) if one.key.endswith(".1")]:
+        found = read(with_addition(case, text, key))
         outer, inner = found.springs or found.train.springs[key.split(".")[2]]
         if outer.wire is None:
             assert inner.card.rate == pytest.approx(0.4 * outer.card.rate, rel=1e-2)
@@ -77,8 +77,9 @@ def test_a_second_spring_fits_inside_the_first(name):
 
 
 def test_a_gas_load_that_was_just_added_changes_nothing():
-    case = read(TEXTS["direct"])
-    runs = [simulate(one, ["3000 rpm"], spring_models=["massless"]).solutions[0] for one in (case, read(with_addition(case, "train.gas")))]
+    case, text = read(TEXTS["direct"]), TEXTS["direct"]
+    pair = (case, read(with_addition(case, text, "train.gas")))
+    runs = [simulate(one, ["3000 rpm"], spring_models=["massless"]).solutions[0] for one in pair]
     assert runs[0].quantities and dict(runs[0].quantities) == pytest.approx(dict(runs[1].quantities), rel=0, abs=0, nan_ok=True)
 
 
@@ -88,9 +89,10 @@ def test_a_gas_load_that_was_just_added_changes_nothing():
      'spring.preload = "250 N"\nspring.rate = "32 N/mm"', '[[spring]]\npreload = "250 N"\nrate = "32 N/mm"'],
 )  # fmt: skip
 def test_however_a_spring_is_written_it_gets_a_second_or_a_sentence(spring):
-    case = read(spring + "\n[lift_law]\nkind = 'zero'\n")
+    text = spring + "\n[lift_law]\nkind = 'zero'\n"
+    case = read(text)
     try:
-        found = read(with_addition(case, "spring.1"))
+        found = read(with_addition(case, text, "spring.1"))
     except InputError as error:
         assert "add it to the case file itself" in str(error)
         return
@@ -124,18 +126,21 @@ def test_a_lift_law_of_another_kind_keeps_what_both_know_and_assumes_the_rest(tm
     assert tree["opening_start"] == "115 deg" and tree["opening_end"]["status"] == "assumed"
 
 
-def test_a_table_beside_the_case_becomes_its_lift_law(tmp_path):
+@pytest.mark.parametrize("kind", ["table", "spline", "measured"])
+def test_a_table_beside_the_case_becomes_its_lift_law(tmp_path, kind):
     workspace = Workspace(tmp_path)
     name = workspace.upload("small.toml", SMALL.encode())
     with pytest.raises(InputError, match="below 'Files of this case'"):
-        workspace.change_law(name, "table")
+        workspace.change_law(name, kind)
     workspace.attach(name, "lift.txt", LIFTS)
-    workspace.change_law(name, "table")
+    workspace.change_law(name, kind)
     law = workspace.read(name).lift_law
-    assert max(law.values["lifts"]) == pytest.approx(9e-3) and law.values["cam_angles"][np.argmax(law.values["lifts"])] == pytest.approx(
+    assert max(law.values["lifts"]) == pytest.approx(9e-3, rel=1e-3) and law.values["cam_angles"][np.argmax(law.values["lifts"])] == pytest.approx(
         np.pi
     )
     tree = tomllib.loads(workspace.text(name))["lift_law"]
+    workspace.add_table(name, "spring.1")
+    assert "# weighed" in workspace.text(name) and tomllib.loads(workspace.text(name))["lift_law"] == tree, "the file stays named"
     assert tree["file"] == "lift.txt" and tree["lift_unit"] == {"value": "mm", "status": "assumed", "source": "to begin with; put your own"}
 
 
@@ -147,4 +152,4 @@ def test_a_kind_whose_values_cannot_be_told_is_refused_and_changes_nothing(tmp_p
         workspace.change_law(name, kind)
     assert workspace.text(name) == SMALL
     with pytest.raises(InputError):
-        with_law(read(TEXTS["uniform-spring"]), "polynomial", [])
+        with_law(TEXTS["uniform-spring"], "polynomial", [])

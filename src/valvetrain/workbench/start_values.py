@@ -10,7 +10,6 @@ import numpy as np
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.parameters.case import Case
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
@@ -33,7 +32,7 @@ PARTS: dict[str, tuple[str, str, Mapping[str, str]]] = {
 _LAW = {
     "maximum_lift": "9 mm", "opening_start": "115 deg", "opening_end": "180 deg", "closing_start": "180 deg", "closing_end": "245 deg",
 }  # fmt: skip
-_OF_FILES = {"angle_of": "cam", "angle_unit": "deg", "lift_unit": "mm"}
+_OF_FILES = {"lift_of": "valve", "angle_of": "cam", "angle_unit": "deg", "lift_unit": "mm"}
 
 
 def assumed(value: Any) -> dict[str, Any]:
@@ -41,13 +40,13 @@ def assumed(value: Any) -> dict[str, Any]:
     return {"value": value, "status": "assumed", "source": _SOURCE}
 
 
-def with_law(case: Case, kind: str, files: Sequence[str]) -> str:
-    """The text of ``case`` with a lift law of another ``kind``: what both kinds know stays, the rest begins with values said to be assumed.
+def with_law(text: str, kind: str, files: Sequence[str]) -> str:
+    """The case file ``text`` with a lift law of another ``kind``: what both kinds know stays, the rest is assumed to begin with.
 
     ``files``: names of the files beside the case, of which a law that reads one gets the first. Raises :class:`InputError` for an unknown
     kind, and for one that reads a file where there is none.
     """
-    document = opened(case.text)
+    document = opened(text)
     if kind not in registry.words("lifts") or "lift_law" not in document:
         raise InputError(f"kind '{kind[:40]}' of a lift law is unknown; {nearest(kind, registry.words('lifts'))}", "lift_law.kind")
     law, known = document["lift_law"], registry.find("lifts", kind).table.model_fields
@@ -57,12 +56,11 @@ def with_law(case: Case, kind: str, files: Sequence[str]) -> str:
     reads = "file" in known and "file" not in law and "lifts" not in law
     if reads and not files:
         raise InputError(f"a lift law of kind '{kind}' reads a file; add it below 'Files of this case' first", "lift_law.kind")
-    starts = ({"file": files[0]} if reads else {}) | (
-        _OF_FILES if "file" in known else {name: _LAW[name] for name in _LAW if known.get(name)}
-    )
-    for name, value in starts.items():
-        if name in known and name not in law and (reads or name == "file" or known[name].is_required()):
-            law[name] = value if name == "file" else assumed(value)
+    if reads:
+        law["file"] = files[0]
+    for name, value in (_OF_FILES if reads else _LAW).items():
+        if name in known and name not in law and (reads or known[name].is_required()):
+            law[name] = assumed(value)
     return saved(document)
 
 

@@ -32,20 +32,22 @@ class Addition:
     help: str
 
 
-def additions(case: Case) -> list[Addition]:
-    """Tables that ``case`` does not have and may get, in the order of a file.
+def additions(case: Case, text: str) -> list[Addition]:
+    """Tables that ``case``, read from ``text``, does not have and may get, in the order of a file.
 
     >>> from valvetrain.parameters.loading import load_case
-    >>> [one.key for one in additions(load_case("tdi-pushrod"))][:2]
+    >>> case = load_case("tdi-pushrod")
+    >>> [one.key for one in additions(case, case.text)][:2]
     ['train.springs.stock.1', 'train.springs.performance.1']
     """
+    tree = tomllib.loads(text)
     found = []
     if case.train is None and not case.springs:
         found.append(Addition("spring", "Spring", "a spring by its wire"))
     for key, springs, words in _places(case):
         for place, spring in enumerate(springs):
             if spring.wire is not None and spring.guide is None:
-                whose = f"{key}.{place}" if isinstance(_at(case, key.split(".")), list) else key
+                whose = f"{key}.{place}" if isinstance(_table(tree, key.split(".")), list) else key
                 found.append(
                     Addition(f"{whose}.guide", f"Guide{words}{_which(springs, place)}", "a bore around the spring, or a rod inside it")
                 )
@@ -58,24 +60,25 @@ def additions(case: Case) -> list[Addition]:
     return sorted(found, key=lambda one: one.key.endswith(".guide"))
 
 
-def removable(case: Case) -> frozenset[str]:
-    """Key paths of tables that ``case`` may lose again."""
+def removable(case: Case, text: str) -> frozenset[str]:
+    """Key paths of tables that ``case``, read from ``text``, may lose again."""
+    tree = tomllib.loads(text)
     found = {f"train.{name}" for name in PARTS if case.train is not None and getattr(case.train, name) is not None}
     for key, springs, _ in _places(case):
-        listed = isinstance(_at(case, key.split(".")), list)
+        listed = isinstance(_table(tree, key.split(".")), list)
         found |= {f"{key}.{place}.guide" if listed else f"{key}.guide" for place, one in enumerate(springs) if one.guide is not None}
         found |= {f"{key}.1"} if len(springs) == 2 else set()
     return frozenset(found | ({"lift_law"} if case.lift_law is not None and case.springs else set()))
 
 
-def with_addition(case: Case, key: str) -> str:
-    """The text of ``case`` with the table at ``key``, a key of :func:`additions`. Raises :class:`InputError` for another."""
-    keys = [one.key for one in additions(case)]
+def with_addition(case: Case, text: str, key: str) -> str:
+    """The ``text`` of ``case`` with the table at ``key``, a key of :func:`additions`. Raises :class:`InputError` for another."""
+    keys = [one.key for one in additions(case, text)]
     if key not in keys:
         raise InputError(f"'{key[:60]}' is no table that this case may get; {nearest(key, keys)}", "table")
-    document = opened(case.text)
+    document = opened(text)
     *heads, last = key.split(".")
-    before = _at(case, heads)
+    before = _table(tomllib.loads(text), heads)
     if last == "1":
         start = inner_spring(_springs(case, ".".join(heads))[0], _first(before))
         due: Any = [_first(before), start]
@@ -84,13 +87,12 @@ def with_addition(case: Case, key: str) -> str:
         start = _start(case, heads, last)
         due = before | {last: start}
         _table(document, heads)[last] = start
-    text = saved(document)
-    written = None
+    made, written = saved(document), None
     with suppress(ValueError, LookupError, TypeError):
-        written = _table(tomllib.loads(text), heads)
+        written = _table(tomllib.loads(made), heads)
     if written != due:
         raise InputError("this case is written in a way that takes no table here; add it to the case file itself", key)
-    return text
+    return made
 
 
 def _start(case: Case, heads: Sequence[str], name: str) -> dict[str, Any]:
@@ -126,7 +128,7 @@ def _nest(document: Any, heads: Sequence[str], inner: Mapping[str, Any]) -> None
 
 
 def _table(document: Any, heads: Sequence[str]) -> Any:
-    """What stands at ``heads`` in a document."""
+    """What stands at ``heads`` in a document or the tree of a file."""
     for head in heads:
         document = document[int(head)] if isinstance(document, list) else document[head]
     return document
@@ -153,8 +155,3 @@ def _first(springs: Any) -> Mapping[str, Any]:
     """The table of the first of ``springs``, a table or a list of them."""
     found: Mapping[str, Any] = springs[0] if isinstance(springs, list) else springs
     return found
-
-
-def _at(case: Case, heads: Sequence[str]) -> Any:
-    """What stands at ``heads`` in the file of ``case``."""
-    return _table(tomllib.loads(case.text), heads)

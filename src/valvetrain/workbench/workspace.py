@@ -198,14 +198,14 @@ class Workspace:
 
         Raises :class:`InputError`, and changes nothing, for a table that it may not get.
         """
-        self.replace_text(case, with_addition(self.read(case), key))
+        self.replace_text(case, with_addition(self.read(case), self.text(case), key))
 
     def change_law(self, case: CaseId, kind: str) -> None:
         """Give a case a lift law of another kind; what both kinds know stays.
 
         Raises :class:`InputError`, and changes nothing, for a kind whose values cannot be told for it.
         """
-        self.replace_text(case, with_law(self.read(case), kind, [one.name for one in self.side_files(case)]))
+        self.replace_text(case, with_law(self.text(case), kind, [one.name for one in self.side_files(case)]))
 
     def rename(self, case: CaseId, name: str) -> CaseId:
         """Give a case another name; the new id. Its earlier runs keep the name they were made under."""

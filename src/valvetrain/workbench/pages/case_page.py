@@ -68,7 +68,7 @@ class CasePage:
 
     def build(self) -> None:
         """Make the page."""
-        groups = form.fields(self.read)
+        groups = form.fields(self.text)
         kept = self.desk.workspace.remembered(self.case)
         with frame(self.read.title or self.case):
             with tag("div", classes="split"):
@@ -140,12 +140,12 @@ class CasePage:
 
     def shown(self, groups: list[FieldGroup]) -> tuple[list[dict[str, Any]], list[dict[str, str]]]:
         """Groups of the form, and tables that may be added, as its script takes them."""
-        return shown_groups(groups, self.files(), removable(self.read)), shown_additions(additions(self.read))
+        return shown_groups(groups, self.files(), removable(self.read, self.text)), shown_additions(additions(self.read, self.text))
 
     def refresh(self) -> None:
         """Show the case as it stands."""
         self.text, self.read, self.moved = self.desk.workspace.text(self.case), self.desk.workspace.read(self.case), None
-        groups = form.fields(self.read)
+        groups = form.fields(self.text)
         self.form.show(*self.shown(groups))
         self.beside.show()
         self.slider.show([*engine_speed(self.read), *sliding(groups)], "")
