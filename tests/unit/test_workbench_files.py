@@ -1,6 +1,6 @@
 """Files beside a case and tests over a run: put there, listed, handed out and taken away over the addresses of the server, all guarded.
 
-Evidence: what stands on disk afterwards, the reader of case files on it, and contract of HTTP as browsers keep it.
+Evidence: what stands on disk afterwards, the reader of case files on it, contract of HTTP as browsers keep it, names and bytes of any kind.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ import zipfile
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from valvetrain.errors import InputError
 from valvetrain.studies.run_store import find_run, kept_runs
@@ -79,10 +81,10 @@ def client(workspace):
     from valvetrain.workbench.safety import Guard
     from valvetrain.workbench.settings import ServeSettings
 
-    app, settings = FastAPI(), ServeSettings(most_body=200_000)
+    app, bounds = FastAPI(), ServeSettings(most_body=200_000)
     with Jobs(workspace) as jobs:
-        files.register(app, Desk(workspace, jobs, settings))
-        app.add_middleware(Guard, settings=settings)
+        files.register(app, Desk(workspace, jobs, bounds))
+        app.add_middleware(Guard, settings=bounds)
         yield Browser(app)
 
 
@@ -237,3 +239,20 @@ def test_tests_over_a_run_lead_nowhere_else(workspace, client, tmp_path):
     assert answer.status_code == 404 and answer.text, "a run without curves says so"
     for name in BAD_NAMES:
         assert client.post("/upload/test", params={"run": name, "name": "a.csv"}, content=b"1").json()["refusal"]
+
+
+_PART = b'--x\r\nContent-Disposition: form-data; name="file"; filename="%s"\r\n\r\n%s\r\n'
+
+
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(name=st.text(max_size=30), content=st.binary(max_size=60), torn=st.integers(0, 40))
+def test_whatever_is_sent_is_answered_in_a_sentence(workspace, client, name, content, torn):
+    """Names and contents of any kind, whole and torn off; what is no sentence would be raised here."""
+    body = _PART % (b"a.toml", content) + _PART % (name.encode("utf-8", "replace").replace(b"\n", b" "), content) + b"--x--\r\n"
+    form = OURS | {"content-type": "multipart/form-data; boundary=x"}
+    answer = client.post("/upload/case", content=body[: len(body) - torn], headers=form)
+    assert answer.status_code == 200 and answer.json()["refusal"]
+    for path in ("/upload/file", "/upload/test"):
+        answer = client.post(path, params={"case": "small", "run": "small/x", "name": name}, content=content)
+        assert answer.status_code == 200 and answer.json()["refusal"]
+    assert not workspace.cases() and not list(workspace.runs_folder.iterdir())

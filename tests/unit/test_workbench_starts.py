@@ -135,9 +135,8 @@ def test_a_table_beside_the_case_becomes_its_lift_law(tmp_path, kind):
     workspace.attach(name, "lift.txt", LIFTS)
     workspace.change_law(name, kind)
     law = workspace.read(name).lift_law
-    assert max(law.values["lifts"]) == pytest.approx(9e-3, rel=1e-3) and law.values["cam_angles"][np.argmax(law.values["lifts"])] == pytest.approx(
-        np.pi
-    )
+    lifts, angles = law.values["lifts"], law.values["cam_angles"]
+    assert max(lifts) == pytest.approx(9e-3, rel=1e-3) and angles[np.argmax(lifts)] == pytest.approx(np.pi)
     tree = tomllib.loads(workspace.text(name))["lift_law"]
     workspace.add_table(name, "spring.1")
     assert "# weighed" in workspace.text(name) and tomllib.loads(workspace.text(name))["lift_law"] == tree, "the file stays named"
