@@ -145,12 +145,17 @@ def test_a_table_beside_the_case_becomes_its_lift_law(tmp_path, kind):
     assert tree["file"] == "lift.txt" and tree["lift_unit"] == {"value": "mm", "status": "assumed", "source": "to begin with; put your own"}
 
 
-@pytest.mark.parametrize("kind", ["stations", "ramped", "three-arc", "nonsense", ""])
-def test_a_kind_whose_values_cannot_be_told_is_refused_and_changes_nothing(tmp_path, kind):
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [("stations", "'cam_angles' is missing"), ("ramped", "'ramp_lift' is missing"), ("three-arc", "'base_radius' is missing"),
+     ("nonsense", "unknown"), ("", "unknown")],
+)  # fmt: skip
+def test_a_kind_whose_values_cannot_be_told_is_refused_and_changes_nothing(tmp_path, kind, words):
     workspace = Workspace(tmp_path)
     name = workspace.upload("small.toml", SMALL.encode())
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match=words) as refused:
         workspace.change_law(name, kind)
+    assert refused.value.where == "lift_law.kind"
     assert workspace.text(name) == SMALL
     with pytest.raises(InputError):
         with_law(TEXTS["uniform-spring"], "polynomial", [])

@@ -205,7 +205,12 @@ class Workspace:
 
         Raises :class:`InputError`, and changes nothing, for a kind whose values cannot be told for it.
         """
-        self.replace_text(case, with_law(self.text(case), kind, [one.name for one in self.side_files(case)]))
+        text = with_law(self.text(case), kind, [one.name for one in self.side_files(case)])
+        try:
+            self.replace_text(case, text)
+        except InputError as error:
+            told = f"kind '{kind}' needs more than this lift law tells ({error.reason})"
+            raise InputError(f"{told}; write its table in the downloaded case, and open that", "lift_law.kind") from None
 
     def rename(self, case: CaseId, name: str) -> CaseId:
         """Give a case another name; the new id. Its earlier runs keep the name they were made under."""
