@@ -62,8 +62,8 @@ TRIED, STILL = np.arange(480.0, 960.0, 5.0), 90.0
 
 @dataclass(frozen=True)
 class Reading:
-    """One run: least and largest force of Stage I (N), the sine in it while the retainer stands still (N) and its frequency (Hz), the valley
-    of Stage II (N; deg) where it has two maxima, the largest force of Stage III at any instant (N)."""
+    """One run: least and largest force of Stage I (N), the sine in it while the retainer stands still (N) and its frequency (Hz), the
+    valley of Stage II (N; deg) where it has two maxima, the largest force of Stage III at any instant (N)."""
 
     least: float
     largest: float

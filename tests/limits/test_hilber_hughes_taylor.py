@@ -134,3 +134,10 @@ def test_an_alpha_that_would_grow_is_refused():
         HilberHughesTaylor(0.1)
     with pytest.raises(InputError, match="from -1/3 to 0"):
         HilberHughesTaylor(-0.5)
+
+
+def test_a_step_without_balance_ends_the_run_with_a_status(monkeypatch):
+    monkeypatch.setattr("valvetrain.integrate.hht.ROUNDS", 0)
+    found = run(PrescribedSpring((OSCILLATOR,), Pluck(1e-3, 0.1)), 100.0, Cycles(1), RunOptions(36, integrator="hht"))
+    assert not found.status.completed and found.status.time == 0.0
+    assert found.channel("seat_force") == pytest.approx([OSCILLATOR.layout.rate * 10e-3])

@@ -1,4 +1,4 @@
-"""Implicit time integration of Hilber, Hughes and Taylor (1977) for the chain of masses under prescribed motion.
+"""Implicit time integration of Hilber, Hughes and Taylor (hilber1977) for the chain of masses under prescribed motion.
 
 M a' + (1 + alpha) f(x', v') - alpha f(x, v) = 0 with Newmark's x' and v' (equations 5 to 8 of the paper), beta = (1 - alpha)**2 / 4 and
 gamma = 1/2 - alpha; f holds elements, dampers and coil contacts. Each step is solved by Newton's method with the consistent tangent, the
@@ -152,7 +152,8 @@ class _Stepping:
     def turn(
         self, state: Array, motion: Array, place: Array, rate: Array, every: int, ends: Array, states: Array, pressed: Array
     ) -> tuple[int, Array]:
-        """One cam turn from ``state`` (changed) and its accelerations ``motion``; returns the steps done plus one, and the accelerations.
+        """One cam turn from ``state`` (changed) and its accelerations ``motion``; returns the last step with known forces, one more when all
+        are known, and the accelerations.
 
         Kept states hold the velocity half a step earlier, as the leapfrog's do.
         """
@@ -172,7 +173,7 @@ class _Stepping:
             lost = self.forces.loss(self._all(x, v, place[step], rate[step])[1], now[2], now[4])
             found = self._solve(x + h * v + h * h * (0.5 - beta) * a, v + h * (1 - gamma) * a, a, now[0], place[step + 1], rate[step + 1])
             if found is None:
-                return step + 1, a
+                return step, a
             x, v, a, now = found
             after = self.forces.loss(self._all(x, v, place[step + 1], rate[step + 1])[1], now[2], now[4])
             state[2 * n] += h * (lost + after) / 2

@@ -115,6 +115,7 @@ class Leapfrog:
 def run_status(
     system: PrescribedSpring, until: Until, reached: bool, change: float, tolerance: float, turn: int, time: float, cam_speed: float
 ) -> Status:
+    """How a run of one spring ended: ``reached`` its end or diverged at ``time`` (s), or still changing by ``change`` per turn."""
     if not reached:
         where = np.degrees(cam_speed * time % TURN)
         return Status(
