@@ -152,8 +152,8 @@ class _Stepping:
     def turn(
         self, state: Array, motion: Array, place: Array, rate: Array, every: int, ends: Array, states: Array, pressed: Array
     ) -> tuple[int, Array]:
-        """One cam turn from ``state`` (changed) and its accelerations ``motion``; returns the last step with known forces, one more when all
-        are known, and the accelerations.
+        """One cam turn from ``state`` (changed) and its accelerations ``motion``; returns the last step whose forces are known, plus one
+        where that is the last of all, and the accelerations.
 
         Kept states hold the velocity half a step earlier, as the leapfrog's do.
         """
