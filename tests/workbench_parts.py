@@ -6,7 +6,14 @@ import os
 import sys
 import time
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
+
+from valvetrain.studies.run_store import Inputs, keep, link_latest, new_folder
+from valvetrain.workbench.workspace import Workspace
+
+#: Names that nothing of a workspace may bear.
+BAD_NAMES = ("../x", "..", "a/b", "a\\b", "/etc/passwd", "", ".hidden", "a\0b", "CON", "x" * 300, "a..b", "-x", "a:b", "a\nb")
 
 #: A spring known by its card under a short lift: reads and runs at once.
 SMALL = """
@@ -84,3 +91,14 @@ def lives(number: int) -> bool:
     except (OSError, IndexError):
         return False
     return state != "Z"
+
+
+def kept(workspace: Workspace, case: str = "small", created: str = "2026-01-01T00:00:00+00:00", **files: str) -> str:
+    """A run as the run store keeps it, with text files (an underscore stands for the dot); its id."""
+    inputs, at = Inputs(case, SMALL, {}, {"spring_models": ["massless"], "engine_speeds": [4000.0]}), datetime.fromisoformat(created)
+    folder = new_folder(inputs, at, workspace.runs_folder)
+    for name, text in files.items():
+        (folder / name.replace("_", ".")).write_text(text)
+    answer = {"case": case, "command": "run", "created_at": created, "completed": True, "files": [*(n.replace("_", ".") for n in files)]}
+    link_latest(keep(folder, inputs, answer).folder)
+    return folder.relative_to(workspace.runs_folder).as_posix()

@@ -105,6 +105,8 @@ _HOMES = {
     "simulate": "studies.api",
     "compare": "studies.api",
     "sweep": "studies.api",
+    "fidelity": "studies.fidelity",
+    "FidelityMap": "solution.fidelity",
     "critical_speeds": "studies.api",
     "static_curve": "studies.api",
     "refine": "studies.refined",
@@ -210,6 +212,7 @@ if TYPE_CHECKING:
     from valvetrain.solution.comparison import Comparison as Comparison
     from valvetrain.solution.critical import CriticalSpeeds as CriticalSpeeds
     from valvetrain.solution.event import Event as Event
+    from valvetrain.solution.fidelity import FidelityMap as FidelityMap
     from valvetrain.solution.modal import ModalResult as ModalResult
     from valvetrain.solution.netcdf import load_netcdf as load_netcdf
     from valvetrain.solution.netcdf import save_netcdf as save_netcdf
@@ -242,6 +245,7 @@ if TYPE_CHECKING:
     from valvetrain.studies.batch import map_cases as map_cases
     from valvetrain.studies.compare_test import ModelAgainstTest as ModelAgainstTest
     from valvetrain.studies.compare_test import compare_with_test as compare_with_test
+    from valvetrain.studies.fidelity import fidelity as fidelity
     from valvetrain.studies.film_model import FilmedModel as FilmedModel
     from valvetrain.studies.film_model import film_over_model as film_over_model
     from valvetrain.studies.lift_band import lift_band_study as lift_band_study

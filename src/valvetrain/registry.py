@@ -38,6 +38,7 @@ BUILT_IN["commands"] = {
     "study": "valvetrain.cli.study:register",
     "optimise": "valvetrain.cli.optimise:register",
     "run-up": "valvetrain.cli.run_up:register",
+    "fidelity": "valvetrain.cli.fidelity:register",
     "static": "valvetrain.cli.static:register",
     "modes": "valvetrain.cli.modes:register",
     "refine": "valvetrain.cli.refine:register",
@@ -144,6 +145,7 @@ BUILT_IN["sources"] = {key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021
 #: In the order of the page: what answers first, what a paper says only after it.
 BUILT_IN["sections"] = {
     "answers": "valvetrain.report.sections.answers:SPEC",
+    "fidelity": "valvetrain.report.sections.fidelity:SPEC",
     "critical-speeds": "valvetrain.report.sections.critical:SPEC",
     "sweep": "valvetrain.report.sections.sweep:SPEC",
     "published": "valvetrain.report.sections.published:SPEC",

@@ -54,7 +54,8 @@ EVERYWHERE: dict[str, float] = {
 APART = {
     ("contact/law.py", "exponent"): 1.0, ("contact/law.py", "restitution"): 1.0, ("contact/flores.py", "states"): 2,
     ("contact/lankarani_nikravesh.py", "states"): 2, ("mechanism/parts.py", "states"): {0, 1}, ("report/chart.py", "width"): 1.7,
-    ("report/svg_chart.py", "weight"): 400, ("cosserat/static.py", "tolerance"): 1e-5, ("cosserat/static.py", "turns"): False,
+    ("report/svg_chart.py", "weight"): 400,
+    ("solution/fidelity.py", "tolerance"): 0.05, ("cosserat/static.py", "tolerance"): 1e-5, ("cosserat/static.py", "turns"): False,
 } | {  # draws of studies and searches
     (f"{file}.py", "seed"): 1
     for file in (

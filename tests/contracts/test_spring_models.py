@@ -93,6 +93,16 @@ def test_kernel_gives_the_forces_of_the_class_and_zero_step_keeps_the_state(name
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("displacement", [0.0, 4e-3])
+def test_a_spring_at_rest_presses_seat_and_retainer_alike(name, displacement):
+    """Action and reaction; and more where it is compressed further."""
+    model = MODELS[name]
+    forces = model.force(model.initial_state(displacement), displacement)
+    assert forces.seat == pytest.approx(forces.retainer, rel=1e-4) and forces.seat > 100.0
+    assert displacement == 0.0 or forces.seat > model.force(model.initial_state(0.0), 0.0).seat + 20.0
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_tangent_equals_finite_difference(name):
     model, step = MODELS[name], 1e-9
     for seed in (1, 2, 3):

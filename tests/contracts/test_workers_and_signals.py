@@ -92,6 +92,7 @@ def test_a_sweep_that_is_stopped_keeps_what_was_finished(tmp_path, number):
     states = [one["status"]["code"] for one in answer["runs"]]
     assert len(states) == 161 and states.count("interrupted") == 161 - sum(code != "interrupted" for code in states) > 0
     assert sum(bool(one["quantities"]) for one in answer["runs"]) >= 3 and not answer["completed"]
+    assert f"interrupted: {161 - states.count('interrupted')} of 161 runs were finished" in errors
     assert not (tmp_path / "out" / ROWS).exists() and not list(tmp_path.rglob("*.part"))
 
 

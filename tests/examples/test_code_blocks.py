@@ -48,6 +48,8 @@ QUICK = (
     'valvetrain serve --most-running 2 --limit "30 min" --limit "8 GB"',
 )  # fmt: skip
 SLOW = (
+    "valvetrain fidelity gu2021-beehive --engine-speed 3000:9000:500",
+    'valvetrain fidelity my-engine.toml --engine-speed 2000:9000:500 --tolerance "3 %" --spring massless,multi-mass',
     "valvetrain sweep my-train.toml --engine-speed 3000:8000:250",
     'valvetrain lift lobe.dat --case own.toml --engine-speed "6000 rpm" --search "4000:9000:500 rpm"',
     "valvetrain animate gu2021-beehive --output beehive.gif",
@@ -144,8 +146,9 @@ def test_a_quick_command_of_a_page_runs(folder, quiet_rim, line):
 def test_a_command_of_a_page_runs(folder, line):
     if "FOLDER" in line:
         sample_scan.main(folder, 20_000)
-    if "my-train" in line and not (folder / "my-train.toml").exists():
-        run(folder, QUICK[0])
+    for name in ("my-train", "my-engine"):
+        if name in line and not (folder / f"{name}.toml").exists():
+            run(folder, f"valvetrain new {name} --kind pushrod")
     if "latest" in line:
         run(folder, "valvetrain run vaz-ohc")
     assert run(folder, line.replace("FOLDER", str(folder)))

@@ -13,6 +13,8 @@ import pytest
 from scipy.stats import norm
 
 import valvetrain as vt
+from valvetrain.report.identification_page import identification_page
+from valvetrain.report.page import render
 
 #: Three linear data of two quantities, with normal priors.
 SLOPES = np.array([[1.0, 1.0], [2.0, -2.0], [0.5, 1.0]])
@@ -115,6 +117,8 @@ def test_both_branches_are_found_and_weighed(search: vt.Search) -> None:
     """Shares by the densities of ``sum`` at either sign: normal of variance 1 + 0.3^2 about zero."""
     priors = {"offset": vt.Prior("uniform", -2.0, 3.0), "other": vt.Prior("normal", centre=0.0, spread=1.0)}
     got = vt.identify(priors, [vt.Datum("square", 1.0, 0.1), vt.Datum("sum", 0.5, 0.3)], square, search=search)
+    page = render(identification_page("two", got))
+    assert [f"Branch {place}:" in page for place in range(4)] == [False, True, True, False]
     due = norm.pdf([0.5, 1.5], 0.0, math.sqrt(1.09))
     assert [math.copysign(1, branch.quantities["offset"].best) for branch in got.branches] == [1.0, -1.0]
     assert got.branches[0].share == pytest.approx(due[0] / due.sum(), abs=0.12)

@@ -175,6 +175,20 @@ def test_an_array_that_claims_more_than_it_holds_is_refused(tmp_path):
         read_recording(tmp_path / "it.h5")
 
 
+def test_a_compressed_mat_whose_numbers_are_not_those_of_its_checksum_is_refused(tmp_path):
+    """The last four bytes of an element's stream are the checksum of what it holds (RFC 1950)."""
+    from scipy import io
+
+    path = tmp_path / "it.mat"
+    io.savemat(path, {"data": np.arange(80.0)}, do_compression=True)
+    assert read_recording(path).names == ("data",)
+    content = bytearray(path.read_bytes())
+    content[-1] ^= 1
+    path.write_bytes(bytes(content))
+    with pytest.raises(InputError, match="damaged"):
+        read_recording(path)
+
+
 def test_mat_objects_and_structures_are_left_alone(tmp_path):
     from scipy import io
 

@@ -124,6 +124,7 @@ REQUESTS = {
     "simulate": lambda limit: vt.simulate("job-t", "2000 rpm", limit=limit),
     "compare": lambda limit: vt.compare("job-t", ["massless", "wave-rod"], "2000 rpm", limit=limit),
     "sweep": lambda limit: vt.sweep("job-t", "1000:9000:1 rpm", limit=limit),
+    "fidelity": lambda limit: vt.fidelity("job-t", "1000:9000:100 rpm", limit=limit),
     "critical_speeds": lambda limit: vt.critical_speeds("tdi-pushrod", "1000:9000:1 rpm", limit=limit),
     "static_curve": lambda limit: vt.static_curve("job-t", limit=limit),
     "refine": lambda limit: vt.refine("job-t", "2000 rpm", limit=limit),

@@ -101,7 +101,7 @@ MAY_SEE_A_CASE = (
     "studies/rest_study.py", "studies/uncertainty.py", "studies/train_uncertainty.py", "studies/refined.py", "studies/uncertainty_file.py",
     "identification", "studies/points", "studies/run_up.py", "studies/train_modes.py", "studies/lift_band.py", "studies/request_cost.py",
     "studies/rest_cost.py", "studies/compare_test.py", "studies/film_model.py", "studies/optimum", "studies/rig.py", "studies/seen.py",
-    "studies/scan_against_design.py", "studies/tested.py", "workbench",
+    "studies/scan_against_design.py", "studies/tested.py", "studies/fidelity.py", "workbench",
 )  # fmt: skip
 
 

@@ -5,111 +5,37 @@ Evidence: what the page shows is compared with the files of the kept run; access
 
 from __future__ import annotations
 
-import json
 import os
 import re
-import signal
-import socket
-import subprocess
-import sys
-import time
 import tomllib
 import zipfile
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from system_parts import program
 from valvetrain.measurements.cycles_file import write_cycles
 from valvetrain.measurements.measured_cycles import MeasuredCycles
-
-pytest.importorskip("nicegui")
-sync_api = pytest.importorskip("playwright.sync_api")
-axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+from workbench_browser_parts import CASE, Bench, axe, nothing_serious, open_case, opened, shown, watched
 
 pytestmark = pytest.mark.chromium
 
 LONG = os.environ.get("VALVETRAIN_LONG") == "1"
-CASE = "gu2021-beehive"
-
-
-@dataclass
-class Bench:
-    """A server with its folder, and a browser."""
-
-    url: str
-    folder: Path
-    browser: Any
-
-    def page(self, width: int = 1400, seen: list[str] | None = None) -> Any:
-        """A page of that width in a context of its own; what goes wrong is told to ``seen``."""
-        page = self.browser.new_context(viewport={"width": width, "height": 900}, accept_downloads=True).new_page()
-        told = [] if seen is None else seen
-        page.on("console", lambda message: told.append(f"console: {message.text}") if message.type in ("error", "warning") else None)
-        page.on("pageerror", lambda error: told.append(f"error: {error}"))
-        page.on("request", lambda request: None if self.own(request.url) else told.append(f"request: {request.url}"))
-        return page
-
-    def own(self, url: str) -> bool:
-        """Whether an address is this server's, or none at all."""
-        return url.startswith((self.url, self.url.replace("http", "ws"), "data:", "blob:"))
-
-    def answer(self, run: str) -> dict[str, Any]:
-        """The ``run.json`` of a run."""
-        return json.loads((self.folder / "runs" / run / "run.json").read_text("utf-8"))
-
-    def case(self) -> dict[str, Any]:
-        """The case file."""
-        return tomllib.loads((self.folder / "cases" / CASE / "case.toml").read_text("utf-8"))
 
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory) -> Iterator[Bench]:
-    folder = tmp_path_factory.mktemp("workspace")
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    plain = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST_", "NICEGUI_"))}
-    environment = plain | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-    command = [sys.executable, "-m", "valvetrain", "serve", "--folder", str(folder), "--port", str(port), "--no-open", "--quiet"]
-    server = subprocess.Popen(command, env=environment, start_new_session=True)
-    try:
-        _wait_for(port, server)
-        with sync_api.sync_playwright() as driver:
-            browser = driver.chromium.launch(executable_path=program("chromium"), args=["--no-sandbox", "--disable-gpu"])
-            yield Bench(f"http://127.0.0.1:{port}", folder, browser)
-            browser.close()
-    finally:
-        os.killpg(server.pid, signal.SIGINT)
-        try:
-            server.wait(20)
-        except subprocess.TimeoutExpired:
-            os.killpg(server.pid, signal.SIGKILL)
-            raise
-
-
-def _wait_for(port: int, server: subprocess.Popen[bytes]) -> None:
-    for _ in range(300):
-        with socket.socket() as door:
-            if door.connect_ex(("127.0.0.1", port)) == 0:
-                return
-        assert server.poll() is None, "the server ended at once"
-        time.sleep(0.1)
-    raise AssertionError("the server does not listen")
+    with opened(tmp_path_factory.mktemp("workspace")) as made:
+        yield made
 
 
 @pytest.fixture
 def page(bench) -> Iterator[Any]:
     """A wide page of which nothing may go wrong."""
-    seen: list[str] = []
-    made = bench.page(seen=seen)
-    yield made
-    made.context.close()
-    assert not seen
+    with watched(bench) as made:
+        yield made
 
 
 @pytest.fixture(scope="module")
@@ -129,16 +55,6 @@ def finished(bench) -> str:
     page.context.close()
     assert not seen
     return run
-
-
-def shown(page: Any) -> None:
-    """Wait until the results of a run are drawn."""
-    page.wait_for_selector(".results[data-shown]", timeout=30_000)
-
-
-def open_case(bench: Bench, page: Any) -> None:
-    page.goto(f"{bench.url}/case/{CASE}")
-    page.wait_for_selector(".form")
 
 
 def test_a_finished_run_shows_the_numbers_of_its_files(bench, page, finished):
@@ -350,15 +266,6 @@ def test_all_is_done_by_the_keyboard(bench, page, finished):
 
 
 PLACES = ("/", "/runs", "/case/CASE", "/run/RUN", "/compare?a=RUN&b=RUN", "/case/none")
-_CUT = """() => {
-  const found = [];
-  document.querySelectorAll("button, a, label, h1, h2, h3, summary, input, select, .plot .ytick text, .plot .xtick text").forEach((one) => {
-    const place = one.getBoundingClientRect();
-    if (!place.width || one.closest(".scroll, .off-screen, .nicegui-skip-link, .vtm-list")) { return; }
-    if (place.left < -1 || place.right > window.innerWidth + 1) { found.push(one.tagName + " " + one.textContent.slice(0, 40)); }
-  });
-  return {found, wider: document.documentElement.scrollWidth - window.innerWidth};
-}"""
 
 
 @pytest.mark.parametrize("width", [1400, 390] if LONG else [390])
@@ -372,10 +279,7 @@ def test_nothing_is_cut_off_and_axe_finds_nothing_serious(bench, finished, width
             shown(page)
             page.locator(".results section:not([hidden]) .plot").first.scroll_into_view_if_needed()
             page.wait_for_selector(".results .plot .main-svg", state="attached")
-        cut = page.evaluate(_CUT)
-        assert cut == {"found": [], "wider": 0}, place
-        results = axe.Axe().run(page).response["violations"]
-        assert not [(one["id"], one["nodes"][0]["html"][:200]) for one in results if one["impact"] in ("serious", "critical")], place
+        nothing_serious(page)
     page.context.close()
     assert [line for line in seen if "404" not in line] == []
 
@@ -383,11 +287,14 @@ def test_nothing_is_cut_off_and_axe_finds_nothing_serious(bench, finished, width
 def test_dark_is_kept_and_colours_every_figure(bench, page, finished):
     page.goto(f"{bench.url}/run/{finished}")
     shown(page)
-    page.get_by_role("button", name="Dark").click()
+    turn = page.locator("#theme")
+    assert (turn.get_attribute("aria-pressed"), turn.inner_text()) == ("false", "Dark: off")
+    turn.click()
     page.wait_for_function("document.documentElement.dataset.theme === 'dark'")
     page.reload()
     shown(page)
     page.wait_for_selector(".plot .main-svg", state="attached")
+    assert (turn.get_attribute("aria-pressed"), turn.inner_text()) == ("true", "Dark: on"), "after a reload too"
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(20, 20, 20)"
     assert "invert" in page.evaluate("getComputedStyle(document.querySelector('.plot')).filter")
     assert not [one["id"] for one in axe.Axe().run(page).response["violations"] if one["id"] == "color-contrast"]

@@ -14,31 +14,16 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
 from valvetrain.parameters.loading import LIBRARY, parse_case
-from valvetrain.studies.run_store import Inputs, collect_inputs, find_run, keep, link_latest, new_folder
+from valvetrain.studies.run_store import collect_inputs, find_run
 from valvetrain.workbench.form import read_change
 from valvetrain.workbench.jobs import JobRequest, Jobs
 from valvetrain.workbench.workspace import MOST_CASES, Workspace
-from workbench_parts import SMALL
-
-BAD_NAMES = ("../x", "..", "a/b", "a\\b", "/etc/passwd", "", ".hidden", "a\0b", "CON", "x" * 300, "a..b", "-x", "a:b", "a\nb")
+from workbench_parts import BAD_NAMES, SMALL, kept
 
 
 @pytest.fixture
 def workspace(tmp_path):
     return Workspace(tmp_path / "bench")
-
-
-def kept(workspace, case="small", created="2026-01-01T00:00:00+00:00", **files):
-    """A run as the run store keeps it, with text files."""
-    from datetime import datetime
-
-    inputs, at = Inputs(case, SMALL, {}, {"spring_models": ["massless"], "engine_speeds": [4000.0]}), datetime.fromisoformat(created)
-    folder = new_folder(inputs, at, workspace.runs_folder)
-    for name, text in files.items():
-        (folder / name.replace("_", ".")).write_text(text)
-    answer = {"case": case, "command": "run", "created_at": created, "completed": True, "files": [*(n.replace("_", ".") for n in files)]}
-    link_latest(keep(folder, inputs, answer).folder)
-    return folder.relative_to(workspace.runs_folder).as_posix()
 
 
 def test_every_case_and_template_of_the_library_becomes_a_case_that_reads_the_same(workspace):

@@ -13,6 +13,7 @@ from valvetrain.cli.outcome import PLAIN_WIDTH
 from valvetrain.cli.tables import plain_table
 from valvetrain.parameters.words import number, unit_words
 from valvetrain.report.critical_words import critical_rows, searched
+from valvetrain.report.fidelity_words import reach_rows, reason_for, share
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow, headline_columns, headline_rows, largest_clash_rows
 from valvetrain.report.words import rpm
 from valvetrain.solution.critical import KINDS
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from valvetrain.solution.comparison import Comparison
+    from valvetrain.solution.fidelity import FidelityMap
     from valvetrain.solution.study import Study
 
 #: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
@@ -64,6 +66,9 @@ def show_study(console: Console, study: Study, folder: Path, page: Path | None, 
 
 def _tables(study: Study) -> Iterator[Table]:
     columns, rows, bars = headline_columns(study), headline_rows(study), ErrorBars.of(study)
+    if len(study.fidelity):
+        yield from _fidelity(study.fidelity)
+        return
     if len(study.rest) > 1 or not study.solutions:
         yield from _rest_tables(study)
     if study.over_speed:
@@ -81,6 +86,21 @@ def _tables(study: Study) -> Iterator[Table]:
         yield _by_run(columns, brief[:fits], "run", bars)
         if fits < len(brief) and len(columns) <= TWICE:
             yield _by_run(columns, brief[fits:][: _fitting(columns, brief[fits:], bars)], "run", bars)
+
+
+def _fidelity(found: FidelityMap) -> Iterator[Table]:
+    """Up to which engine speed each model is good enough, and what follows."""
+    table = plain_table(
+        (f"Within {share(found.tolerance)} of {found.reference}, rpm", *found.models), (), right=range(1, 1 + len(found.models))
+    )
+    for row in reach_rows(found):
+        table.add_row(row.words, *row.cells)
+    costs = dict(found.costs)
+    table.add_row("Time of a run, the reference's being 1", *(f"{costs[model] / costs[found.reference]:.2g}" for model in found.models))
+    yield table
+    yield plain_table(
+        ("Cheapest at all speeds", "", ""), [(row.words, row.cheapest, reason_for(found, row.quantity)) for row in reach_rows(found)]
+    )
 
 
 def _side_by_side(study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bars: ErrorBars) -> Table:

@@ -13,6 +13,7 @@ from valvetrain.errors import InputError
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.display import Figure, plotted, table, words
+from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import Quantities, Quantity, known_speed, named, same_speed, unit_of
 from valvetrain.solution.record import CaseRecord
@@ -42,6 +43,7 @@ class Study:
     ``still``: quantities that belong to no run, by label (empty: of the case). ``comparisons``, ``findings`` and ``notes`` speak of
     published numbers and are empty for a case of one's own. ``critical_speeds``: what a sweep of a train searched. ``lift_event``: None
     without lift or where it spans the cam's zero. ``gaps``: a sentence per part of the answer, of no single run, that failed.
+    ``fidelity``: models beside a reference, where they were compared.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
     >>> study.quantities["preload"]
@@ -64,6 +66,7 @@ class Study:
     wall_time: float = field(default=0.0, compare=False)
     critical_speeds: CriticalSpeeds = field(default_factory=CriticalSpeeds)
     gaps: tuple[str, ...] = ()
+    fidelity: FidelityMap = field(default_factory=FidelityMap)
 
     def __repr__(self) -> str:
         found = self.quantities
@@ -149,7 +152,7 @@ class Study:
     @property
     def over_speed(self) -> bool:
         """Whether its runs are points of curves over engine speed: a sweep, or the turns of a run-up."""
-        return self.command in ("sweep", "run-up")
+        return self.command in ("sweep", "run-up", "fidelity")
 
     @property
     def failures(self) -> tuple[str, ...]:

@@ -161,14 +161,14 @@ def _ready(problem: Problem, place: int, factor: float) -> Ready | None:
     """A member with its springs divided more finely, ready or with its refusal; None where that changes nothing."""
     member = problem.members[place]
     if factor != 1.0:
-        finer = replace(member, springs=tuple(_divided(member, spring, factor) for spring in member.springs))
+        finer = replace(member, springs=tuple(divided(member, spring, factor) for spring in member.springs))
         if finer.springs == member.springs:
             return None
         member = finer
     return make_ready(problem, member, member_rest(problem, member), problem.record.study)
 
 
-def _divided(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
+def divided(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
     """A spring with ``factor`` times the parts that its kind of data counts."""
     word, options = member.model.word, member.model.options
     off = options.card_only if spring.card is None else options.wire_only

@@ -27,7 +27,7 @@ def with_value(text: str, key: str, text_value: str) -> str:
 
 def with_change(text: str, path: str, value: Any) -> str:
     """As :func:`with_value`, with the value as the file holds it; :data:`REMOVED` removes the key."""
-    document = _document(text)
+    document = opened(text)
     table: Any = document
     *heads, last = path.split(".")
     for depth, head in enumerate(heads):
@@ -49,7 +49,7 @@ def with_change(text: str, path: str, value: Any) -> str:
         del table[where]
     else:
         table[where] = value
-    return _dumped(document)
+    return saved(document)
 
 
 def with_name(text: str, name: str) -> str:
@@ -69,7 +69,7 @@ def refuse_foreign_files(text: str, changes: Mapping[str, Any] | None = None) ->
     except (ValueError, RecursionError):
         return  # the reader says what is wrong with it
     tree = with_values(tree, changes) if changes else tree
-    for name in _files(tree):
+    for name in named_files(tree):
         if not _PLAIN_FILE.fullmatch(name) or ".." in name:
             shown = clipped(name, 60)
             raise InputError(
@@ -77,8 +77,12 @@ def refuse_foreign_files(text: str, changes: Mapping[str, Any] | None = None) ->
             )
 
 
-def _files(tree: Any) -> list[str]:
-    """Every text under a key ``file``, with a note or without."""
+def named_files(tree: Any) -> list[str]:
+    """Every text under a key ``file`` of the tree of a case, with a note or without.
+
+    >>> named_files({"lift_law": {"file": {"value": "lift.csv", "status": "measured"}}})
+    ['lift.csv']
+    """
     found: list[str] = []
     left = [tree]
     while left:
@@ -91,7 +95,8 @@ def _files(tree: Any) -> list[str]:
     return found
 
 
-def _document(text: str) -> Any:
+def opened(text: str) -> Any:
+    """The case file ``text`` as a document whose comments stay. Raises :class:`InputError` for what is no TOML."""
     import tomlkit
     from tomlkit.exceptions import TOMLKitError
 
@@ -101,7 +106,8 @@ def _document(text: str) -> Any:
         raise InputError(f"is not valid TOML: {clipped(str(error), 160)}; correct the text first", "case") from None
 
 
-def _dumped(document: Any) -> str:
+def saved(document: Any) -> str:
+    """The text of a document of :func:`opened`."""
     import tomlkit
 
     return tomlkit.dumps(document)

@@ -24,6 +24,8 @@ from valvetrain.workbench.names import inside
 RunFiles = Literal["case", "data", "report", "csv"]
 #: Answers of studies of points, which are kept beside the runs.
 STUDIES, STUDY_ANSWER = "studies", "study.json"
+#: Folder of a run in which tests lie that were laid over it; they are none of its results.
+TESTS = "laid-over"
 #: Largest study.json that is read, and largest folder that is handed out (bytes).
 MOST_ANSWER, MOST_HANDED = 50_000_000, 2_000_000_000
 
@@ -145,7 +147,8 @@ def _there(path: Path, run: Run, what: str) -> Path:
 def _is_ours(path: Path, folder: Path) -> bool:
     """Whether a path is a plain file of the run, reached over no link."""
     ways = [path, *(parent for parent in path.parents if parent != folder and folder in parent.parents)]
-    return path.is_file() and not path.name.startswith(".") and not any(way.is_symlink() for way in ways)
+    foreign = path.name.startswith(".") or path.relative_to(folder).parts[0] == TESTS
+    return path.is_file() and not foreign and not any(way.is_symlink() for way in ways)
 
 
 @lru_cache(maxsize=32)

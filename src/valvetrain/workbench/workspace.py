@@ -27,13 +27,15 @@ from valvetrain.workbench.edits import refuse_foreign_files, with_change, with_n
 from valvetrain.workbench.form import read_change
 from valvetrain.workbench.kept import Run, RunFiles, delete_kept, file_of, kept_run, list_kept
 from valvetrain.workbench.names import case_name, checked_name, inside
+from valvetrain.workbench.side_files import CASE_FILE, SideFile, check_bounds, found_file, list_files, names_in, not_sent, plain_files
+from valvetrain.workbench.start_values import with_law
+from valvetrain.workbench.starts import with_addition
 from valvetrain.workbench.store import Store
 
 #: Name of a case in its workspace: that of its folder, and of the case itself.
 CaseId = str
-CASE_FILE = "case.toml"
-#: Bounds of one workspace: cases, and files beside a case (number, and bytes together).
-MOST_CASES, MOST_FILES, MOST_FILE_BYTES = 500, 20, 20_000_000
+#: Most cases of one workspace.
+MOST_CASES = 500
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +142,7 @@ class Workspace:
     def upload(self, name: str, content: bytes, side_files: Mapping[str, bytes] | None = None) -> CaseId:
         """A new case from an uploaded file ``name``; its id, with a number where the name is taken. ``side_files``: files it names.
 
-        Raises :class:`InputError` with the reader's own sentence for what is no case, too large, or names files elsewhere.
+        Raises :class:`InputError` with the reader's own sentence for what is no case, too large, or names files elsewhere or not sent.
         """
         if len(content) > MOST_BYTES:
             raise InputError(f"is larger than {MOST_BYTES / 1e6:.3g} MB, so it is no case; give another file", clipped(name, 60))
@@ -152,7 +154,12 @@ class Workspace:
         sides = dict(side_files or {})
         refuse_foreign_files(text)
         with self._beside(sides) as folder:
-            parse_case(text, ours, folder, clipped(name, 60))
+            try:
+                parse_case(text, ours, folder, clipped(name, 60))
+            except InputError:
+                if missing := not_sent(text, sides):
+                    raise InputError(missing, clipped(name, 60)) from None
+                raise
         return self._put(ours, with_name(text, ours), f"file {clipped(name, 60)}", sides)
 
     def text(self, case: CaseId) -> str:
@@ -186,6 +193,25 @@ class Workspace:
         self.parse(case, text)
         write_text(self._file(case), text)
 
+    def add_table(self, case: CaseId, key: str) -> None:
+        """Give a case a table it does not have, with values to begin with (:func:`valvetrain.workbench.starts.additions`).
+
+        Raises :class:`InputError`, and changes nothing, for a table that it may not get.
+        """
+        self.replace_text(case, with_addition(self.read(case), self.text(case), key))
+
+    def change_law(self, case: CaseId, kind: str) -> None:
+        """Give a case a lift law of another kind; what both kinds know stays.
+
+        Raises :class:`InputError`, and changes nothing, for a kind whose values cannot be told for it.
+        """
+        text = with_law(self.text(case), kind, [one.name for one in self.side_files(case)])
+        try:
+            self.replace_text(case, text)
+        except InputError as error:
+            told = f"kind '{kind}' needs more than this lift law tells ({error.reason})"
+            raise InputError(f"{told}; write its table in the downloaded case, and open that", "lift_law.kind") from None
+
     def rename(self, case: CaseId, name: str) -> CaseId:
         """Give a case another name; the new id. Its earlier runs keep the name they were made under."""
         path, ours = self._file(case), self._free(name)
@@ -213,19 +239,34 @@ class Workspace:
 
     def files(self, case: CaseId) -> dict[str, bytes]:
         """Files beside a case, by name."""
-        folder = self._file(case).parent
-        return {
-            path.name: path.read_bytes() for path in folder.iterdir() if path.name != CASE_FILE and path.is_file() and not path.is_symlink()
-        }
+        return {path.name: path.read_bytes() for path in plain_files(self._file(case).parent)}
+
+    def side_files(self, case: CaseId) -> list[SideFile]:
+        """What lies beside a case. Raises :class:`InputError` for an unknown case."""
+        return list_files(self._file(case).parent, self.text(case))
+
+    def side_file(self, case: CaseId, name: str) -> Path:
+        """The path of a file beside a case. Raises :class:`InputError` where there is none."""
+        return found_file(self._file(case).parent, name)
 
     def attach(self, case: CaseId, name: str, content: bytes) -> None:
-        """Put a file (a table of lifts) beside a case, which may then name it. Raises :class:`InputError` beyond the bounds."""
+        """Put a file (a table of lifts) beside a case, which may then name it.
+
+        Raises :class:`InputError` beyond the bounds, and for another content of a file that the case names, with which it cannot be read.
+        """
         there = {**self.files(case), checked_name(name): content}
-        if len(there) > MOST_FILES or sum(map(len, there.values())) > MOST_FILE_BYTES:
-            raise InputError(f"beside a case stand at most {MOST_FILES} files of {MOST_FILE_BYTES / 1e6:.0f} MB; leave this one out", name)
-        if name == CASE_FILE:
-            raise InputError(f"'{CASE_FILE}' is the case itself; give the file another name", name)
+        check_bounds(there, name)
+        if name in names_in(text := self.text(case)):
+            with self._beside(there) as folder:
+                parse_case(text, case, folder, case)
         write_bytes(inside(self._file(case).parent, name), content)
+
+    def detach(self, case: CaseId, name: str) -> None:
+        """Remove a file beside a case. Raises :class:`InputError` where there is none, or the case names it."""
+        path = self.side_file(case, name)
+        if name in names_in(self.text(case)):
+            raise InputError("the case names this file, so it stays; name another in its place first", name)
+        path.unlink(missing_ok=True)
 
     # choices that a page remembers
 
@@ -301,8 +342,7 @@ class Workspace:
     @contextmanager
     def _beside(self, sides: Mapping[str, bytes]) -> Iterator[Path]:
         """A passing folder with the files that a case names, where it is read for the first time."""
-        if len(sides) > MOST_FILES or sum(map(len, sides.values())) > MOST_FILE_BYTES:
-            raise InputError(f"beside a case stand at most {MOST_FILES} files of {MOST_FILE_BYTES / 1e6:.0f} MB; leave some out", "upload")
+        check_bounds(sides, "upload")
         with tempfile.TemporaryDirectory(prefix="upload-", dir=self.jobs_folder) as name:
             for side, content in sides.items():
                 inside(Path(name), side).write_bytes(content)

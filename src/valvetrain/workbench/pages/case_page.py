@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import json
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
@@ -11,18 +13,21 @@ from nicegui import events, ui
 from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.parameters.case import Case
 from valvetrain.workbench import form
+from valvetrain.workbench.form import FieldGroup
 from valvetrain.workbench.jobs import JobStatus
 from valvetrain.workbench.kept import Run
 from valvetrain.workbench.live import LiveResult
+from valvetrain.workbench.pages.case_files import CaseFiles
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Form, Handler, JobPanel, Order, Results, Slider, button, link, tag
-from valvetrain.workbench.pages.forms import ENGINE_SPEED, engine_speed, shown_groups, sliding
+from valvetrain.workbench.pages.forms import ENGINE_SPEED, engine_speed, shown_additions, shown_groups, sliding
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.job_words import job_shown
 from valvetrain.workbench.pages.live_chart import live_lines, live_numbers
-from valvetrain.workbench.pages.orders import choices_for, request_of
+from valvetrain.workbench.pages.orders import choices_for, models_for, request_of
 from valvetrain.workbench.pages.run_list import run_table
 from valvetrain.workbench.pages.run_view import earlier, run_head
+from valvetrain.workbench.starts import additions, removable
 from valvetrain.workbench.workspace import CaseId
 
 #: Time between two looks at a job (s), and how many of them are one where no job goes on.
@@ -63,7 +68,7 @@ class CasePage:
 
     def build(self) -> None:
         """Make the page."""
-        groups = form.fields(self.read)
+        groups = form.fields(self.text)
         kept = self.desk.workspace.remembered(self.case)
         with frame(self.read.title or self.case):
             with tag("div", classes="split"):
@@ -75,8 +80,10 @@ class CasePage:
             with tag("div", classes="bench"):
                 with tag("section", classes="inputs", aria_labelledby="inputs-title"):
                     tag("h2", "Case", id="inputs-title")
-                    shown = shown_groups(groups)
-                    self.form = Form(shown, [one["key"] for one in shown if one["key"]][:OPEN_GROUPS], self.change)
+                    shown, more = self.shown(groups)
+                    changes: dict[str, Handler] = {"change": self.change, "add": self.add, "remove": self.remove}
+                    self.form = Form(shown, more, [one["key"] for one in shown if one["key"]][:OPEN_GROUPS], changes)
+                    self.beside = CaseFiles(self.desk, self.case, self.refresh)
                 with tag("div", classes="outputs"):
                     handlers: dict[str, Handler] = {
                         "begin": self.begin,
@@ -106,17 +113,47 @@ class CasePage:
         try:
             self.desk.put(self.case, key, value)
         except ValvetrainError as error:
+            if key != "lift_law.kind" or not value:
+                return sentence_of(error, key)
+            return self.done(lambda: self.desk.workspace.change_law(self.case, value), key)
+        self.refresh()
+        return ""
+
+    def done(self, change: Callable[[], None], key: str) -> str:
+        """Make a change to the tables of the case; the refusal, empty where it was made."""
+        try:
+            change()
+        except ValvetrainError as error:
             return sentence_of(error, key)
         self.refresh()
         return ""
 
+    def add(self, event: events.GenericEventArguments) -> None:
+        """A table is to be added."""
+        key = str(event.args["key"])
+        self.form.answer(key, self.done(lambda: self.desk.workspace.add_table(self.case, key), key))
+
+    def remove(self, event: events.GenericEventArguments) -> None:
+        """A table is to be removed."""
+        key = str(event.args["key"])
+        self.form.answer(key, self.done(lambda: self.desk.workspace.set_value(self.case, key, ""), key))
+
+    def shown(self, groups: list[FieldGroup]) -> tuple[list[dict[str, Any]], list[dict[str, str]]]:
+        """Groups of the form, and tables that may be added, as its script takes them."""
+        return shown_groups(groups, self.files(), removable(self.read, self.text)), shown_additions(additions(self.read, self.text))
+
     def refresh(self) -> None:
         """Show the case as it stands."""
         self.text, self.read, self.moved = self.desk.workspace.text(self.case), self.desk.workspace.read(self.case), None
-        groups = form.fields(self.read)
-        self.form.show(shown_groups(groups))
+        groups = form.fields(self.text)
+        self.form.show(*self.shown(groups))
+        self.beside.show()
         self.slider.show([*engine_speed(self.read), *sliding(groups)], "")
-        self.order.tell(quantities=sliding(groups))
+        self.order.tell(quantities=sliding(groups), models=models_for(self.read))
+
+    def files(self) -> list[str]:
+        """Names of the files beside the case."""
+        return [one.name for one in self.desk.workspace.side_files(self.case)]
 
     def copy(self) -> None:
         """A copy of the case, and its page."""
@@ -197,6 +234,8 @@ class CasePage:
         place = "sweep" if wish.get("kind") == "sweep" else "speeds"
         self.desk.workspace.remember(self.case, place, str(wish.get("speeds", "")))
         self.desk.workspace.remember(self.case, "models", ",".join(map(str, wish.get("models", ()))))
+        if wish.get("sets"):
+            self.desk.workspace.remember(self.case, "sets", json.dumps(list(map(str, wish["sets"]))))
         self.looks = -1
 
     def cancel(self) -> None:

@@ -35,21 +35,28 @@ def link(words: str, href: str, classes: str = "", **attributes: str | None) -> 
     return tag("a", words, classes, href=href, **attributes)
 
 
+class Theme(ui.element, component="theme.js"):
+    """The button for light or dark, which tells how it stands."""
+
+
 class Form(ui.element, component="form.js"):
-    """The form of a case: ``groups`` of fields as :func:`valvetrain.workbench.pages.forms.shown_groups` gives them."""
+    """The form of a case: ``groups`` of fields and ``additions`` as :mod:`valvetrain.workbench.pages.forms` gives them."""
 
-    def __init__(self, groups: Sequence[Mapping[str, Any]], opened: Sequence[str], on_change: Handler) -> None:
+    def __init__(
+        self, groups: Sequence[Mapping[str, Any]], additions: Sequence[Mapping[str, str]], opened: Sequence[str], on: Mapping[str, Handler]
+    ) -> None:
         super().__init__()
-        self.props["groups"], self.props["open"] = list(groups), list(opened)
-        self.on("change", on_change)
+        self.props["groups"], self.props["additions"], self.props["open"] = list(groups), list(additions), list(opened)
+        for event, handler in on.items():
+            self.on(event, handler)
 
-    def show(self, groups: Sequence[Mapping[str, Any]]) -> None:
+    def show(self, groups: Sequence[Mapping[str, Any]], additions: Sequence[Mapping[str, str]]) -> None:
         """Other fields or values."""
-        self.props["groups"] = list(groups)
+        self.props["groups"], self.props["additions"] = list(groups), list(additions)
         self.update()
 
     def answer(self, key: str, sentence: str) -> None:
-        """The refusal of what was typed for ``key``; empty where it was taken."""
+        """The refusal of what was typed for ``key``, or of the table that was to be added or removed; empty where it was taken."""
         self.run_method("answer", key, sentence)
 
 
@@ -123,11 +130,14 @@ class Results(ui.element, component="results.js"):
 
 
 class Upload(ui.element, component="upload.js"):
-    """A file to send to ``url``."""
+    """A file to send to ``url``; ``many``: several together."""
 
-    def __init__(self, field: str, label: str, hint: str, url: str, accept: str, most: int, on_done: Handler | None = None) -> None:
+    def __init__(
+        self, field: str, label: str, hint: str, url: str, accept: str, most: int, on_done: Handler | None = None, many: bool = False
+    ) -> None:
         super().__init__()
-        for key, value in {"field": field, "label": label, "hint": hint, "url": url, "accept": accept, "most": most}.items():
+        told = {"field": field, "label": label, "hint": hint, "url": url, "accept": accept, "most": most, "many": many}
+        for key, value in told.items():
             self.props[key] = value
         if on_done is not None:
             self.on("done", on_done)

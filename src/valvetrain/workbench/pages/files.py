@@ -9,21 +9,49 @@ from pathlib import Path
 
 from fastapi import FastAPI, Request
 from fastapi.responses import FileResponse, HTMLResponse, JSONResponse, PlainTextResponse, Response
+from starlette.datastructures import UploadFile
+from starlette.exceptions import HTTPException
 
-from valvetrain.errors import ValvetrainError
+from valvetrain.errors import InputError, ValvetrainError
+from valvetrain.units.text import clipped
 from valvetrain.workbench.answers import against
+from valvetrain.workbench.kept import Run
+from valvetrain.workbench.kept_tests import KeptTest, keep_test, kept_test
 from valvetrain.workbench.pages.compare_page import comparison_part
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.html import test_part
 from valvetrain.workbench.pages.reports import report_part, report_rest
+from valvetrain.workbench.side_files import MOST_FILES
 
 #: Comparisons with a test that are kept while the server runs.
 MOST_OVERLAYS = 20
 
 
+class Overlays:
+    """Comparisons of runs with tests as HTML; the last :data:`MOST_OVERLAYS` are kept, so that a page that opens again has them at once."""
+
+    def __init__(self) -> None:
+        self._made: dict[tuple[Path, int], str] = {}
+
+    def keep(self, test: KeptTest, part: str) -> None:
+        """Keep a comparison."""
+        self._made[test.path, test.changed] = part
+        while len(self._made) > MOST_OVERLAYS:
+            self._made.pop(next(iter(self._made)), None)
+
+    def part(self, run: Run, name: str) -> str:
+        """The comparison with a test that was laid over a run. Raises :class:`InputError` where there is none, or it cannot be read."""
+        test = kept_test(run, name)
+        found = self._made.get((test.path, test.changed))
+        if found is None:
+            found = test_part(against(run, test.name, test.path.read_bytes()))
+            self.keep(test, found)
+        return found
+
+
 def register(app: FastAPI, desk: Desk) -> None:
     """Add the addresses of parts, downloads and uploads."""
-    laid_over: dict[int, str] = {}
+    overlays = Overlays()
 
     @app.get("/part/{case}/{stamp}")
     def part(case: str, stamp: str) -> Response:
@@ -56,33 +84,74 @@ def register(app: FastAPI, desk: Desk) -> None:
         head = {"Content-Disposition": f'attachment; filename="{case}.toml"'}
         return Response(text, media_type="application/toml", headers=head)
 
+    @app.get("/case-file/{case}/{name}")
+    def case_file(case: str, name: str) -> Response:
+        try:
+            path = desk.workspace.side_file(case, name)
+        except ValvetrainError as error:
+            return PlainTextResponse(str(error), 404)
+        return FileResponse(path, filename=name, media_type="application/octet-stream")
+
     @app.get("/part-compare")
     def part_compare(a: str, b: str) -> Response:
         return _part(lambda: comparison_part(desk, a, b))
 
-    @app.get("/part-test/{number}")
-    def part_test(number: int) -> Response:
-        return HTMLResponse(laid_over[number]) if number in laid_over else PlainTextResponse("send the file of the test again", 404)
+    @app.get("/part-test/{case}/{stamp}/{name}")
+    def part_test(case: str, stamp: str, name: str) -> Response:
+        return _part(lambda: overlays.part(desk.workspace.run(f"{case}/{stamp}"), name))
 
     @app.post("/upload/test")
     async def upload_test(request: Request, run: str, name: str) -> Response:
         content = await request.body()
         try:
-            found = await asyncio.to_thread(lambda: against(desk.workspace.run(run), Path(name).name, content))
+            return JSONResponse({"test": await asyncio.to_thread(_laid_over, desk, overlays, run, name, content)})
         except ValvetrainError as error:
             return JSONResponse({"refusal": str(error)})
-        number = max(laid_over, default=0) + 1
-        laid_over[number] = test_part(found)
-        laid_over.pop(number - MOST_OVERLAYS, None)
-        return JSONResponse({"part": f"/part-test/{number}"})
+
+    @app.post("/upload/file")
+    async def upload_file(request: Request, case: str, name: str) -> Response:
+        try:
+            desk.workspace.attach(case, name, await request.body())
+        except ValvetrainError as error:
+            return JSONResponse({"refusal": str(error)})
+        return JSONResponse({"file": name})
 
     @app.post("/upload/case")
-    async def upload_case(request: Request, name: str) -> Response:
+    async def upload_case(request: Request) -> Response:
         try:
-            case = desk.workspace.upload(Path(name).name, await request.body())
+            name, content, sides = await _sent_case(request)
+            case = desk.workspace.upload(name, content, sides)
         except ValvetrainError as error:
             return JSONResponse({"refusal": str(error)})
         return JSONResponse({"open": f"/case/{case}"})
+
+
+def _laid_over(desk: Desk, overlays: Overlays, run_id: str, name: str, content: bytes) -> str:
+    """Lay a test over a run and keep it with the run; its name there. Raises :class:`InputError` with the reason why it cannot be."""
+    run = desk.workspace.run(run_id)
+    found = against(run, Path(name).name, content)
+    if not found.runs:
+        raise InputError("; ".join(found.failures) or "no run of this kind completed; run the case at the speed of the test", "test")
+    kept = keep_test(run, name, content)
+    overlays.keep(kept, test_part(found))
+    return kept.name
+
+
+async def _sent_case(request: Request) -> tuple[str, bytes, dict[str, bytes]]:
+    """Name and content of the case file that was sent, and the files sent with it.
+
+    Raises :class:`InputError` for more files than may lie beside a case, and where none or several of them are case files.
+    """
+    try:
+        async with request.form(max_files=MOST_FILES + 1, max_fields=1) as form:
+            sent = [(one.filename or "", await one.read()) for _, one in form.multi_items() if isinstance(one, UploadFile)]
+    except HTTPException as error:
+        raise InputError(f"what was sent cannot be read ({clipped(str(error.detail), 80)}); choose the files again", "upload") from None
+    cases = sent if len(sent) == 1 else [one for one in sent if one[0].lower().endswith(".toml")]
+    if len(cases) != 1:
+        raise InputError(f"{len(sent)} files were sent, of which {len(cases)} are case files; choose one .toml file and what it names")
+    ((name, content),) = cases
+    return Path(name).name, content, {other: held for other, held in sent if other != name}
 
 
 def _part(make: Callable[[], str]) -> Response:

@@ -1,10 +1,10 @@
 // The form of a case: groups of fields; a change is sent at once, a refusal stands below its field, the last valid value is kept.
 export default {
-  emits: ["change"],
-  props: { groups: Array, open: Array },
-  data() { return { texts: {}, refused: {}, typing: {}, wanted: "", opened: {} }; },
+  emits: ["change", "add", "remove"],
+  props: { groups: Array, additions: Array, open: Array },
+  data() { return { texts: {}, refused: {}, typing: {}, wanted: "", opened: {}, awaited: "" }; },
   created() { this.groups.forEach((group) => { this.opened[group.key] = (this.open || []).includes(group.key) && window.innerWidth > 900; }); this.take(); },
-  watch: { groups() { this.take(); } },
+  watch: { groups() { this.take(); this.reveal(); } },
   computed: {
     shown() {
       const words = this.wanted.trim().toLowerCase();
@@ -32,6 +32,15 @@ export default {
     },
     back(field) { delete this.typing[field.key]; this.texts[field.key] = field.text; delete this.refused[field.key]; },
     answer(key, sentence) { if (sentence) { this.refused[key] = sentence; } else { delete this.refused[key]; } },
+    add(one) { delete this.refused[one.key]; this.awaited = one.key; this.$emit("add", { key: one.key }); },
+    remove(group) { delete this.refused[group.key]; this.$emit("remove", { key: group.key }); },
+    // A table that was added is opened, and its first value is ready to be typed.
+    reveal() {
+      const group = this.groups.find((one) => one.key === this.awaited);
+      if (!this.awaited || !group) { return; }
+      this.awaited = "";
+      this.seek(group.fields[0].key);
+    },
     seek(key) {
       const group = this.groups.find((one) => one.fields.some((field) => field.key === key));
       if (!group) { return; }
@@ -77,7 +86,15 @@ export default {
         <button type="button" class="button small" @click="back(field)">Back to it</button></p>
       <p v-if="field.help || field.limits" class="help" :id="place(field.key) + '-help'">{{ [field.help, field.limits].filter(Boolean).join("; ") }}</p>
       <p v-if="field.source" class="source">Source: {{ field.source }}</p>
-    </div></div>
+    </div>
+    <button v-if="group.goes" type="button" class="button small" :aria-label="'Remove ' + group.title" @click="remove(group)">Remove this table</button>
+    <p v-if="group.goes && refused[group.key]" class="refusal" role="alert">{{ refused[group.key] }}</p></div>
+  </details>
+  <details v-if="additions.length && !wanted" class="group add">
+    <summary><span>Add to the case</span><span class="count">{{ additions.length }}</span></summary>
+    <ul class="files inside"><li v-for="one in additions" :key="one.key"><span>{{ one.label }} <small class="hint">{{ one.help }}</small></span>
+      <button type="button" class="button small" :aria-label="'Add: ' + one.label" @click="add(one)">Add</button>
+      <p v-if="refused[one.key]" class="refusal" role="alert">{{ refused[one.key] }}</p></li></ul>
   </details>
 </div>`,
 };

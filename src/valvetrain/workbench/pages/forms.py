@@ -2,30 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.words import number
 from valvetrain.report.words import rpm
 from valvetrain.workbench.form import Field, FieldGroup
+from valvetrain.workbench.starts import Addition
 
 #: Key of the engine speed among the quantities of a slider.
 ENGINE_SPEED = "engine_speed"
 
 
-def shown_groups(groups: Sequence[FieldGroup]) -> list[dict[str, Any]]:
-    """Groups of fields with words, for the script of the form."""
+def shown_groups(groups: Sequence[FieldGroup], files: Sequence[str] = (), removed: Collection[str] = ()) -> list[dict[str, Any]]:
+    """Groups of fields with words, for the script of the form.
+
+    ``files``: names that a field for a file suggests; ``removed``: keys of the tables that may be taken away.
+    """
     return [
-        {"key": group.key, "title": group.title, "fields": [_shown(field) for field in group.fields]} for group in groups if group.fields
+        {"key": group.key, "title": group.title, "fields": [_shown(field, files) for field in group.fields], "goes": group.key in removed}
+        for group in groups
+        if group.fields
     ]
 
 
-def _shown(field: Field) -> dict[str, Any]:
+def shown_additions(found: Sequence[Addition]) -> list[dict[str, str]]:
+    """Tables that may be added, for the script of the form."""
+    return [{"key": one.key, "label": one.label, "help": one.help} for one in found]
+
+
+def _shown(field: Field, files: Sequence[str]) -> dict[str, Any]:
+    choices = files if field.key.endswith(".file") else field.choices
     return {
         "key": field.key, "label": _head(field.label), "kind": field.kind, "text": field.value_text, "unit": field.unit,
         "limits": limit_words(field), "help": field.help, "source": field.source, "required": field.required,
-        "usual": field.default_text, "choices": list(field.choices),
+        "usual": field.default_text, "choices": list(choices),
     }  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from nicegui import ui
 from nicegui.context import context
 
 from valvetrain.workbench.pages.assets import address
-from valvetrain.workbench.pages.elements import link, tag
+from valvetrain.workbench.pages.elements import Theme, link, tag
 
 #: Places of the navigation: words and address.
 PLACES = (("Start", "/"), ("Runs", "/runs"), ("Compare", "/compare"))
@@ -41,11 +41,6 @@ window.valvetrainDrawing = new Promise(function (done) {
   });
 });
 </script>"""
-_TURN = """() => {
-  const theme = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
-  document.documentElement.dataset.theme = theme;
-  try { localStorage.setItem("valvetrain-theme", theme); } catch (error) { /* kept for this page only */ }
-}"""
 
 
 @contextmanager
@@ -64,7 +59,7 @@ def frame(title: str, here: str = "", figures: bool = True) -> Iterator[None]:
         with tag("nav", aria_label="places"):
             for words, href in PLACES:
                 link(words, href, aria_current="page" if href == here else None)
-        tag("button", "Dark", "button small", type="button", id="theme").on("click", js_handler=_TURN)
+        Theme()
     with tag("div", classes="sheet") as sheet:
         yield
     ui.skip_link("Skip to the content", target=sheet)

@@ -38,7 +38,8 @@ def home_page(desk: Desk) -> None:
         with tag("div", classes="panel"):
             tag("h2", "Open a case file")
             most = desk.settings.most_upload
-            Upload("case-file", "Case file", "A .toml file, as 'valvetrain new' writes it.", "/upload/case", ".toml,text/plain", most)
+            hint = "A .toml file, as 'valvetrain new' writes it, and with it the tables that it names: choose them together."
+            Upload("case-file", "Case file", hint, "/upload/case", "", most, many=True)
         runs = desk.workspace.runs()[:MOST_RUNS]
         if runs:
             tag("h2", "Last runs")

@@ -15,6 +15,15 @@ from valvetrain.report.read_page import PageTable
 from valvetrain.studies.compare_test import ModelAgainstTest
 
 
+def size_words(count: int) -> str:
+    """A number of bytes in words.
+
+    >>> size_words(812), size_words(20_480), size_words(3_200_000)
+    ('812 bytes', '20 kB', '3.2 MB')
+    """
+    return f"{count} bytes" if count < 1000 else f"{count / 1e3:.0f} kB" if count < 999_500 else f"{count / 1e6:.1f} MB"
+
+
 def figure_html(key: str, title: str, caption: str, plotly: Mapping[str, Any]) -> str:
     """A figure with its data, as a report has it."""
     height = int(plotly.get("layout", {}).get("height", 320))

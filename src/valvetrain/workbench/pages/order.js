@@ -1,10 +1,10 @@
 // What to run: kind, spring models, speeds and, of a study, quantity and range.
 export default {
   emits: ["estimate", "run"],
-  props: { models: Array, speeds: String, sweep: String, quantities: Array, outputs: Array, estimate: String, refusal: String, busy: Boolean },
+  props: { models: Array, sets: Array, speeds: String, sweep: String, quantities: Array, outputs: Array, estimate: String, refusal: String, busy: Boolean },
   data() {
     return { kind: "run", at: this.speeds, over: this.sweep, chosen: Object.fromEntries(this.models.map((one) => [one.word, one.chosen])),
-      key: "", low: "", high: "", points: 9, output: (this.outputs[0] || {}).name || "", timer: null };
+      chosenSets: Object.fromEntries(this.sets.map((one) => [one.word, one.chosen])), key: "", low: "", high: "", points: 9, output: (this.outputs[0] || {}).name || "", timer: null };
   },
   mounted() { this.changed(); },
   computed: {
@@ -12,11 +12,15 @@ export default {
     // Every answer of the server brings the list anew: what counts is whether it says something else.
     offered() { return JSON.stringify(this.quantities); },
   },
-  watch: { offered() { this.changed(); } },
+  watch: {
+    offered() { this.changed(); },
+    // A case that got a spring or a lift law may be run by other models.
+    models() { this.models.forEach((one) => { if (!(one.word in this.chosen)) { this.chosen[one.word] = one.chosen; } }); },
+  },
   methods: {
     wish() {
       return { kind: this.kind, speeds: this.kind === "sweep" ? this.over : this.at, models: this.models.map((one) => one.word).filter((word) => this.chosen[word]),
-        key: this.key, low: this.low, high: this.high, points: Number(this.points), output: this.output };
+        sets: this.sets.length ? this.sets.map((one) => one.word).filter((word) => this.chosenSets[word]) : null, key: this.key, low: this.low, high: this.high, points: Number(this.points), output: this.output };
     },
     changed() { clearTimeout(this.timer); this.timer = setTimeout(() => this.$emit("estimate", this.wish()), 250); },
     pick() {
@@ -36,6 +40,9 @@ export default {
   </div></fieldset>
   <fieldset class="models"><legend>Spring models</legend><div class="row">
     <label v-for="one in models" :key="one.word" class="check" :for="'model-' + one.word" :title="one.hint"><input type="checkbox" :id="'model-' + one.word" v-model="chosen[one.word]" @change="changed">{{ one.label }}</label>
+  </div></fieldset>
+  <fieldset v-if="sets.length" class="sets"><legend>Spring sets</legend><div class="row">
+    <label v-for="(one, place) in sets" :key="one.word" class="check" :for="'set-' + place"><input type="checkbox" :id="'set-' + place" v-model="chosenSets[one.word]" @change="changed">{{ one.word }}</label>
   </div></fieldset>
   <div class="row end">
     <div class="labelled speeds" v-if="kind !== 'sweep'"><label for="order-speeds">Engine speeds (crank)</label>

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 from valvetrain import registry
@@ -49,6 +50,18 @@ def _fits(spec: SpringModelSpec, springs: tuple[InstalledSpring, ...]) -> bool:
     return not spec.no_motion and bool(springs) and not any(spec.why_not(spring) for spring in springs)
 
 
+def sets_for(case: Case, kept: str = "") -> list[dict[str, Any]]:
+    """Spring sets to choose from, where a train has more than one: word and whether it is ticked; ``kept``: those chosen last (JSON)."""
+    names = [] if case.train is None else list(case.train.springs)
+    if case.train is None or len(names) < 2:
+        return []
+    last: Any = None
+    with suppress(ValueError, RecursionError):
+        last = json.loads(kept)
+    ticked = [name for name in names if isinstance(last, list) and name in last] or [case.train.spring_set or names[0]]
+    return [{"word": name, "chosen": name in ticked} for name in names]
+
+
 def outputs_for(case: Case) -> list[dict[str, str]]:
     """Quantities that a study may tell."""
     topics = _SPRING_TOPICS if case.train is None else (*_SPRING_TOPICS, *_TRAIN_TOPICS)
@@ -60,26 +73,31 @@ def choices_for(case: Case, quantities: Sequence[Mapping[str, Any]], kept: Mappi
     """All that the page offers; ``kept``: what was chosen last."""
     own = ", ".join(f"{rpm(speed):.10g}" for speed in case.operation.engine_speeds)
     return {
-        "models": models_for(case, kept.get("models", "").split(",")),
+        "models": models_for(case, kept.get("models", "").split(",")), "sets": sets_for(case, kept.get("sets", "")),
         "speeds": kept.get("speeds") or (f"{own} rpm" if own else "4000 rpm"), "sweep": kept.get("sweep") or SWEEP,
         "quantities": list(quantities), "outputs": outputs_for(case),
     }  # fmt: skip
 
 
 def request_of(case: str, wish: Mapping[str, Any]) -> JobRequest:
-    """The request of what was chosen on the page. Raises :class:`InputError` for a choice that is missing."""
+    """The request of what was chosen on the page; ``sets`` are told where the train has more than one.
+
+    Raises :class:`InputError` for a choice that is missing.
+    """
     kind, models = str(wish.get("kind", "run")), tuple(map(str, wish.get("models", ())))
-    speeds = str(wish.get("speeds", "")).strip()
+    speeds, sets = str(wish.get("speeds", "")).strip(), tuple(map(str, wish.get("sets") or ()))
     if not models:
         raise InputError("no spring model is chosen; tick one or more", "spring models")
+    if wish.get("sets") is not None and not sets:
+        raise InputError("no spring set is chosen; tick one or more", "spring sets")
     if kind in ("run", "sweep"):
-        return JobRequest("sweep" if kind == "sweep" else "run", case, models, speeds)
+        return JobRequest("sweep" if kind == "sweep" else "run", case, models, speeds, sets)
     if kind != "study":
         raise InputError(f"'{kind[:20]}' is nothing to run; choose run, sweep or study", "kind")
-    return JobRequest("study", case, study=_study(case, models, speeds, wish))
+    return JobRequest("study", case, study=_study(case, models, sets, speeds, wish))
 
 
-def _study(case: str, models: tuple[str, ...], speeds: str, wish: Mapping[str, Any]) -> str:
+def _study(case: str, models: tuple[str, ...], sets: tuple[str, ...], speeds: str, wish: Mapping[str, Any]) -> str:
     key, points = str(wish.get("key", "")), wish.get("points")
     if not key:
         raise InputError("no quantity to vary is chosen; choose one", "quantity varied")
@@ -88,6 +106,7 @@ def _study(case: str, models: tuple[str, ...], speeds: str, wish: Mapping[str, A
     ends = {"low": str(wish.get("low", "")).strip(), "high": str(wish.get("high", "")).strip()}
     vary = "".join(f"{name} = {_quoted(value)}\n" for name, value in ends.items())
     asked = f"engine_speeds = {json.dumps(speeds)}\n" if speeds else ""
+    asked += f"spring_sets = {json.dumps(list(sets), ensure_ascii=False)}\n" if sets else ""
     return (
         f"case = {json.dumps(case)}\n{asked}spring_models = {json.dumps(list(models))}\n"
         f"outputs = {json.dumps([str(wish.get('output', ''))])}\n"

@@ -94,6 +94,6 @@ export default {
     <button v-for="tab in tabs" :key="tab.key" type="button" role="tab" :id="'tab-' + tab.key" :aria-selected="tab.key === chosen ? 'true' : 'false'"
       :tabindex="tab.key === chosen ? 0 : -1" aria-controls="result-sections" @click="choose(tab.key)">{{ tab.title }}</button>
   </div>
-  <div ref="place" id="result-sections" :role="tabs.length ? 'tabpanel' : null" :aria-labelledby="tabs.length ? 'tab-' + chosen : null"></div>
+  <div ref="place" :id="whole ? null : 'result-sections'" :role="tabs.length ? 'tabpanel' : null" :aria-labelledby="tabs.length ? 'tab-' + chosen : null"></div>
 </div>`,
 };

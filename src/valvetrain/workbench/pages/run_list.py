@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 
 from valvetrain.report import theme
@@ -41,6 +41,13 @@ def speeds_of(run: Run) -> str:
     if len(speeds) > _MOST_SPEEDS:
         return f"{len(speeds)} from {speeds[0]:.10g} to {speeds[-1]:.10g} rpm"
     return f"{', '.join(f'{speed:.10g}' for speed in speeds)} rpm" if speeds else "the case's own"
+
+
+def sets_of(run: Run) -> str:
+    """Spring sets that were chosen, in words; empty where none were."""
+    choices = run.answer.get("choices")
+    named = choices.get("spring_sets") if isinstance(choices, Mapping) else None
+    return ", ".join(map(str, named)) if isinstance(named, list) else ""
 
 
 def name_of(run: Run) -> str:

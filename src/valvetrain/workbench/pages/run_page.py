@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from valvetrain.errors import ValvetrainError
 from valvetrain.workbench.pages.case_page import missing_page
 from valvetrain.workbench.pages.desk import Desk
-from valvetrain.workbench.pages.elements import Results, Upload, tag
+from valvetrain.workbench.pages.elements import Results, tag
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.run_list import run_table
+from valvetrain.workbench.pages.run_tests import RunTests
 from valvetrain.workbench.pages.run_view import run_head
-
-if TYPE_CHECKING:
-    from nicegui.events import GenericEventArguments
 
 
 def run_page(desk: Desk, run_id: str) -> None:
@@ -25,16 +21,7 @@ def run_page(desk: Desk, run_id: str) -> None:
         return
     with frame(f"{run.case}, {run.command}"):
         run_head(desk, run, full=True)
-
-        def laid_over(event: GenericEventArguments) -> None:
-            over.show(str(event.args["part"]))
-
-        with tag("div", classes="panel"):
-            tag("h2", "Test data over this run")
-            most = desk.settings.most_upload
-            hint = "Measured cycles (.csv, .nc) as 'valvetrain rig' writes them, or a table of values."
-            Upload("test-file", "File of a test", hint, f"/upload/test?run={run_id}", "", most, laid_over)
-            over = Results(whole=True)
+        RunTests(desk, run)
         Results(f"/part/{run_id}")
 
 

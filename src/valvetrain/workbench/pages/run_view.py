@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from valvetrain.workbench.kept import Run
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import link, tag
-from valvetrain.workbench.pages.run_list import KINDS, models_of, speeds_of, when
+from valvetrain.workbench.pages.run_list import KINDS, models_of, sets_of, speeds_of, when
 
 #: Kind of file -> words.
 DOWNLOADS = (("report", "Report (HTML)"), ("csv", "Tables (CSV)"), ("data", "All data"), ("case", "Case file"))
@@ -21,7 +21,8 @@ def run_head(desk: Desk, run: Run, full: bool) -> None:
         if not full:
             link("Open on its own page", f"/run/{run.run_id}", "quiet")
     if full:
-        facts = (("case", run.case), ("made", f"{when(run)} UTC"), ("spring models", models_of(run)), ("engine speeds", speeds_of(run)))
+        facts = [("case", run.case), ("made", f"{when(run)} UTC"), ("spring models", models_of(run)), ("engine speeds", speeds_of(run))]
+        facts += [("spring sets", sets)] if (sets := sets_of(run)) else []
         with tag("dl", classes="facts"):
             for name, value in facts:
                 with tag("div"):
@@ -29,7 +30,7 @@ def run_head(desk: Desk, run: Run, full: bool) -> None:
                     tag("dd", value)
     else:
         if run.models or run.engine_speeds:
-            tag("p", f"{models_of(run)}; {speeds_of(run)}", "said")
+            tag("p", "; ".join(filter(None, (models_of(run), sets_of(run), speeds_of(run)))), "said")
     for sentence in run.failures:
         tag("p", sentence, "alert")
     with tag("div", classes="row"):

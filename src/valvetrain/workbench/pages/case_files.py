@@ -1,0 +1,83 @@
+"""The panel of files beside a case: what lies there, one more sent, one taken away."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from urllib.parse import quote
+
+from valvetrain.errors import ValvetrainError
+from valvetrain.workbench.pages.desk import Desk
+from valvetrain.workbench.pages.elements import Upload, button, link, tag
+from valvetrain.workbench.pages.html import size_words
+from valvetrain.workbench.side_files import SideFile
+from valvetrain.workbench.workspace import CaseId
+
+
+class CaseFiles:
+    """The panel of one visit.
+
+    Parameters
+    ----------
+    desk : workspace and bounds
+    case : whose files
+    on_change : called when a file came or went
+    """
+
+    def __init__(self, desk: Desk, case: CaseId, on_change: Callable[[], None]) -> None:
+        self.desk, self.case, self.on_change = desk, case, on_change
+        self.shown: list[SideFile] = []
+        files = desk.workspace.side_files(case)
+        with tag("details", classes="group", id="case-files", open="" if files else None):
+            with tag("summary"):
+                tag("span", "Files of this case")
+                self.count = tag("span", classes="count")
+            with tag("div", classes="inside"):
+                self.list = tag("ul", classes="files")
+                self.refusal = tag("div")
+                hint = "A table of lifts, for instance: name it in the lift law, as in 'lift.csv'."
+                address = f"/upload/file?case={quote(case)}"
+                Upload("side-file", "Add a file", hint, address, "", desk.settings.most_upload, self.changed)
+        self.fill(files)
+
+    def show(self) -> None:
+        """The files as they now lie there; nothing is sent where they are the same."""
+        files = self.desk.workspace.side_files(self.case)
+        if files != self.shown:
+            self.fill(files)
+
+    def fill(self, files: list[SideFile], refusal: str = "") -> None:
+        """List files, and why one was not removed."""
+        self.shown = files
+        for place in (self.count, self.list, self.refusal):
+            place.clear()
+        with self.count:
+            tag("span", str(len(files)))
+        with self.list:
+            for one in files:
+                self.row(one)
+            if not files:
+                tag("li", "None yet.", "said")
+        with self.refusal:
+            if refusal:
+                tag("p", refusal, "refusal", role="alert")
+
+    def row(self, file: SideFile) -> None:
+        """One file: what it is called, how large it is, and what may be done with it."""
+        with tag("li"):
+            link(file.name, f"/case-file/{quote(self.case)}/{quote(file.name)}", download="")
+            tag("span", f"{size_words(file.size)}{', named by the case' if file.is_named else ''}", "hint")
+            button("Remove", lambda: self.remove(file.name), "button small", aria_label=f"Remove {file.name}")
+
+    def changed(self) -> None:
+        """A file came or went."""
+        self.fill(self.desk.workspace.side_files(self.case))
+        self.on_change()
+
+    def remove(self, name: str) -> None:
+        """Take a file away, or say why it stays."""
+        try:
+            self.desk.workspace.detach(self.case, name)
+        except ValvetrainError as error:
+            self.fill(self.desk.workspace.side_files(self.case), f"{error}.")
+            return
+        self.changed()

@@ -1,0 +1,87 @@
+"""Files that lie beside a case, such as tables of lifts: listed, put there and taken away, none of them larger or more than a bound."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from valvetrain.errors import InputError
+from valvetrain.units.text import clipped
+from valvetrain.workbench.edits import named_files
+from valvetrain.workbench.names import inside
+
+CASE_FILE = "case.toml"
+#: Bounds of the files beside one case: number, and bytes together.
+MOST_FILES, MOST_FILE_BYTES = 20, 20_000_000
+#: Names of what a job writes beside the case that it was given.
+_OF_JOBS = ("answer.json", "complaints.txt", "lock")
+
+
+@dataclass(frozen=True, slots=True)
+class SideFile:
+    """A file beside a case.
+
+    Parameters
+    ----------
+    name : its name, by which a case names it
+    size : bytes
+    is_named : the case names it, so it cannot be removed
+    """
+
+    name: str
+    size: int
+    is_named: bool
+
+
+def list_files(folder: Path, text: str) -> list[SideFile]:
+    """Files in the folder of the case ``text``, by name."""
+    named = names_in(text)
+    return [SideFile(path.name, path.stat().st_size, path.name in named) for path in sorted(plain_files(folder))]
+
+
+def plain_files(folder: Path) -> list[Path]:
+    """Paths of the files beside the case in ``folder``: no links, and nothing that is half written."""
+    return [
+        path
+        for path in folder.iterdir()
+        if path.name != CASE_FILE and not path.name.startswith(".") and path.is_file() and not path.is_symlink()
+    ]
+
+
+def names_in(text: str) -> frozenset[str]:
+    """Names of the files that a case names; none of a text that is no TOML."""
+    try:
+        return frozenset(named_files(tomllib.loads(text)))
+    except (ValueError, RecursionError):
+        return frozenset()
+
+
+def found_file(folder: Path, name: str) -> Path:
+    """The file of that name beside the case in ``folder``. Raises :class:`InputError` where there is none."""
+    path = inside(folder, name)
+    if name == CASE_FILE or not path.is_file():
+        raise InputError(f"there is no file '{clipped(name, 60)}' beside this case; it may have been removed", "file")
+    return path
+
+
+def check_bounds(files: Mapping[str, bytes], where: str) -> None:
+    """Refuse, with an :class:`InputError`, more files beside a case than may be, and names that a case or a job has for its own."""
+    for name in files:
+        if name.lower().endswith(".toml"):
+            raise InputError(f"'{clipped(name, 60)}' is no file that a case names; a case file is opened on the start page", where)
+        if name.lower() in _OF_JOBS:
+            raise InputError(f"'{name}' is a name that a run has for its own; give the file another", where)
+    if len(files) > MOST_FILES or sum(map(len, files.values())) > MOST_FILE_BYTES:
+        raise InputError(f"beside a case stand at most {MOST_FILES} files of {MOST_FILE_BYTES / 1e6:.0f} MB; leave this one out", where)
+
+
+def not_sent(text: str, sent: Mapping[str, bytes]) -> str:
+    """The sentence on files that a case names and that were not sent with it; empty where all were."""
+    missing = sorted(names_in(text) - set(sent))
+    if not missing:
+        return ""
+    words = " and ".join(f"'{clipped(name, 60)}'" for name in missing[:3])
+    what = "which was" if len(missing) == 1 else "which were"
+    return f"names {words}, {what} not sent with it; choose the case and the files it names together, then send them at once"
