@@ -32,6 +32,7 @@ from stage_one_parts import (
     vibration,
     with_clearance,
     with_coils,
+    with_kink,
 )  # fmt: skip
 
 import valvetrain as vt
@@ -182,6 +183,13 @@ def experiments() -> Iterator[tuple[str, list[Change]]]:
         [
             Change(f"{1e3 * more:+.1f} mm", lambda more=more: tuned(with_clearance(WIRE, more)))
             for more in 1e-3 * np.array([-0.2, -0.1, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+        ],
+    )
+    yield (
+        "Pitch at one place",
+        [
+            Change(f"pitch {more:+.1f} mm at coil {coil:g}", lambda coil=coil, more=more: rod_of(with_kink(WIRE, coil, 1e-3 * more)))
+            for coil, more in ((1.5, -0.2), (1.5, 0.2), (2.3, -0.2), (2.3, 0.2))
         ],
     )
     yield (

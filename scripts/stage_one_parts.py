@@ -65,6 +65,14 @@ def with_clearance(wire: SpringDefinition, more: float) -> SpringDefinition:
     return wire.replace(pitch=PiecewiseLinear(wire.pitch.coils, tuple(clearance + diameter)))
 
 
+def with_kink(wire: SpringDefinition, coil: float, more: float) -> SpringDefinition:
+    """Pitch (m per turn) raised by ``more`` at one ``coil``, straight to the corners of the law on either side."""
+    assert isinstance(wire.pitch, PiecewiseLinear)
+    coils = np.sort(np.append(wire.pitch.coils, coil))
+    pitch = np.interp(coils, wire.pitch.coils, wire.pitch.values) + more * (coils == coil)
+    return wire.replace(pitch=PiecewiseLinear(tuple(coils), tuple(pitch)))
+
+
 def with_coils(wire: SpringDefinition, total: float) -> SpringDefinition:
     """Other ``total`` coils: the level stretch of the pitch and the straight one of the diameter are longer or shorter."""
     more = total - wire.total_coils
