@@ -72,6 +72,7 @@ BUILT_IN["integrators"] = {
     "harmonic": "valvetrain.integrate.harmonic:SPEC",
     "rod-leapfrog": "valvetrain.integrate.rod_leapfrog:SPEC",
     "leapfrog": "valvetrain.integrate.leapfrog:SPEC",
+    "hht": "valvetrain.integrate.hht:SPEC",  # asked for by name alone: what it serves, the leapfrog serves before
 }
 BUILT_IN["quantities"] = {
     "general": "valvetrain.quantities.table:ROWS",

@@ -68,8 +68,13 @@ TRIALS = {
     "harmonic": Trial(PrescribedSpring((curved_modal(),), LAW), 200.0, 512, (1, 2, 4)),
     "rod-leapfrog": Trial(PrescribedSpring((ROD,), LAW), 300.0, 360, (120, 240, 480)),
     "leapfrog": Trial(PrescribedSpring((CHAIN,), LAW), 200.0, 360, (8, 16, 32)),
+    "hht": Trial(PrescribedSpring((CHAIN,), LAW), 200.0, 360, (1, 2, 4)),
     "train-leapfrog": Trial(driven(CHAIN, 1e7), 200.0, 360, (20, 40, 80)),
 }
+
+
+#: Integrators that run only where they are asked for: what serves in their place without a word.
+USUAL = {"hht": "leapfrog"}
 
 
 def test_every_integrator_that_ships_is_on_trial():
@@ -91,7 +96,7 @@ def test_observed_order_is_the_declared_one(word):
 @pytest.mark.parametrize("word", TRIALS)
 def test_an_integrator_says_what_it_runs_and_refuses_the_rest(word):
     integrator, system = find("integrators", word), TRIALS[word].system
-    assert integrator_for(system, Cycles()).word == word, "the first of the registry that serves"
+    assert integrator_for(system, Cycles()).word == USUAL.get(word, word), "the first of the registry that serves"
     assert integrator.serves(system, Periodic())
     assert integrator.serves(system, RunUp(300.0, 100.0)) == (word in ("leapfrog", "train-leapfrog"))
     other = TRIALS["train-leapfrog" if word != "train-leapfrog" else "leapfrog"].system

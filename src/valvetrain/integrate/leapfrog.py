@@ -94,7 +94,7 @@ class Leapfrog:
             before = forces[:, 1]
             if change <= tolerance:
                 break
-        status = _status(system, until, done > samples * sub, change, tolerance, turn, kept[-1][0][min(done, samples * sub)], cam_speed)
+        status = run_status(system, until, done > samples * sub, change, tolerance, turn, kept[-1][0][min(done, samples * sub)], cam_speed)
         statistics: dict[str, float | int | str | bool] = {
             "time_step_duration": step, "steps_per_cycle_count": samples * sub, "steady_cycles_count": turn + 1, "integrator": self.word,
         }  # fmt: skip
@@ -103,7 +103,7 @@ class Leapfrog:
         if done <= samples * sub:  # whole samples of what was computed before it diverged
             whole = done // sub * sub
             kept[-1] = kept[-1][0][: whole + 1], kept[-1][1][: whole + 1], kept[-1][2][: whole // sub + 1]
-        channels = _channels(system, model, cam_speed, acceleration, kept, sub, options.keep == "all")
+        channels = run_channels(system, model, cam_speed, acceleration, kept, sub, options.keep == "all")
         events: tuple[Event, ...] = ()
         if blows and watch is not None:
             at, found = blows[0] if len(blows) == 1 else (np.concatenate([part[k] for part in blows]) for k in (0, 1))
@@ -112,9 +112,10 @@ class Leapfrog:
         return Solution(channels, events, status, statistics, provenance)
 
 
-def _status(
+def run_status(
     system: PrescribedSpring, until: Until, reached: bool, change: float, tolerance: float, turn: int, time: float, cam_speed: float
 ) -> Status:
+    """How a run of one spring ended: ``reached`` its end or diverged at ``time`` (s), or still changing by ``change`` per turn."""
     if not reached:
         where = np.degrees(cam_speed * time % TURN)
         return Status(
@@ -127,7 +128,7 @@ def _status(
     return COMPLETED
 
 
-def _channels(
+def run_channels(
     system: PrescribedSpring,
     model: SpringModel,
     cam_speed: float,
