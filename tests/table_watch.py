@@ -10,8 +10,8 @@ from valvetrain.cli import tables
 
 #: A number as tables print it: signs, shares, ranges of error bars, angles and counts in brackets.
 NUMBER = re.compile(r"[-+−±~]?[\d.,]+(?:e[-+]?\d+)?(?: ?[%°])?(?: ?±.*)?")
-#: Heads under which anything may stand: inputs of two runs, and the one column of a list of facts.
-ANYTHING = ("A", "B", "")
+#: Heads under which anything may stand: inputs of two runs, lists of speeds, digests, and the one column of a list of facts.
+ANYTHING = ("A", "B", "rpm", "digest", "")
 usual = tables.plain_table
 
 

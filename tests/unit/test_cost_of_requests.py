@@ -152,7 +152,7 @@ def test_programs_have_the_bounds_of_the_command_line(name, monkeypatch):
     def work(*given, **options):
         raise AssertionError("work was begun")
 
-    studies = ("api.run_study", "api.compare_study", "api.sweep_study", "refined.refined", "run_up.run_up_study")
+    studies = ("api.run_study", "api.compare_study", "api.sweep_study", "refined.refined", "run_up.run_up_study", "fidelity.fidelity_study")
     for place in (*studies, "api.curve_by_model", "lift_band.map_points"):
         monkeypatch.setattr(f"valvetrain.studies.{place}", work)
     with pytest.raises(InputError, match=r"this request will take about .*, beyond the bound of 1 MB; .* raise the bound with limit='"):
