@@ -51,7 +51,8 @@ SLOW = (
     "valvetrain fidelity gu2021-beehive --engine-speed 3000:9000:500",
     'valvetrain fidelity my-engine.toml --engine-speed 2000:9000:500 --tolerance "3 %" --spring massless,multi-mass',
     "valvetrain sweep my-train.toml --engine-speed 3000:8000:250",
-    'valvetrain lift lobe.dat --angle-of cam --lift-of tappet --lift-unit mm --case own.toml --engine-speed "6000 rpm" --search "4000:9000:500 rpm"',
+    "valvetrain lift lobe.dat --angle-of cam --lift-of tappet --lift-unit mm --case own.toml "
+    '--engine-speed "6000 rpm" --search "4000:9000:500 rpm"',
     "valvetrain animate gu2021-beehive --output beehive.gif",
     'valvetrain animate vaz-ohc --spring multi-mass --colour velocity --output train.mp4 --duration "6 s" --width 1280',
     "valvetrain animate runs/vaz-ohc/latest --output train.gif",

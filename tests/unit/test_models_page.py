@@ -75,7 +75,7 @@ def test_one_cell_is_found_by_running_it():
     assert math.isclose(tool.ENGINE_SPEED * 30 / math.pi, 2000)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.calculix
 def test_solids_stand_in_a_comparison_of_a_spring_alone():
     from valvetrain.studies.compare import compare_study

@@ -72,7 +72,7 @@ def prepared(spring: SpringDefinition, per_coil: int, compression: float, dynami
     return mesh, compress(RodStatics(mesh, dynamics.contact_stiffness), [compression])[-1].state
 
 
-@pytest.mark.parametrize("clash", [False, True])
+@pytest.mark.parametrize("clash", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_march_against_an_independent_integrator(clash):
     """Same equations, other method: both damping kinds, large motion, and a clash at low contact stiffness."""
     dynamics = RodDynamics(mass_damping=200.0, stiffness_damping=4e-6, contact_stiffness=1e9, contact_damping_time=0.0)
