@@ -93,6 +93,7 @@ def test_coils_that_close_keep_their_identity(blur, per_mm, merged):
     assert found.merged.any(axis=1).mean() >= merged
 
 
+@pytest.mark.long
 def test_the_vaz_spring_filmed_at_2000_frames_a_second():
     """A run of vaz-ohc by the modal model, filmed; the decay rate of its surge is half its mass damping of 50 1/s, as published."""
     _, rest, angle, moved, cam_speed = made.drawn.coils_of_case("vaz-ohc", model="modal-uniform")

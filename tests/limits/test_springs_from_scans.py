@@ -108,6 +108,7 @@ def test_ovate_wire_is_an_ellipse_and_the_round_wire_for_it_twists_alike(tmp_pat
     assert any("ellipse" in note for note in scan.notes)
 
 
+@pytest.mark.long
 def test_order_position_and_unit_of_the_points_and_slices_a_turn_do_not_matter(tmp_path):
     points, _ = cloud(KNOWN["progressive"], 3000, SEEN["progressive"])
     scan = vt.spring_from_scan(written(tmp_path, points))

@@ -15,7 +15,7 @@ from unit.cli_parts import SMALL, call
 from valvetrain.parameters.loading import LIBRARY
 
 FEW = settings(
-    max_examples=600 if os.environ.get("VALVETRAIN_LONG") == "1" else 60,
+    max_examples=600 if os.environ.get("VALVETRAIN_LONG") == "1" else 30,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )

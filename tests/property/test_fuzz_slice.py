@@ -9,7 +9,7 @@ from fuzz import files, runs, trees
 from fuzz.questions import KINDS, Finding
 from fuzz.worker import generator, write
 
-SLICE = {"cases": 150, "runs": 2, "files": 60}
+SLICE = {"cases": 80, "runs": 2, "files": 30}
 SEED = 20
 
 

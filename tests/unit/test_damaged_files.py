@@ -43,10 +43,17 @@ def without_checksum(path):
     path.write_bytes(body.replace(PROMISE, b'"checksum": ""       '))
 
 
-@pytest.fixture
-def opened(tmp_path, monkeypatch):
-    """A run saved as before there were checksums, to be changed with h5py by the test; read here only, which ends as h5py wrote it."""
+@pytest.fixture(autouse=True)
+def tried(monkeypatch):
+    """Files of h5py's making are read here only, without a process for each; the tests of such trials call the usual one."""
+    usual = netcdf.tried_apart
     monkeypatch.setattr(netcdf, "tried_apart", lambda *_: None)
+    return usual
+
+
+@pytest.fixture
+def opened(tmp_path):
+    """A run saved as before there were checksums, to be changed with h5py by the test."""
     path = save_netcdf(RUN, tmp_path / "run.nc")
     without_checksum(path)
     return path
@@ -222,7 +229,8 @@ def without_end(path, words):
     path.write_bytes(bytes(content))
 
 
-def test_a_file_that_the_library_never_ends_to_read_is_refused(tmp_path, monkeypatch):
+def test_a_file_that_the_library_never_ends_to_read_is_refused(tmp_path, monkeypatch, tried):
+    monkeypatch.setattr(netcdf, "tried_apart", tried)
     monkeypatch.setattr(read_apart, "MOST_SECONDS", 3)
     path = save_static_curve(at_rest()[0].curve, tmp_path / "curve.nc")
     without_checksum(path)

@@ -163,6 +163,7 @@ def points_kept(folder: Path) -> int:
     return sum(path.read_bytes().count(b"\n") for path in folder.glob("*/journal.jsonl"))
 
 
+@pytest.mark.long
 def test_a_search_that_is_killed_goes_on_with_the_same_bits_and_computes_nothing_twice(tmp_path):
     """Killed with one worker, ended with two, beside one that nobody disturbed."""
     text = SEARCH.format(trials=12)
