@@ -103,6 +103,7 @@ def closed():
     return cylindrical("1 mm", "10 mm", "4.2 mm", 22, name="closed")
 
 
+@pytest.mark.long
 def test_end_coils_that_part_point_by_point_move_the_place_with_neither_mesh_nor_reach():
     found = [
         static_curve(FiniteElementRod(closed(), 0.0, mesh), reach)[0].buckling.compression

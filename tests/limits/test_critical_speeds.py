@@ -181,6 +181,7 @@ def test_the_verdict_on_the_performance_spring_does_not_follow_the_grid() -> Non
     assert len(found[0]) == 2
 
 
+@pytest.mark.long
 def test_critical_speeds_do_not_depend_on_workers_or_on_what_is_kept() -> None:
     def ask(workers: int, whole: bool) -> vt.Study:
         sets = ["stock", "performance"]

@@ -131,6 +131,7 @@ def tested(table):
     return vt.spring_from_tester(table, card, installed_height=47e-3)
 
 
+@pytest.mark.long
 def test_the_pitch_law_behind_a_noisy_table_is_found_within_its_bands(tested):
     """The table comes from the finite-element rod with noise of 0.2 %; coils that never close within it are known to their band only."""
     true = progressive_spring().pitch.value(tested.stations.coil)

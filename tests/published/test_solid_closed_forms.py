@@ -118,6 +118,7 @@ class SmoothRamp:
         return self.rise * (share / 2 - np.sin(np.pi * share) / (2 * np.pi)) + beyond
 
 
+@pytest.mark.long
 def test_end_impact_gives_speed_times_wave_resistance(uniform):
     """A retainer moving at speed v meets the force v sqrt(k m) until the reflection returns after two travel times."""
     model = SolidSpring(uniform, MeshOptions(8, 1, 1))
@@ -154,6 +155,7 @@ def test_closing_coils_stiffen_the_spring_and_carry_its_force():
     assert -0.03e-3 < curve.coil_gap[-1].min() < 0.03e-3
 
 
+@pytest.mark.long
 def test_the_error_bar_of_a_mesh_holds_the_limit_of_three():
     """The default mesh of a uniform spring at 7 mm gives 272.63 N, 0.70 % below the limit of three meshes (docs/solid-reference.md)."""
     spring = load_case("uniform-spring").springs[0]

@@ -110,6 +110,7 @@ def test_inner_fibre_stress_of_the_solid_is_goehners():
 
 
 @pytest.mark.calculix
+@pytest.mark.long
 def test_stored_numbers_come_out_of_the_solver():
     """A mesh of 300 elements is within 1 % of the extrapolated force and 0.5 % of the axial frequencies."""
     entry = UNIFORM["uniform-22"]

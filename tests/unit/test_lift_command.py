@@ -142,6 +142,7 @@ def test_the_spread_does_not_depend_on_workers(table, tmp_path):
     assert list(map(repr, found[0])) == list(map(repr, found[1]))
 
 
+@pytest.mark.long
 def test_searched_speeds_are_carried_with_their_spread(table, tmp_path, monkeypatch):
     """Each law's own critical speeds: here 700 rad/s and the number of the law; a law that never floats is left out of the spread."""
     from types import SimpleNamespace

@@ -106,7 +106,13 @@ def browse(html: str, folder: Path, width: int = 1400) -> tuple[dict, list[str]]
 STUDIES = {"own": own_study, "published": published_study, "train": train_study, "sweep": sweep_study}
 
 
-@pytest.fixture(scope="module", params=[(name, width) for name in STUDIES for width in (1400, 390)], ids=lambda one: f"{one[0]}-{one[1]}")
+#: Every page wide; the narrow ones but for the largest with the long tests.
+WIDTHS = [(name, 1400) for name in STUDIES] + [
+    (name, 390) if name == "published" else pytest.param((name, 390), marks=pytest.mark.long) for name in STUDIES
+]
+
+
+@pytest.fixture(scope="module", params=WIDTHS, ids=lambda one: f"{one[0]}-{one[1]}")
 def visit(request, tmp_path_factory):
     name, width = request.param
     page = study_page(STUDIES[name]())

@@ -87,6 +87,7 @@ def test_an_interrupt_stops_the_solver_and_clears_its_files(small, tmp_path):
 
 
 @pytest.mark.calculix
+@pytest.mark.long
 def test_a_spring_by_three_models(small, tmp_path):
     target = tmp_path / "out"
     words = ("--solid-elements-per-coil", "8", "--set", "spring.options.finite-element.elements_per_coil=16", "--workers", "2")

@@ -138,6 +138,7 @@ def models_built(counts: Counter[object]) -> set[object]:
     return set(found)
 
 
+@pytest.mark.long
 def test_variants_that_differ_in_lash_share_their_springs_and_rigid_theory_shares_a_massless_variant(counts):
     case = load_case("vaz-ohc", {"train.cycles": 1})
     study = run_study(case, engine_speeds=[2000 * RPM], workers=1)

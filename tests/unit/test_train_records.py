@@ -16,6 +16,7 @@ from valvetrain.system.train_system import TrainSystem
 COARSE = {f"train.springs.nested.{place}.options.finite-element.elements_per_coil": 8 for place in (0, 1)}
 
 
+@pytest.mark.long
 def test_the_recorded_head_of_a_large_state_is_enough(monkeypatch):
     problem = build(load_case("vaz-ohc", COARSE), spring_models=["finite-element"], spring_sets=["nested"])
     built = problem.members[0].system()

@@ -92,6 +92,7 @@ def test_statics_modes_and_forces_of_a_smooth_spring_converge_at_second_order(co
     assert all(is_defined(name) for name in rows)
 
 
+@pytest.mark.long
 def test_stated_uncertainty_covers_what_a_finer_mesh_changes(coarse):
     case = meshed("job-t", 64)
     study = run_study(
@@ -109,6 +110,7 @@ def test_contact_constants_do_nothing_without_contact(coarse):
         assert row.contact_damping == pytest.approx((row.value, row.value), rel=1e-9)
 
 
+@pytest.mark.long
 def test_stiffer_contact_clashes_harder():
     """Raw height of the main clash of the beehive at 8000 rpm, coarse: rises with the contact stiffness, all else named alike.
 
