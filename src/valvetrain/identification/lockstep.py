@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+#: Longest time (s) that the chains of a map that was cut are waited for.
+LONGEST_END = 20.0
 
 
 class _Cut(BaseException):
@@ -28,10 +30,14 @@ class _Chain(threading.Thread):
         self.answer: float | None = None
         self.result: Any = None
         self.error: BaseException | None = None
-        self.ended = False
+        self.inside = self.ended = False
 
     def run(self) -> None:
-        """Call the function; see the base class."""
+        """Call the function, unless the map was cut before this thread came to it; see the base class."""
+        with self.owner.turn:
+            if self.owner.cut:
+                return
+            self.inside = True
         try:
             self.result = self.function(self.item)
         except _Cut:
@@ -90,13 +96,11 @@ class Lockstep:
 
     def _end(self, chains: list[_Chain]) -> None:
         """Let chains end that nobody waits for any more; what a sampler prints of that is nobody's concern."""
-        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-            with self.turn:
-                self.cut = True
-                self.turn.notify_all()
-            for chain in chains:
-                if chain.is_alive():
-                    chain.join(timeout=5)
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()), self.turn:
+            self.cut = True
+            self.turn.notify_all()
+            # asked of the chains themselves: a signal within a thread's start leaves it running, yet not «alive»
+            self.turn.wait_for(lambda: all(chain.ended or not chain.inside for chain in chains), timeout=LONGEST_END)
 
     def _serve(self, chains: list[_Chain]) -> None:
         while True:
