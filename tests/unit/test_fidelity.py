@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -16,8 +17,12 @@ from valvetrain.report.json import fidelity_object
 from valvetrain.report.sections.fidelity import blocks
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, RPM, FidelityMap, FidelityRow
 from valvetrain.solution.record import CaseRecord
+from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
+from valvetrain.studies import fidelity as studied
 from valvetrain.studies.fidelity import fidelity_models
+from valvetrain.studies.run import STOPPED, run_problem
+from valvetrain.studies.stopping import StudyStopped
 
 SPEEDS = [1000 * RPM, 2000 * RPM, 3000 * RPM]
 
@@ -28,7 +33,7 @@ def row(value, speed=SPEEDS[0], model="massless", quantity="peak_spring_force", 
 
 
 def rows_of(values, **more):
-    return tuple(row(value, speed, **more) for value, speed in zip(values, SPEEDS, strict=True))
+    return tuple(row(value, speed, **more) for value, speed in zip(values, SPEEDS, strict=False))
 
 
 def mapped(*rows, costs=(("massless", 0.05), ("multi-mass", 0.5), ("finite-element", 12.0))):
@@ -41,6 +46,8 @@ def mapped(*rows, costs=(("massless", 0.05), ("multi-mass", 0.5), ("finite-eleme
         (row(549.0), GOOD), (row(451.0), GOOD), (row(551.0), POOR), (row(449.0), POOR), (row(540.0, error=9.0), GOOD),
         (row(540.0, error=11.0), OPEN), (row(560.0, error=9.0), POOR), (row(560.0, error=11.0), OPEN),
         (row(540.0, error=5.0, doubt=6.0), OPEN), (row(540.0, doubt=9.0), GOOD), (row(math.nan), MISSING),
+        (row(500.0, error=math.inf), OPEN), (row(900.0, doubt=math.inf), OPEN), (row(500.0, reference=math.nan), OPEN),
+        (row(math.nan, reference=math.nan), MISSING),
     ],
 )  # fmt: skip
 def test_a_verdict_counts_the_errors_of_both_against_the_tolerance(one, verdict):
@@ -72,6 +79,22 @@ def test_what_the_bars_leave_open_is_neither_good_nor_poor():
     assert found.words == "open" and not found.everywhere and found.poor_from is None
     later = mapped(*rows_of((500.0, 500.0, 540.0), error=20.0)).reach("peak_spring_force", "massless")
     assert later.words == "to 2000, then open" and later.poor_from is None
+
+
+def test_what_a_failed_run_leaves_unknown_is_open_and_said():
+    """Neither a reference without a value nor a bar that was not found lets a model pass."""
+    gone = mapped(*rows_of((500.0, 500.0), reference=500.0), row(500.0, SPEEDS[2], reference=math.nan))
+    assert (
+        gone.reach("peak_spring_force", "massless").words == "to 2000, then open" and gone.cheapest("peak_spring_force") == gone.reference
+    )
+    assert "gave no value, so nothing is said there of: peak spring force at 3000 rpm." in " ".join(fidelity_notes(gone))
+    *_, last = blocks(Study(CaseRecord("own"), fidelity=gone))[2].rows[0][0]
+    assert (last.words, last.hint) == ("?", "no value of the reference: open")
+    blind = mapped(*rows_of((510.0, 500.0, 500.0), error=math.inf))
+    assert blind.reach("peak_spring_force", "massless").words == "open"
+    assert reason_for(blind, "peak_spring_force") == "massless comes nearest, but a finer run that should tell the error gave no result"
+    assert "3 of 3 error bars are unknown" in " ".join(fidelity_notes(blind))
+    assert fidelity_object(blind)["rows"][0]["doubt"]["value"] is None
 
 
 def test_the_cheapest_good_model_is_recommended_and_else_the_reference():
@@ -142,6 +165,63 @@ def test_an_error_bar_is_that_of_a_finer_division(quick):
     apart = abs(one.value - finer.quantities["peak_spring_force"])
     assert one.error == pytest.approx(3 * apart / (1.5**2 - 1) * 1.5**2, rel=1e-9) and apart > 0
     assert math.isnan(quick.fidelity.of("peak_spring_force", "massless")[0].error)
+
+
+ASKED = {"engine_speeds": "500, 6000 rpm", "spring_models": ["multi-mass", "massless"], "reference": "wave-rod", "workers": 1}
+
+
+def test_a_finer_run_that_fails_leaves_its_bar_unknown(quick, monkeypatch):
+    """The chain's finer run at 6000 rpm diverges, as one of a division that its step does not suit would."""
+    whole = studied.run_problem
+
+    def run(problem, *given, **more):
+        found = whole(problem, *given, **more)
+        if len(problem.members) > 1:
+            return found
+        runs = tuple(replace(one, status=Status("diverged", "made up")) if one.engine_speed > 600 else one for one in found.solutions)
+        return replace(found, solutions=runs)
+
+    monkeypatch.setattr(studied, "run_problem", run)
+    found = vt.fidelity("job-t", **ASKED).fidelity
+    slow, fast = found.of("peak_spring_force", "multi-mass")
+    assert slow == quick.fidelity.of("peak_spring_force", "multi-mass")[0] and math.isfinite(slow.error)
+    assert (
+        math.isinf(fast.error)
+        and fast.verdict(0.05) == OPEN
+        and fast.value == quick.fidelity.of("peak_spring_force", "multi-mass")[1].value
+    )
+    assert found.of("peak_spring_force", "massless") == quick.fidelity.of("peak_spring_force", "massless")
+
+
+def test_a_map_that_is_stopped_among_its_finer_runs_keeps_its_own_runs(quick, monkeypatch):
+    whole = studied.run_problem
+
+    def run(problem, *given, **more):
+        found = whole(problem, *given, **more)
+        if len(problem.members) > 1:
+            return found
+        raise StudyStopped(replace(found, solutions=tuple(replace(one, status=STOPPED) for one in found.solutions)))
+
+    monkeypatch.setattr(studied, "run_problem", run)
+    with pytest.raises(StudyStopped) as cut:
+        vt.fidelity("job-t", **ASKED)
+    kept = cut.value.study
+    assert kept.command == "fidelity" and [one.status.code for one in kept.solutions] == ["completed"] * 6
+    assert {one.verdict(0.05) for one in kept.fidelity.of("peak_spring_force", "multi-mass")} == {OPEN}
+    assert kept.fidelity.of("peak_spring_force", "massless") == quick.fidelity.of("peak_spring_force", "massless")
+
+
+def test_a_map_that_is_stopped_among_its_own_runs_keeps_those_that_are_done(monkeypatch):
+    def run(problem, *given, **more):
+        found = run_problem(problem, *given, **more)
+        raise StudyStopped(replace(found, solutions=(*found.solutions[:-1], replace(found.solutions[-1], status=STOPPED))))
+
+    monkeypatch.setattr(studied, "run_problem", run)
+    with pytest.raises(StudyStopped) as cut:
+        vt.fidelity("job-t", **ASKED)
+    kept = cut.value.study
+    assert kept.command == "fidelity" and [one.status.code for one in kept.solutions] == ["completed"] * 5 + ["interrupted"]
+    assert {one.verdict(0.05) for one in kept.fidelity if one.engine_speed > 600 and one.model == "massless"} == {OPEN}
 
 
 def test_workers_and_order_move_no_bit(quick):

@@ -43,6 +43,8 @@ def reason_for(found: FidelityMap, quantity: str) -> str:
         best = min((found.reach(quantity, model) for model in found.models), key=_miss, default=None)
         if best is None or not math.isfinite(best.largest):
             return "no other model tells it"
+        if math.isinf(best.largest_doubt):
+            return f"{best.model} comes nearest, but a finer run that should tell the error gave no result"
         if best.largest_doubt > best.largest:
             return f"{best.model} comes nearest, but its error bar, {share(best.largest_doubt)}, is larger than the difference"
         return f"the nearest, {best.model}, is {_apart(best)} off at worst"
@@ -51,7 +53,7 @@ def reason_for(found: FidelityMap, quantity: str) -> str:
 
 
 def _apart(reach: Reach) -> str:
-    doubt = share(reach.largest_doubt)
+    doubt = share(reach.largest_doubt) or "?"
     return share(reach.largest) + (f" ± {doubt}" if reach.largest_doubt > 0 else "")
 
 
@@ -72,6 +74,14 @@ def fidelity_notes(found: FidelityMap) -> tuple[str, ...]:
         + (f" Without such a division, and so without a bar of their own: {', '.join(undivided)}." if undivided else ""),
         f"The verdicts are about {found.reference}, not about a measurement: what it leaves out, all leave out.",
     ]
+    untold = {name: sorted({rpm(row.engine_speed) for row in found if row.quantity == name and not math.isfinite(row.reference)})
+              for name in found.quantities}  # fmt: skip
+    if any(untold.values()):
+        places = "; ".join(f"{label_of(name)} at {', '.join(f'{one:.6g}' for one in some)} rpm" for name, some in untold.items() if some)
+        notes.append(f"{found.reference} gave no value, so nothing is said there of: {places}.")
+    unknown = [row for row in found if math.isinf(row.doubt)]
+    if unknown:
+        notes.append(f"{len(unknown)} of {len(found)} error bars are unknown, since the run that should tell them gave no result.")
     return tuple(notes)
 
 

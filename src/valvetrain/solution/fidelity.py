@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import pandas
 
-#: Verdicts of a model at one speed: within the tolerance, error bars included; beyond it even so; neither can be said; no value.
+#: Verdicts of a model at one speed: within the tolerance, error bars included; beyond it even so; neither can be said, for the bars or
+#: for want of a reference; no value of the model.
 GOOD, POOR, OPEN, MISSING = "good", "poor", "open", "missing"
 RPM = math.pi / 30
 
@@ -24,7 +25,8 @@ class FidelityRow:
     quantity : name of the quantity
     model : word of the spring model
     engine_speed : crank speed (rad/s)
-    value, error : of the model, and half the width of its numerical error bar; NaN where there is none
+    value, error : of the model (NaN: it tells none), and half the width of its numerical error bar: NaN for a model that has none,
+        infinite where the run that should tell it gave no result
     reference, reference_error : the same of the reference
     scale : largest size of the reference over all speeds, to which differences are related
     """
@@ -45,14 +47,16 @@ class FidelityRow:
 
     @property
     def doubt(self) -> float:
-        """Half width of the bar of the difference, as a share of ``scale``: both errors together; an unknown one counts as none."""
-        return sum(error for error in (self.error, self.reference_error) if math.isfinite(error)) / self.scale
+        """Half width of the bar of the difference, as a share of ``scale``: both errors together; a model without one adds none."""
+        return sum(error for error in (self.error, self.reference_error) if not math.isnan(error)) / self.scale
 
     def verdict(self, tolerance: float) -> str:
         """``good``, ``poor``, ``open`` or ``missing`` at a tolerance (share of ``scale``)."""
         apart = abs(self.difference)
-        if not math.isfinite(apart):
+        if not math.isfinite(self.value):
             return MISSING
+        if not math.isfinite(self.reference):
+            return OPEN
         return GOOD if apart + self.doubt <= tolerance else POOR if apart - self.doubt > tolerance else OPEN
 
 

@@ -25,6 +25,7 @@ from valvetrain.studies.grid_convergence import two_grids
 from valvetrain.studies.planned import Asked
 from valvetrain.studies.request_cost import request_cost
 from valvetrain.studies.run import Finished, run_problem
+from valvetrain.studies.stopping import StudyStopped
 from valvetrain.studies.train_uncertainty import divided
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
@@ -151,11 +152,23 @@ def fidelity_study(
             limits=limits, implausible=implausible,
         )  # fmt: skip
 
-    own = study(problem, finished, (0.0, 0.4))
     parts = _finer(problem)
     ends = [0.4 + 0.6 * place / max(1, len(parts)) for place in range(len(parts) + 1)]
-    fine = [study(one, None, share) for one, share in zip(parts, itertools.pairwise(ends), strict=True)]
-    return replace(own, command="fidelity", fidelity=_compared(problem, own, fine, tolerance))
+    own, fine = None, []
+    try:
+        own = study(problem, finished, (0.0, 0.4))
+        for one, share in zip(parts, itertools.pairwise(ends), strict=True):
+            fine.append(study(one, None, share))
+    except StudyStopped as cut:
+        own = own or cut.study
+        raise StudyStopped(_judged(problem, own, [*fine, cut.study] if own is not cut.study else [], parts, tolerance)) from None
+    return _judged(problem, own, fine, parts, tolerance)
+
+
+def _judged(problem: Problem, own: Study, fine: Sequence[Study], parts: Sequence[Problem], tolerance: float) -> Study:
+    """The runs with their comparison; a bar whose finer run of ``parts`` is not among ``fine`` is unknown."""
+    words = tuple(member.model.word for one in parts for member in one.members)
+    return replace(own, command="fidelity", fidelity=_compared(problem, own, fine, words, tolerance))
 
 
 def _own_set(case: Case) -> tuple[str, ...]:
@@ -173,14 +186,16 @@ def _finer(problem: Problem) -> list[Problem]:
     return made
 
 
-def _compared(problem: Problem, own: Study, fine: Sequence[Study], tolerance: float) -> FidelityMap:
+def _compared(problem: Problem, own: Study, fine: Sequence[Study], divided: tuple[str, ...], tolerance: float) -> FidelityMap:
     labels = {member.model.word: member.label for member in problem.members}
     specs = {member.model.word: member.model for member in problem.members}
     *judged, best = labels
     rows = []
     for name in JUDGED:
         told = {
-            word: _series(own, fine, label, name, name in NONE_IS_ZERO and (name != "clash_energy" or "clash" in specs[word].shows))
+            word: _series(
+                own, fine, label, name, word in divided, name in NONE_IS_ZERO and (name != "clash_energy" or "clash" in specs[word].shows)
+            )
             for word, label in labels.items()
         }
         scale = max((abs(value) for value, _ in told[best].values() if math.isfinite(value)), default=0.0)
@@ -188,25 +203,25 @@ def _compared(problem: Problem, own: Study, fine: Sequence[Study], tolerance: fl
             continue
         for word in judged:
             for speed, (value, error) in told[word].items():
-                reference, doubt = told[best].get(speed, (math.nan, math.nan))
-                if not math.isfinite(reference):
-                    continue
-                rows.append(FidelityRow(name, word, speed, value, error, reference, doubt, scale))
+                rows.append(FidelityRow(name, word, speed, value, error, *told[best].get(speed, (math.nan, math.nan)), scale))
     costs = sorted(((word, specs[word].processor_time) for word in labels), key=lambda pair: pair[1])
-    divisible = tuple(run.model for one in fine for run in one.solutions[:1])
-    return FidelityMap(best, tolerance, tuple(rows), tuple(costs), divisible)
+    return FidelityMap(best, tolerance, tuple(rows), tuple(costs), divided)
 
 
-def _series(own: Study, fine: Sequence[Study], label: str, name: str, zero: bool) -> dict[float, tuple[float, float]]:
-    """Engine speed -> value and half width of its error bar (NaN: none), of the runs of one label; ``zero``: what is not told is zero."""
+def _series(own: Study, fine: Sequence[Study], label: str, name: str, divided: bool, zero: bool) -> dict[float, tuple[float, float]]:
+    """Engine speed -> value and half width of its error bar, of the runs of one label; ``zero``: what is not told is zero.
+
+    The bar is NaN for a model that is not ``divided``, infinite where one that is has no value of its finer run.
+    """
     usual = 0.0 if zero else math.nan
     finer = {run.engine_speed: run for one in fine for run in one.runs(label)}
     found = {}
     for run in own.runs(label):
         value = run.quantities.get(name, usual) if run.status.completed else math.nan
         other = finer.get(run.engine_speed)
-        error = math.nan
-        if other is not None and other.status.completed and math.isfinite(value):
-            error = two_grids(value, other.quantities.get(name, usual), FINER).uncertainty
+        finer_value = other.quantities.get(name, usual) if other is not None and other.status.completed else math.nan
+        error = math.inf if divided and math.isfinite(value) else math.nan
+        if math.isfinite(finer_value) and math.isfinite(value):
+            error = two_grids(value, finer_value, FINER).uncertainty
         found[run.engine_speed] = (float(value), float(error))
     return found

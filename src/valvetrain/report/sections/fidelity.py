@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from valvetrain.report import theme
 from valvetrain.report.fidelity_words import fidelity_notes, reach_rows, reason_for, share, speed_axis
 from valvetrain.report.page import Block, Cell, Grid, SectionSpec, Tabs, text
@@ -67,10 +69,13 @@ def _map(found: FidelityMap, name: str) -> Grid:
 def _cell(row: FidelityRow, verdict: str) -> Cell:
     if verdict == MISSING:
         return Cell("–", "number quiet", "not told, or no result")
+    if not math.isfinite(row.reference):
+        return Cell("?", "number quiet", "no value of the reference: open")
     size = f"{abs(100 * row.difference):.{0 if abs(row.difference) >= 0.0995 else 1}f}"
     words = size if float(size) == 0 else f"{'+' if row.difference > 0 else '−'}{size}"
     tone = {GOOD: "good", POOR: "bad", OPEN: "quiet"}[verdict]
-    return Cell(words, f"number {tone}", f"± {share(row.doubt)}: {verdict}" if row.doubt > 0 else verdict)
+    bar = f"± {share(row.doubt) or 'unknown'}: " if row.doubt > 0 else ""
+    return Cell(words, f"number {tone}", f"{bar}{verdict}")
 
 
 SPEC = SectionSpec("fidelity", "Which model is good enough", blocks)
