@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
-from valvetrain.integrate.leapfrog import MOST_CYCLES, SAMPLES, TOLERANCE, TURN, run_channels, run_status
+from valvetrain.integrate.leapfrog import MOST_CYCLES, SAMPLES, TOLERANCE, TURN, run_channels, run_status, turn_change
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
@@ -118,9 +118,7 @@ class HilberHughesTaylor:
             done, motion = stepping.turn(state, motion, place, rate, sub, forces, states, pressed)
             if done <= count:
                 break
-            if len(before):
-                change = float(np.max(np.abs(forces[:, 1] - before)) / max(float(np.ptp(forces[:, 1])), 1e-12))
-            before = forces[:, 1]
+            change, before = turn_change(before, forces[:, 1]), forces[:, 1]
             if change <= tolerance:
                 break
         status = run_status(system, until, done > count, change, tolerance, turn, time[min(done, count)], cam_speed)

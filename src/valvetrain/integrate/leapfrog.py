@@ -89,9 +89,7 @@ class Leapfrog:
             kept = [*kept, (time, forces, states)] if isinstance(until, RunUp) else [(time, forces, states)]
             if done <= samples * sub:
                 break
-            if len(before):
-                change = float(np.max(np.abs(forces[:, 1] - before)) / max(float(np.ptp(forces[:, 1])), 1e-12))
-            before = forces[:, 1]
+            change, before = turn_change(before, forces[:, 1]), forces[:, 1]
             if change <= tolerance:
                 break
         status = run_status(system, until, done > samples * sub, change, tolerance, turn, kept[-1][0][min(done, samples * sub)], cam_speed)
@@ -110,6 +108,13 @@ class Leapfrog:
             statistics[RECORDED] = spacing * step
             events = find_clashes(PairSeries(at, cam_speed * at + 0.5 * acceleration * at**2, *watch.read(found, spacing * step, step)))
         return Solution(channels, events, status, statistics, provenance)
+
+
+def turn_change(before: Array, now: Array) -> float:
+    """Largest change of a force between two turns at the same angles, as a share of its span; infinite where no turn was before."""
+    if not len(before):
+        return np.inf
+    return float(np.max(np.abs(now - before)) / max(float(np.ptp(now)), 1e-12))
 
 
 def run_status(

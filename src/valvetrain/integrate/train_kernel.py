@@ -169,6 +169,19 @@ def _account(laws, body, motion, scratch, records, first, cam_angle, step, now):
 
 
 @njit(forceinline=True, **OPTIONS)
+def _pass_on(v, scratch, first):
+    """Keep the penetrations for the next step, as :func:`_account` does among all else; returns the largest speed."""
+    bound = 0.0
+    for k in range(scratch.before.shape[0]):
+        if not first:
+            scratch.before[k, 1] = scratch.before[k, 0]
+            scratch.before[k, 0] = scratch.gaps[k, 0]
+    for i in range(v.shape[0]):
+        bound = max(bound, abs(v[i]))
+    return bound
+
+
+@njit(forceinline=True, **OPTIONS)
 def _record(row, records, q, v, old, step, now, cam_angle, power, gaps, share, clock):
     count, motion = q.shape[0], records.motion
     for i in range(count):
@@ -210,7 +223,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
     q, v, clock, counters, totals, old, gaps = motion.q, motion.v, motion.clock, motion.counters, motion.totals, scratch.old, scratch.gaps
     index, laws, body, retainer, gas_coordinate = train.coordinate_of, train.laws, train.body, train.retainer, train.gas_coordinate
     step, every, exchange, bound, sample, elapsed = clock[3], counters[1], counters[3], 0.0, 0, 0.0
-    watched, next_watch = 0, 0 if records.pressed_a.shape[0] > 0 else -1
+    watched, next_watch, noted = 0, 0 if records.pressed_a.shape[0] > 0 else -1, records.loads.shape[0] > 0
     n, left, part, change = -1, 0, step, 0.0
     _begin(train, motion, scratch)
     while True:
@@ -267,17 +280,20 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
         guide(body, scratch, kick, now, v)
         damped = damp(index, laws, scratch, kick, now, v)
         rub(train, q, cam_angle, cam_speed, kick, v, scratch)
-        rubbed = friction_loss(index, v, scratch)
-        totals[2] += rubbed + losses(index, body, scratch, v, damped)
-        totals[4] += rubbed
-        power, bound = _account(laws, body, motion, scratch, records, whole and n == 0, cam_angle, kick, now)
-        note_loads(power, cam_angle, cam_speed, clock, records.loads)
-        if gas_coordinate >= 0:
-            totals[1] += kick * pressed * 0.5 * (old[gas_coordinate] + v[gas_coordinate])
-        totals[3] += kick * pull * 0.5 * (old[retainer] + v[retainer])
-        if recording:
-            _record(sample, records, q, v, old, kick, now, cam_angle, power, gaps, scratch.share, clock)
-            sample += 1
+        if noted:
+            rubbed = friction_loss(index, v, scratch)
+            totals[2] += rubbed + losses(index, body, scratch, v, damped)
+            totals[4] += rubbed
+            power, bound = _account(laws, body, motion, scratch, records, whole and n == 0, cam_angle, kick, now)
+            note_loads(power, cam_angle, cam_speed, clock, records.loads)
+            if gas_coordinate >= 0:
+                totals[1] += kick * pressed * 0.5 * (old[gas_coordinate] + v[gas_coordinate])
+            totals[3] += kick * pull * 0.5 * (old[retainer] + v[retainer])
+            if recording:
+                _record(sample, records, q, v, old, kick, now, cam_angle, power, gaps, scratch.share, clock)
+                sample += 1
+        else:
+            bound = _pass_on(v, scratch, whole and n == 0)
         for i in range(q.shape[0]):
             q[i] += part * v[i]
         clock[0] = cam_angle + part * (cam_speed + 0.5 * part * clock[2])

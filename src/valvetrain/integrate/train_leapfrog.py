@@ -67,7 +67,7 @@ class TrainLeapfrog:
             ready = runner(system, cam_speed, chosen, rest=rest)
             state = ready.initial_state() if options.start is None else options.start.at(ready)
             for _ in range(until.count - 1):
-                state, _ = replace(ready, options=replace(chosen, record_springs=False, record_contacts=False)).cycle(state, judged=False)
+                state, _ = ready.after(state)
             _, record = ready.cycle(state)
             statistics = train_statistics(ready.system, record) | {"steady_cycles_count": float(until.count), "integrator": self.word}
             events, spacing = _events(ready, record)

@@ -178,16 +178,37 @@ class TrainRunner:
 
     def cycle(self, state: TrainState, judged: bool = True) -> tuple[TrainState, CycleRecord]:
         """Advance one cam cycle; the given state stays as it was. ``judged``: look whether the step resolved the contacts' stiffness."""
+        rows, springs = self.options.samples, len(self.springs)
+        end, done, motion, records, spacing = self._advance(state, rows)
+        extremes, written, count = records.extremes, records.motion, len(end.q)
+        status = self._status(done, state.cam_angle, extremes[:, PEAK_FORCE] if judged else np.zeros(0))
+        record = CycleRecord(
+            written[:, 3 * count], written[:, :count], written[:, count : 2 * count], written[:, 2 * count : 3 * count], records.force,
+            records.gap, records.spring.reshape(rows, 2, 2)[:, :springs], (records.spring_a, records.spring_b)[:springs], written[:, -1],
+            extremes[:, PEAK_FORCE], extremes[:, PEAK_PENETRATION], motion.totals[:4], self.time_step, self.cam_speed, status,
+            float(motion.totals[4]), extremes[:, PEAK_FORCE_ANGLE], extremes[:, LEAST_FORCE], extremes[:, LEAST_FORCE_ANGLE],
+            Transitions.from_log(records.transitions, int(motion.counters[2])), (records.pressed_a, records.pressed_b)[:springs],
+            spacing * self.time_step, extremes[:, OPEN_FORCE], extremes[:, NOSE_FORCE], records.loads, records.bodies,
+        )  # fmt: skip
+        return end, record
+
+    def after(self, state: TrainState) -> tuple[TrainState, Status]:
+        """The state one cam cycle later, the same bits as of :meth:`cycle`, and how it ended; nothing is written down on the way."""
+        end, done, *_ = self._advance(state, 0)
+        return end, self._status(done, state.cam_angle, np.zeros(0))
+
+    def _advance(self, state: TrainState, rows: int) -> tuple[TrainState, int, Motion, Records, int]:
+        """One cam cycle: the state after it, steps done, what moved, ``rows`` of records (0: none at all), steps per row of contacts."""
         from valvetrain.contact.own_law import law_address
         from valvetrain.integrate.null_spring import no_spring
         from valvetrain.integrate.train_kernel import ready_train_kernel
 
-        arrays, new, rows = self.system.arrays, state.copy(), self.options.samples
+        arrays, new = self.system.arrays, state.copy()
         count, interactions = len(new.q), len(arrays.kinds)
         kernels: list[Any] = [no_spring] * 2
         states = [np.zeros((rows, 0))] * 2
         slots = [Slot(np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros(1), np.zeros((0, 2), dtype=np.int64))] * 2
-        watches = [contact_watch_of(spring) if self.options.record_contacts else None for spring in self.springs]
+        watches = [contact_watch_of(spring) if self.options.record_contacts and rows else None for spring in self.springs]
         spacing = min((steps_between(watch, self.time_step) for watch in watches if watch is not None), default=1)
         count_rows = (self.steps - 1) // spacing + 1 if any(watches) else 0
         pressed = [np.zeros((count_rows, 0))] * 2
@@ -201,29 +222,20 @@ class TrainRunner:
         before, least = state.last_step or self.time_step, LEAST_BLOW * self.rest.reference_force
         turning = (state.cam_angle, self.cam_speed, self.cam_acceleration, self.time_step)
         clock = np.array([*turning, *new.held, begin, end - begin, before, before, least, self.options.nose])
-        counters = np.array([self.steps, self.steps // rows, 0, self.options.exchange, spacing, self.options.blow_steps], dtype=np.int64)
+        every = self.steps // self.options.samples
+        counters = np.array([self.steps, every, 0, self.options.exchange, spacing, self.options.blow_steps], dtype=np.int64)
         addresses = np.array([law_address(kernel) for kernel in self.system.law_kernels], dtype=np.int64)
         motion = Motion(new.q, new.v, new.law_state, addresses, clock, counters, np.zeros(5))
-        extremes, loads, bodies = np.zeros((interactions, 7)), np.zeros((len(LOADS), 4)), np.zeros((count, 5))
+        extremes, loads, bodies = np.zeros((interactions, 7)), np.zeros((len(LOADS) if rows else 0, 4)), np.zeros((count, 5))
         extremes[:, LEAST_FORCE], extremes[:, OPEN_FORCE], bodies[:, PEAK_PLACE] = np.inf, -np.inf, -np.inf
         loads[:, HIGHEST], loads[:, LOWEST] = -np.inf, np.inf
         records = Records(
             np.zeros((rows, 3 * count + 2)), np.zeros((rows, interactions)), np.zeros((rows, interactions)), np.zeros((rows, 4)), states[0],
-            states[1], extremes, loads, bodies, np.zeros((TRANSITIONS, 7)), *pressed,
+            states[1], extremes, loads, bodies, np.zeros((TRANSITIONS if rows else 0, 7)), *pressed,
         )  # fmt: skip
         done = ready_train_kernel()(*kernels, arrays, *slots, motion, records)
-        status = self._status(done, state.cam_angle, extremes[:, PEAK_FORCE] if judged else np.zeros(0))
         angle = state.cam_angle + TURN if self.cam_acceleration == 0 else float(clock[0])
-        written, springs = records.motion, len(self.springs)
-        record = CycleRecord(
-            written[:, 3 * count], written[:, :count], written[:, count : 2 * count], written[:, 2 * count : 3 * count], records.force,
-            records.gap, records.spring.reshape(rows, 2, 2)[:, :springs], tuple(states[:springs]), written[:, -1],
-            extremes[:, PEAK_FORCE], extremes[:, PEAK_PENETRATION], motion.totals[:4], self.time_step, self.cam_speed, status,
-            float(motion.totals[4]), extremes[:, PEAK_FORCE_ANGLE], extremes[:, LEAST_FORCE], extremes[:, LEAST_FORCE_ANGLE],
-            Transitions.from_log(records.transitions, int(counters[2])), tuple(pressed[:springs]), spacing * self.time_step,
-            extremes[:, OPEN_FORCE], extremes[:, NOSE_FORCE], loads, bodies,
-        )  # fmt: skip
-        return replace(new, held=clock[4:9].copy(), cam_angle=angle, last_step=float(clock[11])), record
+        return replace(new, held=clock[4:9].copy(), cam_angle=angle, last_step=float(clock[11])), done, motion, records, spacing
 
     def _status(self, done: int, cam_angle: float, peaks: Array) -> Status:
         if done < self.steps:

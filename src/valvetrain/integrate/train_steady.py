@@ -62,15 +62,13 @@ def steady_train(
     with its status saying so, and, where asked for (``compared``), with the scatter of some more cycles.
     """
     template, times = [start or runner.initial_state()], []
-    # the springs' inner states and contacts are large; only the last cycle keeps them
-    searching = replace(runner, options=replace(runner.options, record_springs=False, record_contacts=False))
 
     def cycle(vector: Array) -> Array:
         begun = time.perf_counter()
-        end, record = searching.cycle(_unpack(vector, template[0], runner), judged=False)
+        end, status = runner.after(_unpack(vector, template[0], runner))
         times.append(time.perf_counter() - begun)
         template[0] = replace(end, cam_angle=0.0)
-        return _pack(end, runner) if record.status.code != "diverged" or np.all(np.isfinite(record.q)) else np.full_like(vector, np.nan)
+        return _pack(end, runner) if status.completed or np.all(np.isfinite(end.q)) else np.full_like(vector, np.nan)
 
     vector, weights = _pack(template[0], runner), _weights(template[0], runner)
     search = (accelerate if method == "anderson" else repeat_cycles)(cycle, vector, weights, tolerance, cycles)

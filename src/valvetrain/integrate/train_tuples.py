@@ -72,7 +72,8 @@ class Records(NamedTuple):
     ``bodies`` (N, 5) over every step: see their columns; speeds and accelerations of either sign. ``transitions``
     (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and 0 for an opening, cam angle, rate of the penetration, largest gap of the
     open side and its cam angle, largest force of the closed side.
-    ``pressed_a``, ``pressed_b`` (rows, entries): the coil contacts of each spring; no rows: they are not recorded.
+    ``pressed_a``, ``pressed_b`` (rows, entries): the coil contacts of each spring; no rows: they are not recorded. Without rows of
+    ``loads`` nothing is written down at all, and no totals are kept.
     """
 
     motion: Array
