@@ -16,7 +16,8 @@ from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.studies.api import simulate
 from valvetrain.workbench.edits import with_value
 from valvetrain.workbench.form import fields
-from valvetrain.workbench.start_values import GAP, with_law
+from valvetrain.workbench.lift_laws import with_law
+from valvetrain.workbench.start_values import GAP
 from valvetrain.workbench.starts import additions, removable, with_addition
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL

@@ -11,6 +11,7 @@ from pydantic import Field
 from valvetrain import registry
 from valvetrain.parameters.case import Case, Note, Operation
 from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.kept_tables import parameters_of
 from valvetrain.parameters.schema_installed import RubbingModel, SpringField
 from valvetrain.parameters.schema_lift import LiftField
 from valvetrain.parameters.schema_names import CaseName, Line, Prose
@@ -83,7 +84,7 @@ class CaseModel(StrictModel):
             description=self.description,
             springs=placed("spring", self.spring.build, name) if self.spring else (),
             rubbing=self.rubbing.build(),
-            lift_law=placed("lift_law", self.lift_law.parameters, folder) if self.lift_law else None,
+            lift_law=placed("lift_law", parameters_of, self.lift_law, folder) if self.lift_law else None,
             operation=placed("operation", self.operation.build),
             train=placed("train", with_cam_card(self.train, self.lift_law).build) if self.train is not None else None,
             published=tuple(value for group in published for value in group),

@@ -16,6 +16,7 @@ from valvetrain.parameters.bounded_file import BESIDE_VARIABLE
 from valvetrain.solution.atomic import is_living, write_bytes, write_text
 from valvetrain.studies.cost import Limits, memory_words, time_words
 from valvetrain.studies.unfinished_runs import unfinished_runs
+from valvetrain.workbench.disk import writing
 from valvetrain.workbench.kept import STUDIES
 from valvetrain.workbench.names import inside
 from valvetrain.workbench.requests import JobRequest, command_words, study_text
@@ -42,11 +43,17 @@ class Outcome:
 def write_inputs(workspace: Workspace, job_id: str, request: JobRequest, text: str) -> None:
     """Put what a job needs into its folder: the case as it now stands, the files it names, and the study file."""
     folder = inside(workspace.jobs_folder, job_id)
-    for name, content in workspace.files(request.case).items():
-        write_bytes(inside(folder, name), content)
-    write_text(folder / f"{request.case}.toml", text)
-    if request.kind == "study":
-        write_text(folder / "study.toml", study_text(request, f"{request.case}.toml"))
+    with writing("the inputs of this job", "job"):
+        for name, content in workspace.files(request.case).items():
+            write_bytes(inside(folder, name), content)
+        write_text(folder / f"{request.case}.toml", text)
+        if request.kind == "study":
+            write_text(folder / study_file(request.case), study_text(request, f"{request.case}.toml"))
+
+
+def study_file(case: str) -> str:
+    """Name of the study file of a job on ``case``, which never is that of its case."""
+    return "study-of-it.toml" if case.lower() == "study" else "study.toml"
 
 
 def wait_until_left(workspace: Workspace, job_id: str) -> None:
@@ -98,7 +105,7 @@ class JobProcess:
     def run(self) -> Outcome:
         """Start the process, follow its progress and wait for its end."""
         folder = inside(self.workspace.jobs_folder, self.job_id)
-        name = "study.toml" if self.request.kind == "study" else f"{self.request.case}.toml"
+        name = study_file(self.request.case) if self.request.kind == "study" else f"{self.request.case}.toml"
         kept = f"runs/{STUDIES}/{self.request.case}-{self.job_id}"
         words = command_words(self.request, f"jobs/{self.job_id}/{name}", self.workers, self.limits, kept)
         bounds = [str(self.limits.seconds), str(self.limits.bytes), str(folder / LOCK)]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -38,7 +39,17 @@ class SideFile:
 def list_files(folder: Path, text: str) -> list[SideFile]:
     """Files in the folder of the case ``text``, by name."""
     named = names_in(text)
-    return [SideFile(path.name, path.stat().st_size, path.name in named) for path in sorted(plain_files(folder))]
+    return [SideFile(name, size, name in named) for name, _, size in file_stamps(folder)]
+
+
+def file_stamps(folder: Path) -> tuple[tuple[str, int, int], ...]:
+    """Name, time of the last change (ns) and bytes of each file beside the case in ``folder``, by name."""
+    found = []
+    for path in sorted(plain_files(folder)):
+        with suppress(OSError):  # removed meanwhile
+            told = path.stat()
+            found.append((path.name, told.st_mtime_ns, told.st_size))
+    return tuple(found)
 
 
 def plain_files(folder: Path) -> list[Path]:
@@ -66,14 +77,18 @@ def found_file(folder: Path, name: str) -> Path:
     return path
 
 
-def check_bounds(files: Mapping[str, bytes], where: str) -> None:
-    """Refuse, with an :class:`InputError`, more files beside a case than may be, and names that a case or a job has for its own."""
-    for name in files:
+def check_bounds(files: Mapping[str, bytes | int], where: str, new: Collection[str] | None = None) -> None:
+    """Refuse, with an :class:`InputError`, more files beside a case than may be, and names that a case or a job has for its own.
+
+    ``files``: contents, or numbers of bytes, by name; ``new``: those that are put there, whose names are judged; all where left out.
+    """
+    for name in files if new is None else new:
         if name.lower().endswith(".toml"):
             raise InputError(f"'{clipped(name, 60)}' is no file that a case names; a case file is opened on the start page", where)
         if name.lower() in _OF_JOBS:
             raise InputError(f"'{name}' is a name that a run has for its own; give the file another", where)
-    if len(files) > MOST_FILES or sum(map(len, files.values())) > MOST_FILE_BYTES:
+    size = sum(one if isinstance(one, int) else len(one) for one in files.values())
+    if len(files) > MOST_FILES or size > MOST_FILE_BYTES:
         raise InputError(f"beside a case stand at most {MOST_FILES} files of {MOST_FILE_BYTES / 1e6:.0f} MB; leave this one out", where)
 
 

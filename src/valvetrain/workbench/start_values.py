@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.templates import template_text
-from valvetrain.workbench.edits import opened, saved
 
-#: Gap between nested springs, and between a spring and a bore (m).
+#: Difference of diameters of nested springs, and of a spring and a bore (m); the gap on either side is half of it.
 GAP = 1e-3
 #: Share of the loads and of the mass of a spring that one inside it begins with, where both are known by their cards.
 SHARE = 0.4
@@ -28,40 +26,11 @@ PARTS: dict[str, tuple[str, str, Mapping[str, str]]] = {
     "crank": ("Crank and piston", "for the clearance of valve and piston",
               {"radius": "45 mm", "rod_length": "150 mm", "clearance": "8 mm", "top_dead_centre": "120 deg"}),
 }  # fmt: skip
-#: Values that the tables of lift laws begin with.
-_LAW = {
-    "maximum_lift": "9 mm", "opening_start": "115 deg", "opening_end": "180 deg", "closing_start": "180 deg", "closing_end": "245 deg",
-}  # fmt: skip
-_OF_FILES = {"lift_of": "valve", "angle_of": "cam", "angle_unit": "deg", "lift_unit": "mm"}
 
 
 def assumed(value: Any) -> dict[str, Any]:
     """A value with a note that it is assumed."""
     return {"value": value, "status": "assumed", "source": _SOURCE}
-
-
-def with_law(text: str, kind: str, files: Sequence[str]) -> str:
-    """The case file ``text`` with a lift law of another ``kind``: what both kinds know stays, the rest is assumed to begin with.
-
-    ``files``: names of the files beside the case, of which a law that reads one gets the first. Raises :class:`InputError` for an unknown
-    kind, and for one that reads a file where there is none.
-    """
-    document = opened(text)
-    if kind not in registry.words("lifts") or "lift_law" not in document:
-        raise InputError(f"kind '{kind[:40]}' of a lift law is unknown; {nearest(kind, registry.words('lifts'))}", "lift_law.kind")
-    law, known = document["lift_law"], registry.find("lifts", kind).table.model_fields
-    for name in [name for name in law if name not in known and name not in ("status", "source")]:
-        del law[name]
-    law["kind"] = kind
-    reads = "file" in known and "file" not in law and "lifts" not in law
-    if reads and not files:
-        raise InputError(f"a lift law of kind '{kind}' reads a file; add it below 'Files of this case' first", "lift_law.kind")
-    if reads:
-        law["file"] = files[0]
-    for name, value in (_OF_FILES if reads else _LAW).items():
-        if name in known and name not in law and (reads or known[name].is_required()):
-            law[name] = assumed(value)
-    return saved(document)
 
 
 def of_template(name: str) -> dict[str, Any]:
@@ -95,12 +64,13 @@ def inner_spring(outer: InstalledSpring, given: Mapping[str, Any]) -> dict[str, 
     inner_wire = (float(mean[narrow] - thick[narrow]) - GAP) / (index + 1)
     if inner_wire <= 0:
         raise InputError("no second spring fits inside this one; widen it first", "spring")
+    bare, _, _ = split_notes({"material": given["material"]})  # its notes tell where the outer one's comes from
     height = {"precompression": _length(outer.precompression)}
     if "installed_height" in given:
         height = {"installed_height": _length(wire.free_length - outer.precompression)}
     return head | {
         "wire_diameter": _length(inner_wire), "mean_diameter": _length(index * inner_wire), "total_coils": float(f"{wire.total_coils:.4g}"),
-        "free_length": _length(wire.free_length), "hand": "left" if wire.hand == "right" else "right", "material": given["material"],
+        "free_length": _length(wire.free_length), "hand": "left" if wire.hand == "right" else "right", "material": bare["material"],
         "ends": "closed-ground", **height,
     }  # fmt: skip
 

@@ -68,6 +68,8 @@ def removable(case: Case, text: str) -> frozenset[str]:
         listed = isinstance(_table(tree, key.split(".")), list)
         found |= {f"{key}.{place}.guide" if listed else f"{key}.guide" for place, one in enumerate(springs) if one.guide is not None}
         found |= {f"{key}.1"} if len(springs) == 2 else set()
+    found |= {"rubbing"} if "rubbing" in tree else set()
+    found |= {"train.rubbing"} if "rubbing" in tree.get("train", {}) else set()
     return frozenset(found | ({"lift_law"} if case.lift_law is not None and case.springs else set()))
 
 

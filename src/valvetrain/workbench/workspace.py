@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import MOST_BYTES
@@ -23,12 +24,24 @@ from valvetrain.parameters.loading import LIBRARY, library_names, list_cases, pa
 from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.solution.atomic import lock, write_bytes, write_text
 from valvetrain.units.text import clipped
+from valvetrain.workbench.disk import writing
 from valvetrain.workbench.edits import refuse_foreign_files, with_change, with_name
 from valvetrain.workbench.form import read_change
 from valvetrain.workbench.kept import Run, RunFiles, delete_kept, file_of, kept_run, list_kept
+from valvetrain.workbench.lift_laws import KEPT, KeptLaws, kind_of
 from valvetrain.workbench.names import case_name, checked_name, inside
-from valvetrain.workbench.side_files import CASE_FILE, SideFile, check_bounds, found_file, list_files, names_in, not_sent, plain_files
-from valvetrain.workbench.start_values import with_law
+from valvetrain.workbench.passing import beside, new_folder, remove_passing
+from valvetrain.workbench.side_files import (
+    CASE_FILE,
+    SideFile,
+    check_bounds,
+    file_stamps,
+    found_file,
+    list_files,
+    names_in,
+    not_sent,
+    plain_files,
+)
 from valvetrain.workbench.starts import with_addition
 from valvetrain.workbench.store import Store
 
@@ -36,6 +49,19 @@ from valvetrain.workbench.store import Store
 CaseId = str
 #: Most cases of one workspace.
 MOST_CASES = 500
+_Given = ParamSpec("_Given")
+_Found = TypeVar("_Found")
+
+
+def _in_turn(method: Callable[Concatenate[Workspace, _Given], _Found]) -> Callable[Concatenate[Workspace, _Given], _Found]:
+    """One of the methods that check something and then write: no two of them at a time, so that what was checked still holds."""
+
+    @wraps(method)
+    def waiting(self: Workspace, /, *given: _Given.args, **named: _Given.kwargs) -> _Found:
+        with self.turn:
+            return method(self, *given, **named)
+
+    return waiting
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +108,7 @@ class Workspace:
             raise InputError(
                 f"folder '{clipped(str(self.folder), 120)}' cannot be used ({error.strerror}); choose another", "--folder"
             ) from None
-        self.store = Store(self.folder)
+        self.store, self.turn = Store(self.folder), threading.RLock()
 
     def hold(self) -> Callable[[], None]:
         """Hold the workspace for this process, as a server does; what releases it.
@@ -94,6 +120,7 @@ class Workspace:
             os.close(handle)
             name = clipped(str(self.folder), 120)
             raise InputError(f"another server works in '{name}'; stop it, or choose another folder", "--folder")
+        remove_passing(self.cases_folder, self.jobs_folder)
         return lambda: os.close(handle)
 
     # cases
@@ -110,7 +137,7 @@ class Workspace:
         found = []
         for folder in self.cases_folder.iterdir():
             path = folder / CASE_FILE
-            if folder.is_symlink() or path.is_symlink() or not path.is_file():
+            if folder.name.startswith(".") or folder.is_symlink() or path.is_symlink() or not path.is_file():
                 continue
             tree: dict[str, Any] = {}
             with suppress(InputError, OSError, ValueError):
@@ -121,6 +148,7 @@ class Workspace:
             found.append((at, CaseCard(folder.name, title, "case", holds, origins.get(folder.name, ""), f"{at:%Y-%m-%dT%H:%M:%SZ}")))
         return [card for _, card in sorted(found, key=lambda one: one[0], reverse=True)]
 
+    @_in_turn
     def new_case(self, name: str, template_or_library: str) -> CaseId:
         """A new case from a case of the library or a template (:meth:`library`); its id.
 
@@ -150,17 +178,19 @@ class Workspace:
             text = content.decode("utf-8-sig")
         except UnicodeDecodeError:
             raise InputError("is no text file; a case is TOML in UTF-8", clipped(name, 60)) from None
-        ours = self._free(name, numbered=True)
         sides = dict(side_files or {})
         refuse_foreign_files(text)
-        with self._beside(sides) as folder:
+        check_bounds(sides, "upload")
+        with beside(self.jobs_folder, sides) as folder:
             try:
-                parse_case(text, ours, folder, clipped(name, 60))
+                parse_case(text, self._free(name, numbered=True), folder, clipped(name, 60))
             except InputError:
                 if missing := not_sent(text, sides):
                     raise InputError(missing, clipped(name, 60)) from None
                 raise
-        return self._put(ours, with_name(text, ours), f"file {clipped(name, 60)}", sides)
+        with self.turn:
+            ours = self._free(name, numbered=True)
+            return self._put(ours, with_name(text, ours), f"file {clipped(name, 60)}", sides)
 
     def text(self, case: CaseId) -> str:
         """The case file as it stands. Raises :class:`InputError` for an unknown case."""
@@ -175,13 +205,15 @@ class Workspace:
         refuse_foreign_files(toml, changes)
         return parse_case(toml, case, self._file(case).parent, case, changes)
 
+    @_in_turn
     def replace_text(self, case: CaseId, toml: str) -> None:
         """Put another text in the place of the case's. Raises :class:`InputError`, and changes nothing, for what is no case."""
         if len(toml.encode("utf-8", "replace")) > MOST_BYTES:
             raise InputError(f"the text is larger than {MOST_BYTES / 1e6:.3g} MB; shorten it", case)
         self.parse(case, toml)
-        write_text(self._file(case), with_name(toml, case))
+        self._write(case, with_name(toml, case))
 
+    @_in_turn
     def set_value(self, case: CaseId, key: str, text_value: str) -> None:
         """Set a value by its key path as ``--set`` would, empty text removing it; comments of the file stay.
 
@@ -191,8 +223,9 @@ class Workspace:
         path, value, _ = read_change(before, key, text_value, self.case_folder(case), case)
         text = with_change(before, path, value)
         self.parse(case, text)
-        write_text(self._file(case), text)
+        self._write(case, text)
 
+    @_in_turn
     def add_table(self, case: CaseId, key: str) -> None:
         """Give a case a table it does not have, with values to begin with (:func:`valvetrain.workbench.starts.additions`).
 
@@ -200,36 +233,46 @@ class Workspace:
         """
         self.replace_text(case, with_addition(self.read(case), self.text(case), key))
 
+    @_in_turn
     def change_law(self, case: CaseId, kind: str) -> None:
-        """Give a case a lift law of another kind; what both kinds know stays.
+        """Give a case a lift law of another kind: what that kind last told here, else what both kinds know with the rest assumed.
 
         Raises :class:`InputError`, and changes nothing, for a kind whose values cannot be told for it.
         """
-        text = with_law(self.text(case), kind, [one.name for one in self.side_files(case)])
-        try:
-            self.replace_text(case, text)
-        except InputError as error:
-            told = f"kind '{kind}' needs more than this lift law tells ({error.reason})"
-            raise InputError(f"{told}; write its table in the downloaded case, and open that", "lift_law.kind") from None
+        text, kept = self.text(case), KeptLaws(self.case_folder(case))
+        if kind_of(text) == kind:
+            return
+        made = kept.changed(text, kind, [one.name for one in self.side_files(case)], lambda toml: self.parse(case, toml))
+        with writing("this case", case):
+            kept.keep(text, made)
+        self._write(case, made)
 
+    @_in_turn
     def rename(self, case: CaseId, name: str) -> CaseId:
         """Give a case another name; the new id. Its earlier runs keep the name they were made under."""
         path, ours = self._file(case), self._free(name)
         folder = self.cases_folder / ours
-        path.parent.rename(folder)
-        write_text(folder / CASE_FILE, with_name((folder / CASE_FILE).read_text("utf-8"), ours))
+        with writing("this case", case):
+            path.parent.rename(folder)
+        self._write(ours, with_name((folder / CASE_FILE).read_text("utf-8"), ours))
         with self.store.connected() as base:
             base.execute("UPDATE cases SET name = ? WHERE name = ?", (ours, case))
             base.execute("UPDATE jobs SET case_name = ? WHERE case_name = ?", (ours, case))
             base.execute("UPDATE OR REPLACE choices SET name = ? WHERE name = ?", (ours, case))
         return ours
 
+    @_in_turn
     def duplicate(self, case: CaseId, name: str = "") -> CaseId:
         """A copy of a case; its id."""
         path = self._file(case)
         ours = self._free(name or case, numbered=not name)
-        return self._put(ours, with_name(self.text(case), ours), f"copy of {case}", self.files(path.parent.name))
+        self._put(ours, with_name(self.text(case), ours), f"copy of {case}", self.files(path.parent.name))
+        if (path.parent / KEPT).is_file() and not (path.parent / KEPT).is_symlink():
+            with writing("what the copy keeps of its lift laws", ours):
+                write_bytes(self.case_folder(ours) / KEPT, (path.parent / KEPT).read_bytes())
+        return ours
 
+    @_in_turn
     def delete(self, case: CaseId) -> None:
         """Remove a case; its runs stay."""
         shutil.rmtree(self._file(case).parent)
@@ -245,22 +288,30 @@ class Workspace:
         """What lies beside a case. Raises :class:`InputError` for an unknown case."""
         return list_files(self._file(case).parent, self.text(case))
 
+    def stamps(self, case: CaseId) -> tuple[tuple[str, int, int], ...]:
+        """Name, time of the last change (ns) and bytes of each file beside a case: another content is another stamp."""
+        return file_stamps(self._file(case).parent)
+
     def side_file(self, case: CaseId, name: str) -> Path:
         """The path of a file beside a case. Raises :class:`InputError` where there is none."""
         return found_file(self._file(case).parent, name)
 
+    @_in_turn
     def attach(self, case: CaseId, name: str, content: bytes) -> None:
         """Put a file (a table of lifts) beside a case, which may then name it.
 
         Raises :class:`InputError` beyond the bounds, and for another content of a file that the case names, with which it cannot be read.
         """
-        there = {**self.files(case), checked_name(name): content}
-        check_bounds(there, name)
-        if name in names_in(text := self.text(case)):
-            with self._beside(there) as folder:
+        sizes = {one: size for one, _, size in self.stamps(case)}
+        check_bounds({**sizes, checked_name(name): len(content)}, name, new=(name,))
+        if name in (named := names_in(text := self.text(case))):
+            others = {one: held for one, held in self.files(case).items() if one in named}
+            with beside(self.jobs_folder, {**others, name: content}) as folder:
                 parse_case(text, case, folder, case)
-        write_bytes(inside(self._file(case).parent, name), content)
+        with writing("this file", name):
+            write_bytes(inside(self._file(case).parent, name), content)
 
+    @_in_turn
     def detach(self, case: CaseId, name: str) -> None:
         """Remove a file beside a case. Raises :class:`InputError` where there is none, or the case names it."""
         path = self.side_file(case, name)
@@ -272,7 +323,7 @@ class Workspace:
 
     def remember(self, case: CaseId, key: str, value: str) -> None:
         """Keep a choice made for a case, such as the speeds asked for last."""
-        with self.store.connected() as base:
+        with writing("what this page remembers", case), self.store.connected() as base:
             base.execute("INSERT OR REPLACE INTO choices VALUES (?, ?, ?)", (case, key[:80], value[:2000]))
 
     def remembered(self, case: CaseId) -> dict[str, str]:
@@ -315,7 +366,7 @@ class Workspace:
 
     def _free(self, name: str, numbered: bool = False) -> CaseId:
         ours = case_name(name)
-        taken = {path.name.lower() for path in self.cases_folder.iterdir()}
+        taken = {path.name.lower() for path in self.cases_folder.iterdir() if not path.name.startswith(".")}
         if len(taken) >= MOST_CASES:
             raise InputError(f"there are {MOST_CASES} cases here; remove some, or use another folder", "name")
         if numbered:
@@ -324,26 +375,18 @@ class Workspace:
             raise InputError(f"there is a case '{ours}' already; choose another name", "name")
         return ours
 
+    def _write(self, case: CaseId, text: str) -> None:
+        with writing("this case", case):
+            write_text(self._file(case), text)
+
     def _put(self, ours: CaseId, text: str, origin: str, sides: Mapping[str, bytes]) -> CaseId:
         refuse_foreign_files(text)
-        folder = inside(self.cases_folder, ours)
+        new_folder(self.cases_folder, ours, text, sides)
         try:
-            folder.mkdir()
-        except FileExistsError:
-            raise InputError(f"there is a case '{ours}' already; choose another name", "name") from None
-        for side, content in sides.items():
-            write_bytes(inside(folder, side), content)
-        write_text(folder / CASE_FILE, text)
-        with self.store.connected() as base:
-            now = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}"
-            base.execute("INSERT OR REPLACE INTO cases VALUES (?, ?, ?)", (ours, origin, now))
+            with writing(f"the case '{ours}'", "name"), self.store.connected() as base:
+                now = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}"
+                base.execute("INSERT OR REPLACE INTO cases VALUES (?, ?, ?)", (ours, origin, now))
+        except BaseException:
+            shutil.rmtree(self.cases_folder / ours, ignore_errors=True)
+            raise
         return ours
-
-    @contextmanager
-    def _beside(self, sides: Mapping[str, bytes]) -> Iterator[Path]:
-        """A passing folder with the files that a case names, where it is read for the first time."""
-        check_bounds(sides, "upload")
-        with tempfile.TemporaryDirectory(prefix="upload-", dir=self.jobs_folder) as name:
-            for side, content in sides.items():
-                inside(Path(name), side).write_bytes(content)
-            yield Path(name)

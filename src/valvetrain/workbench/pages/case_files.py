@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import asyncio
+from collections.abc import Awaitable, Callable
 from urllib.parse import quote
 
 from valvetrain.errors import ValvetrainError
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Upload, button, link, tag
-from valvetrain.workbench.pages.html import size_words
+from valvetrain.workbench.pages.html import sentence_of, size_words
 from valvetrain.workbench.side_files import SideFile
 from valvetrain.workbench.workspace import CaseId
 
@@ -23,7 +24,7 @@ class CaseFiles:
     on_change : called when a file came or went
     """
 
-    def __init__(self, desk: Desk, case: CaseId, on_change: Callable[[], None]) -> None:
+    def __init__(self, desk: Desk, case: CaseId, on_change: Callable[[], Awaitable[None]]) -> None:
         self.desk, self.case, self.on_change = desk, case, on_change
         self.shown: list[SideFile] = []
         files = desk.workspace.side_files(case)
@@ -68,16 +69,16 @@ class CaseFiles:
             tag("span", f"{size_words(file.size)}{', named by the case' if file.is_named else ''}", "hint")
             button("Remove", lambda: self.remove(file.name), "button small", aria_label=f"Remove {file.name}")
 
-    def changed(self) -> None:
+    async def changed(self) -> None:
         """A file came or went."""
         self.fill(self.desk.workspace.side_files(self.case))
-        self.on_change()
+        await self.on_change()
 
-    def remove(self, name: str) -> None:
+    async def remove(self, name: str) -> None:
         """Take a file away, or say why it stays."""
         try:
-            self.desk.workspace.detach(self.case, name)
+            await asyncio.to_thread(self.desk.workspace.detach, self.case, name)
         except ValvetrainError as error:
-            self.fill(self.desk.workspace.side_files(self.case), f"{error}.")
+            self.fill(self.desk.workspace.side_files(self.case), sentence_of(error))
             return
-        self.changed()
+        await self.changed()

@@ -10,7 +10,7 @@ from typing import Any
 
 from nicegui import events, ui
 
-from valvetrain.errors import InputError, ValvetrainError
+from valvetrain.errors import ValvetrainError
 from valvetrain.parameters.case import Case
 from valvetrain.workbench import form
 from valvetrain.workbench.form import FieldGroup
@@ -22,6 +22,7 @@ from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Form, Handler, JobPanel, Order, Results, Slider, button, link, tag
 from valvetrain.workbench.pages.forms import ENGINE_SPEED, engine_speed, shown_additions, shown_groups, sliding
 from valvetrain.workbench.pages.frame import frame
+from valvetrain.workbench.pages.html import sentence_of
 from valvetrain.workbench.pages.job_words import job_shown
 from valvetrain.workbench.pages.live_chart import live_lines, live_numbers
 from valvetrain.workbench.pages.orders import choices_for, models_for, request_of
@@ -39,9 +40,10 @@ OPEN_GROUPS, MOST_RUNS = 1, 8
 def case_page(desk: Desk, case: CaseId) -> None:
     """The page of a case of the workspace."""
     try:
-        text, read = desk.workspace.text(case), desk.workspace.read(case)
+        text = desk.workspace.text(case)
+        read = desk.workspace.parse(case, text)
     except ValvetrainError as error:
-        missing_page("This case cannot be shown", str(error))
+        missing_page("This case cannot be shown", sentence_of(error))
         return
     CasePage(desk, case, text, read).build()
 
@@ -63,6 +65,7 @@ class CasePage:
         self.shown_run = ""
         self.moved: tuple[str, LiveResult] | None = None
         self.looks = -1
+        self.line = asyncio.Lock()
 
     # -- layout ----------------------------------------------------------------------------------------------------------
 
@@ -103,64 +106,71 @@ class CasePage:
 
     # -- the form --------------------------------------------------------------------------------------------------------
 
-    def change(self, event: events.GenericEventArguments) -> None:
+    async def change(self, event: events.GenericEventArguments) -> None:
         """A field was changed: taken, or refused in its place."""
         key, value = str(event.args["key"]), str(event.args["value"])
-        self.form.answer(key, self.put(key, value))
+        self.form.answer(key, await self.put(key, value))
 
-    def put(self, key: str, value: str) -> str:
+    async def put(self, key: str, value: str) -> str:
         """Set a value of the case; the refusal, empty where it was taken."""
-        try:
-            self.desk.put(self.case, key, value)
-        except ValvetrainError as error:
-            if key != "lift_law.kind" or not value:
+        if key == "lift_law.kind" and value:
+            return await self.done(lambda: self.desk.workspace.change_law(self.case, value), key)
+        return await self.done(lambda: self.desk.put(self.case, key, value), key)
+
+    async def done(self, change: Callable[[], None], key: str) -> str:
+        """Make a change to the case, after those asked for before and beside what the pages do; the refusal, empty where it was made."""
+        async with self.line:
+            try:
+                await asyncio.to_thread(change)
+            except ValvetrainError as error:
                 return sentence_of(error, key)
-            return self.done(lambda: self.desk.workspace.change_law(self.case, value), key)
-        self.refresh()
+            await self.refreshed()
         return ""
 
-    def done(self, change: Callable[[], None], key: str) -> str:
-        """Make a change to the tables of the case; the refusal, empty where it was made."""
-        try:
-            change()
-        except ValvetrainError as error:
-            return sentence_of(error, key)
-        self.refresh()
-        return ""
-
-    def add(self, event: events.GenericEventArguments) -> None:
+    async def add(self, event: events.GenericEventArguments) -> None:
         """A table is to be added."""
         key = str(event.args["key"])
-        self.form.answer(key, self.done(lambda: self.desk.workspace.add_table(self.case, key), key))
+        self.form.answer(key, await self.done(lambda: self.desk.workspace.add_table(self.case, key), key))
 
-    def remove(self, event: events.GenericEventArguments) -> None:
+    async def remove(self, event: events.GenericEventArguments) -> None:
         """A table is to be removed."""
         key = str(event.args["key"])
-        self.form.answer(key, self.done(lambda: self.desk.workspace.set_value(self.case, key, ""), key))
+        self.form.answer(key, await self.done(lambda: self.desk.workspace.set_value(self.case, key, ""), key))
 
     def shown(self, groups: list[FieldGroup]) -> tuple[list[dict[str, Any]], list[dict[str, str]]]:
         """Groups of the form, and tables that may be added, as its script takes them."""
         return shown_groups(groups, self.files(), removable(self.read, self.text)), shown_additions(additions(self.read, self.text))
 
-    def refresh(self) -> None:
-        """Show the case as it stands."""
-        self.text, self.read, self.moved = self.desk.workspace.text(self.case), self.desk.workspace.read(self.case), None
+    async def refresh(self) -> None:
+        """Show the case as it stands, after the changes that were asked for before."""
+        async with self.line:
+            await self.refreshed()
+
+    async def refreshed(self) -> None:
+        """Show the case as it stands; it is read beside what the pages do."""
+        self.text, self.read = await asyncio.to_thread(self.as_it_stands)
+        self.moved = None
         groups = form.fields(self.text)
         self.form.show(*self.shown(groups))
         self.beside.show()
         self.slider.show([*engine_speed(self.read), *sliding(groups)], "")
         self.order.tell(quantities=sliding(groups), models=models_for(self.read))
 
+    def as_it_stands(self) -> tuple[str, Case]:
+        """Text of the case, and what is read of it."""
+        text = self.desk.workspace.text(self.case)
+        return text, self.desk.workspace.parse(self.case, text)
+
     def files(self) -> list[str]:
         """Names of the files beside the case."""
         return [one.name for one in self.desk.workspace.side_files(self.case)]
 
-    def copy(self) -> None:
+    async def copy(self) -> None:
         """A copy of the case, and its page."""
         try:
-            ui.navigate.to(f"/case/{self.desk.workspace.duplicate(self.case)}")
+            ui.navigate.to(f"/case/{await asyncio.to_thread(self.desk.workspace.duplicate, self.case)}")
         except ValvetrainError as error:
-            ui.notify(str(error))
+            ui.notify(sentence_of(error))
 
     # -- the slider --------------------------------------------------------------------------------------------------------
 
@@ -203,10 +213,10 @@ class CasePage:
         if opened is not None:
             opened.chain.cancel()
 
-    def keep(self, event: events.GenericEventArguments) -> None:
+    async def keep(self, event: events.GenericEventArguments) -> None:
         """Put the value of the slider into the case."""
         key, value = str(event.args["key"]), str(event.args["value"])
-        if refusal := self.put("operation.engine_speeds" if key == ENGINE_SPEED else key, value):
+        if refusal := await self.put("operation.engine_speeds" if key == ENGINE_SPEED else key, value):
             self.slider.answer([], [], refusal)
 
     # -- jobs ----------------------------------------------------------------------------------------------------------------
@@ -223,19 +233,20 @@ class CasePage:
         except ValvetrainError as error:
             self.order.tell(estimate="", refusal=sentence_of(error))
 
-    def start(self, event: events.GenericEventArguments) -> None:
+    async def start(self, event: events.GenericEventArguments) -> None:
         """Submit the job."""
         wish: dict[str, Any] = event.args
         try:
-            self.desk.jobs.submit(request_of(self.case, wish))
+            await asyncio.to_thread(self.desk.jobs.submit, request_of(self.case, wish))
         except ValvetrainError as error:
             self.order.tell(estimate="", refusal=sentence_of(error))
             return
         place = "sweep" if wish.get("kind") == "sweep" else "speeds"
-        self.desk.workspace.remember(self.case, place, str(wish.get("speeds", "")))
-        self.desk.workspace.remember(self.case, "models", ",".join(map(str, wish.get("models", ()))))
-        if wish.get("sets"):
-            self.desk.workspace.remember(self.case, "sets", json.dumps(list(map(str, wish["sets"]))))
+        with suppress(ValvetrainError):
+            self.desk.workspace.remember(self.case, place, str(wish.get("speeds", "")))
+            self.desk.workspace.remember(self.case, "models", ",".join(map(str, wish.get("models", ()))))
+            if wish.get("sets"):
+                self.desk.workspace.remember(self.case, "sets", json.dumps(list(map(str, wish["sets"]))))
         self.looks = -1
 
     def cancel(self) -> None:
@@ -243,13 +254,13 @@ class CasePage:
         if self.job is not None:
             self.desk.jobs.cancel(self.job.job_id)
 
-    def again(self) -> None:
+    async def again(self) -> None:
         """Start the job that is shown again."""
         if self.job is not None:
             try:
-                self.desk.jobs.restart(self.job.job_id)
+                await asyncio.to_thread(self.desk.jobs.restart, self.job.job_id)
             except ValvetrainError as error:
-                ui.notify(str(error))
+                ui.notify(sentence_of(error))
 
     async def look(self) -> None:
         """Show how the newest job of the case stands, and its run when there is one."""
@@ -285,9 +296,3 @@ class CasePage:
             with self.list:
                 tag("h2", "Earlier runs of this case")
                 run_table(others, alone=True)
-
-
-def sentence_of(error: ValvetrainError, key: str = "") -> str:
-    """An error as a sentence; at the field of ``key`` the place is not told again."""
-    text = error.reason if key and isinstance(error, InputError) and error.where.endswith(key) else str(error)
-    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?")) else ".")

@@ -21,10 +21,12 @@ MOST_TRIES = 3
 
 @dataclass
 class OpenChain:
-    """A chain, the text of the case as it now stands, what was changed since the chain was built, and the curve of the case."""
+    """A chain, the text of the case as it now stands, stamps of the files beside it, what was changed since the chain was built, and the
+    curve of the case."""
 
     chain: LiveChain
     text: str
+    stamps: tuple[tuple[str, int, int], ...]
     changes: dict[str, str] = field(default_factory=dict)
     base: LiveResult | None = None
 
@@ -44,24 +46,26 @@ class Desk:
 
         Raises :class:`InputError`, and changes nothing, for a value that is refused.
         """
-        before = self.workspace.text(case)
-        self.workspace.set_value(case, key, value)
+        with self.workspace.turn:
+            before = self.workspace.text(case)
+            self.workspace.set_value(case, key, value)
+            text = self.workspace.text(case)
         found = self.chains.get(case)
         if found is not None and found.text == before and value:
             found.changes = {**found.changes, key: value}
-            found.text, found.base = self.workspace.text(case), None
+            found.text, found.base = text, None
 
     def chain(self, case: CaseId) -> tuple[OpenChain, LiveResult]:
         """The chain of a case as it stands, begun where there is none, and its curve; blocks for seconds then."""
         with self._lock:
-            text = self.workspace.text(case)
+            text, stamps = self.workspace.text(case), self.workspace.stamps(case)
             found = self.chains.pop(case, None)
-            if found is not None and found.text != text:
+            if found is not None and (found.text, found.stamps) != (text, stamps):
                 found.chain.close()
                 found = None
             if found is None:
                 self._close_oldest()
-                found = OpenChain(LiveChain(text, folder=self.workspace.case_folder(case)), text)
+                found = OpenChain(LiveChain(text, folder=self.workspace.case_folder(case)), text, stamps)
             self.chains[case] = found
             for _ in range(MOST_TRIES):
                 if found.base is None or found.base.skipped:  # another tab asked at the same moment

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import Callable
 from dataclasses import asdict
+from hashlib import sha256
 from pathlib import Path
 
 from fastapi import FastAPI, Request
@@ -16,37 +18,52 @@ from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.units.text import clipped
 from valvetrain.workbench.answers import against
 from valvetrain.workbench.kept import Run
-from valvetrain.workbench.kept_tests import KeptTest, keep_test, kept_test
+from valvetrain.workbench.kept_tests import KeptTest, keep_test, read_test
 from valvetrain.workbench.pages.compare_page import comparison_part
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.html import test_part
 from valvetrain.workbench.pages.reports import report_part, report_rest
-from valvetrain.workbench.side_files import MOST_FILES
+from valvetrain.workbench.side_files import CASE_FILE, MOST_FILES
 
 #: Comparisons with a test that are kept while the server runs.
 MOST_OVERLAYS = 20
 
 
 class Overlays:
-    """Comparisons of runs with tests as HTML; the last :data:`MOST_OVERLAYS` are kept, so that a page that opens again has them at once."""
+    """Comparisons of runs with tests as HTML; the last :data:`MOST_OVERLAYS` are kept, so that a page that opens again has them at once.
+
+    Each is kept for the content it was made of: a test that takes the place of another is never shown with the comparison of that.
+    """
 
     def __init__(self) -> None:
-        self._made: dict[tuple[Path, int], str] = {}
+        self._made: dict[tuple[Path, bytes], str] = {}
+        self._turn = threading.Lock()
 
-    def keep(self, test: KeptTest, part: str) -> None:
-        """Keep a comparison."""
-        self._made[test.path, test.changed] = part
-        while len(self._made) > MOST_OVERLAYS:
-            self._made.pop(next(iter(self._made)), None)
+    def lay(self, run: Run, name: str, content: bytes) -> KeptTest:
+        """Lay a test over a run and keep it with the run. Raises :class:`InputError` with the reason why it cannot be."""
+        found = against(run, Path(name).name, content)
+        if not found.runs:
+            raise InputError("; ".join(found.failures) or "no run of this kind completed; run the case at the speed of the test", "test")
+        made = test_part(found)
+        kept = keep_test(run, name, content)
+        self._keep(kept, content, made)
+        return kept
 
     def part(self, run: Run, name: str) -> str:
         """The comparison with a test that was laid over a run. Raises :class:`InputError` where there is none, or it cannot be read."""
-        test = kept_test(run, name)
-        found = self._made.get((test.path, test.changed))
+        test, content = read_test(run, name)
+        with self._turn:
+            found = self._made.get((test.path, sha256(content).digest()))
         if found is None:
-            found = test_part(against(run, test.name, test.path.read_bytes()))
-            self.keep(test, found)
+            found = test_part(against(run, test.name, content))
+            self._keep(test, content, found)
         return found
+
+    def _keep(self, test: KeptTest, content: bytes, part: str) -> None:
+        with self._turn:
+            self._made[test.path, sha256(content).digest()] = part
+            while len(self._made) > MOST_OVERLAYS:
+                del self._made[next(iter(self._made))]
 
 
 def register(app: FastAPI, desk: Desk) -> None:
@@ -71,25 +88,24 @@ def register(app: FastAPI, desk: Desk) -> None:
         try:
             path = desk.workspace.download(f"{case}/{stamp}", kind)  # type: ignore[arg-type]
         except ValvetrainError as error:
-            return PlainTextResponse(str(error), 404)
+            return _missing(error)
         name = path.name if path.suffix == ".zip" else f"{case}-{stamp}-{path.name}"
         return FileResponse(path, filename=name)
 
     @app.get("/download-case/{case}")
     def download_case(case: str) -> Response:
         try:
-            text = desk.workspace.text(case)
+            path = desk.workspace.case_folder(case) / CASE_FILE
         except ValvetrainError as error:
-            return PlainTextResponse(str(error), 404)
-        head = {"Content-Disposition": f'attachment; filename="{case}.toml"'}
-        return Response(text, media_type="application/toml", headers=head)
+            return _missing(error)
+        return FileResponse(path, filename=f"{case}.toml", media_type="application/toml")
 
     @app.get("/case-file/{case}/{name}")
     def case_file(case: str, name: str) -> Response:
         try:
             path = desk.workspace.side_file(case, name)
         except ValvetrainError as error:
-            return PlainTextResponse(str(error), 404)
+            return _missing(error)
         return FileResponse(path, filename=name, media_type="application/octet-stream")
 
     @app.get("/part-compare")
@@ -103,38 +119,41 @@ def register(app: FastAPI, desk: Desk) -> None:
     @app.post("/upload/test")
     async def upload_test(request: Request, run: str, name: str) -> Response:
         content = await request.body()
-        try:
-            return JSONResponse({"test": await asyncio.to_thread(_laid_over, desk, overlays, run, name, content)})
-        except ValvetrainError as error:
-            return JSONResponse({"refusal": str(error)})
+        return await _answered(lambda: {"test": overlays.lay(desk.workspace.run(run), name, content).name})
 
     @app.post("/upload/file")
     async def upload_file(request: Request, case: str, name: str) -> Response:
-        try:
-            desk.workspace.attach(case, name, await request.body())
-        except ValvetrainError as error:
-            return JSONResponse({"refusal": str(error)})
-        return JSONResponse({"file": name})
+        content = await request.body()
+        return await _answered(lambda: {"file": _attached(desk, case, name, content)})
 
     @app.post("/upload/case")
     async def upload_case(request: Request) -> Response:
         try:
             name, content, sides = await _sent_case(request)
-            case = desk.workspace.upload(name, content, sides)
         except ValvetrainError as error:
-            return JSONResponse({"refusal": str(error)})
-        return JSONResponse({"open": f"/case/{case}"})
+            return _refused(error)
+        return await _answered(lambda: {"open": f"/case/{desk.workspace.upload(name, content, sides)}"})
 
 
-def _laid_over(desk: Desk, overlays: Overlays, run_id: str, name: str, content: bytes) -> str:
-    """Lay a test over a run and keep it with the run; its name there. Raises :class:`InputError` with the reason why it cannot be."""
-    run = desk.workspace.run(run_id)
-    found = against(run, Path(name).name, content)
-    if not found.runs:
-        raise InputError("; ".join(found.failures) or "no run of this kind completed; run the case at the speed of the test", "test")
-    kept = keep_test(run, name, content)
-    overlays.keep(kept, test_part(found))
-    return kept.name
+def _attached(desk: Desk, case: str, name: str, content: bytes) -> str:
+    desk.workspace.attach(case, name, content)
+    return name
+
+
+async def _answered(take: Callable[[], dict[str, str]]) -> Response:
+    """What was taken in, or the sentence why it was not; it is read beside what the pages do."""
+    try:
+        return JSONResponse(await asyncio.to_thread(take))
+    except ValvetrainError as error:
+        return _refused(error)
+
+
+def _refused(error: ValvetrainError) -> Response:
+    return JSONResponse({"refusal": str(error)})
+
+
+def _missing(error: ValvetrainError) -> Response:
+    return PlainTextResponse(str(error), 404)
 
 
 async def _sent_case(request: Request) -> tuple[str, bytes, dict[str, bytes]]:
@@ -159,4 +178,4 @@ def _part(make: Callable[[], str]) -> Response:
     try:
         return HTMLResponse(make(), headers={"Cache-Control": "no-store"})
     except ValvetrainError as error:
-        return PlainTextResponse(str(error), 404)
+        return _missing(error)

@@ -16,7 +16,12 @@ export default {
     found() { return this.shown.reduce((sum, group) => sum + group.fields.length, 0); },
   },
   methods: {
+    // What was typed or refused in a table that is there no more goes with it.
     take() {
+      const keys = new Set(this.groups.flatMap((group) => group.fields.map((field) => field.key)));
+      const tables = new Set([...this.groups.map((group) => group.key), ...this.additions.map((one) => one.key)]);
+      Object.keys(this.texts).filter((key) => !keys.has(key)).forEach((key) => { delete this.texts[key]; delete this.typing[key]; });
+      Object.keys(this.refused).filter((key) => !keys.has(key) && !tables.has(key)).forEach((key) => { delete this.refused[key]; });
       this.groups.forEach((group) => group.fields.forEach((field) => {
         if (!this.refused[field.key] && !this.typing[field.key]) { this.texts[field.key] = field.text; }
       }));
@@ -31,7 +36,11 @@ export default {
       this.$emit("change", { key: field.key, value });
     },
     back(field) { delete this.typing[field.key]; this.texts[field.key] = field.text; delete this.refused[field.key]; },
-    answer(key, sentence) { if (sentence) { this.refused[key] = sentence; } else { delete this.refused[key]; } },
+    answer(key, sentence) {
+      if (!sentence) { delete this.refused[key]; return; }
+      this.refused[key] = sentence;
+      if (this.awaited === key) { this.awaited = ""; }
+    },
     add(one) { delete this.refused[one.key]; this.awaited = one.key; this.$emit("add", { key: one.key }); },
     remove(group) { delete this.refused[group.key]; this.$emit("remove", { key: group.key }); },
     // A table that was added is opened, and its first value is ready to be typed.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Sequence
 
 from nicegui import ui
@@ -10,6 +11,7 @@ from valvetrain.errors import ValvetrainError
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Upload, link, tag
 from valvetrain.workbench.pages.frame import frame
+from valvetrain.workbench.pages.html import sentence_of
 from valvetrain.workbench.pages.run_list import run_table
 from valvetrain.workbench.workspace import CaseCard
 
@@ -60,12 +62,12 @@ def _words(title: str, more: str) -> None:
     tag("span", more)
 
 
-def begin(desk: Desk, card: CaseCard) -> None:
+async def begin(desk: Desk, card: CaseCard) -> None:
     """Make a case of a template or of a library case, under the first free name, and open it."""
     taken = {one.name.lower() for one in desk.workspace.cases()}
     stem = f"my-{card.name}" if card.kind == "template" else card.name
     name = next(one for n in range(1, len(taken) + 2) if (one := stem if n == 1 else f"{stem}-{n}").lower() not in taken)
     try:
-        ui.navigate.to(f"/case/{desk.workspace.new_case(name, card.name)}")
+        ui.navigate.to(f"/case/{await asyncio.to_thread(desk.workspace.new_case, name, card.name)}")
     except ValvetrainError as error:
-        ui.notify(str(error))
+        ui.notify(sentence_of(error))

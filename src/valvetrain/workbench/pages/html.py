@@ -8,6 +8,7 @@ from dataclasses import replace
 from html import escape
 from typing import Any
 
+from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.report.compare_test_page import compare_test_page
 from valvetrain.report.page import Block, Cell, Grid, Section, render_part, text
 from valvetrain.report.plotly_chart import in_script
@@ -22,6 +23,12 @@ def size_words(count: int) -> str:
     ('812 bytes', '20 kB', '3.2 MB')
     """
     return f"{count} bytes" if count < 1000 else f"{count / 1e3:.0f} kB" if count < 999_500 else f"{count / 1e6:.1f} MB"
+
+
+def sentence_of(error: ValvetrainError, key: str = "") -> str:
+    """An error as a sentence; at the field of ``key`` the place is not told again."""
+    text = error.reason if key and isinstance(error, InputError) and error.where.endswith(key) else str(error)
+    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?")) else ".")
 
 
 def figure_html(key: str, title: str, caption: str, plotly: Mapping[str, Any]) -> str:

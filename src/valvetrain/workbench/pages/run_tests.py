@@ -10,7 +10,7 @@ from valvetrain.workbench.kept import Run
 from valvetrain.workbench.kept_tests import kept_tests, remove_test
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Results, Upload, button, tag
-from valvetrain.workbench.pages.html import size_words
+from valvetrain.workbench.pages.html import sentence_of, size_words
 
 if TYPE_CHECKING:
     from nicegui.events import GenericEventArguments
@@ -74,5 +74,5 @@ class RunTests:
         try:
             remove_test(self.run, name)
         except ValvetrainError as error:
-            refusal = f"{error}."
+            refusal = sentence_of(error)
         self.show("" if name == self.shown else self.shown, refusal)
