@@ -47,7 +47,8 @@ def test_every_table_that_is_offered_is_taken_shown_and_removed_again(name):
         found = read(made)
         assert one.key in removable(found, made) and one.key not in [other.key for other in additions(found, made)]
         assert any(group.key == one.key for group in fields(made)), "the form has it"
-        assert any(field.source.startswith("assumed") for group in fields(made) for field in group.fields if group.key == one.key)
+        shown = [field for group in fields(made) for field in group.fields if group.key == one.key and field.value_text]
+        assert shown and all(field.source.startswith("assumed") for field in shown)
         assert [line for line in text.splitlines() if "#" in line and line not in made.splitlines()] == [], "comments stay"
         back = tomllib.loads(with_value(made, one.key, ""))
         whole, _, last = one.key.rpartition(".")
@@ -124,8 +125,7 @@ def test_a_lift_law_of_another_kind_keeps_what_both_know_and_assumes_the_rest(tm
         assert law.kind == kind and {key: law.values[key] for key in first if key in law.values} == {
             key: first[key] for key in first if key in law.values
         }
-    workspace.change_law(name, "polynomial")  # the power of a sine has no word for the middle of the event
-    tree = tomllib.loads(workspace.text(name))["lift_law"]
+    tree = tomllib.loads(with_law(workspace.text(name), "polynomial", []))["lift_law"]  # the power of a sine has no word for its middle
     assert tree["opening_start"] == "115 deg" and tree["opening_end"]["status"] == "assumed"
 
 
@@ -160,3 +160,26 @@ def test_a_kind_whose_values_cannot_be_told_is_refused_and_changes_nothing(tmp_p
     assert workspace.text(name) == SMALL
     with pytest.raises(InputError):
         with_law(TEXTS["uniform-spring"], "polynomial", [])
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [('[[spring]]\npreload = "250 N"\nrate = "32 N/mm"\n[[spring]]\npreload = "100 N"\nrate = "10 N/mm"\n'
+      '[rubbing]\ncoefficient = 0.1\nnormal_force = "10 N"\n[lift_law]\nkind = "zero"\n', "rubbing"),
+     (None, "train.rubbing")],
+)  # fmt: skip
+def test_a_second_spring_goes_after_the_friction_between_both(tmp_path, text, key):
+    workspace = Workspace(tmp_path)
+    if text is None:
+        text = with_addition(read(TEXTS["direct"]), TEXTS["direct"], inner := "train.springs.stock.1")
+        text += '\n[train.rubbing]\ncoefficient = 0.1\nnormal_force = "10 N"\n'
+    else:
+        inner = "spring.1"
+    name = workspace.upload("nested.toml", text.encode())
+    assert {key, inner} <= removable(workspace.read(name), text) and any(group.key == key for group in fields(text))
+    with pytest.raises(InputError, match="rubbing acts between two nested springs"):
+        workspace.set_value(name, inner, "")
+    workspace.set_value(name, key, "")
+    assert key not in removable(workspace.read(name), workspace.text(name))
+    workspace.set_value(name, inner, "")
+    assert inner not in removable(workspace.read(name), workspace.text(name))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -43,12 +44,16 @@ class Outcome:
 def write_inputs(workspace: Workspace, job_id: str, request: JobRequest, text: str) -> None:
     """Put what a job needs into its folder: the case as it now stands, the files it names, and the study file."""
     folder = inside(workspace.jobs_folder, job_id)
-    with writing("the inputs of this job", "job"):
-        for name, content in workspace.files(request.case).items():
-            write_bytes(inside(folder, name), content)
-        write_text(folder / f"{request.case}.toml", text)
-        if request.kind == "study":
-            write_text(folder / study_file(request.case), study_text(request, f"{request.case}.toml"))
+    try:
+        with writing("the inputs of this job", "job"):
+            for name, content in workspace.files(request.case).items():
+                write_bytes(inside(folder, name), content)
+            write_text(folder / f"{request.case}.toml", text)
+            if request.kind == "study":
+                write_text(folder / study_file(request.case), study_text(request, f"{request.case}.toml"))
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
 
 
 def study_file(case: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -28,6 +29,7 @@ MOST_KEPT = 100_000_000
 _LAW = {
     "maximum_lift": "9 mm", "opening_start": "115 deg", "opening_end": "180 deg", "closing_start": "180 deg", "closing_end": "245 deg",
 }  # fmt: skip
+_HEAD, _HEADER = "[lift_law]\n", re.compile(r"^\[lift_law\][ \t]*(#.*)?\n", re.MULTILINE)
 _OF_FILES = {"lift_of": "valve", "angle_of": "cam", "angle_unit": "deg", "lift_unit": "mm"}
 
 
@@ -47,7 +49,7 @@ def with_law(text: str, kind: str, files: Sequence[str]) -> str:
     document = opened(text)
     if kind not in registry.words("lifts") or "lift_law" not in document:
         raise InputError(f"kind '{kind[:40]}' of a lift law is unknown; {nearest(kind, registry.words('lifts'))}", "lift_law.kind")
-    law, known = document["lift_law"], registry.find("lifts", kind).table.model_fields
+    law, known = _in_one_table(document), registry.find("lifts", kind).table.model_fields
     for name in [name for name in law if name not in known]:
         del law[name]
     law["kind"] = kind
@@ -71,7 +73,7 @@ def law_of(text: str) -> str:
     with suppress(InputError, AttributeError, LookupError, TypeError, ValueError):
         law = opened(text)["lift_law"]
         words = law.as_string()
-        found = f"lift_law = {words}\n" if words.startswith("{") else f"[lift_law]\n{words}"
+        found = f"lift_law = {words}\n" if words.startswith("{") else f"{_HEAD}{words}"
         if tomllib.loads(found) == tree:
             return found
     return toml_text(tree)
@@ -82,17 +84,42 @@ def with_law_of(text: str, law: str) -> str:
 
     Raises :class:`InputError` for a case written in a way that does not take it.
     """
-    made, due = "", tomllib.loads(text) | tomllib.loads(law)
-    for anew in (False, True):
+    due = tomllib.loads(text) | tomllib.loads(law)
+    for put in (_spliced, _replaced):
         with suppress(ValueError, LookupError, TypeError, AttributeError):
-            document, table = opened(text), opened(law)["lift_law"]
-            if anew:
-                del document["lift_law"]
-            document["lift_law"] = table
-            made = saved(document)
+            made = put(text, law)
             if tomllib.loads(made) == due:
                 return made
     raise InputError("this case is written in a way that takes no other lift law here; change it in the case file itself", "lift_law.kind")
+
+
+def _spliced(text: str, law: str) -> str:
+    """Line for line, where both laws stand below a header of their own."""
+    body, head = opened(text)["lift_law"].as_string(), _HEADER.search(text)
+    if head is None or not text.startswith(body, head.end()) or not law.startswith(_HEAD):
+        raise ValueError("stands elsewhere")
+    end = head.end() + len(body)
+    return text[: head.end()] + law.removeprefix(_HEAD) + text[end:]
+
+
+def _replaced(text: str, law: str) -> str:
+    """As the writer of case files does."""
+    document, table = opened(text), opened(law)["lift_law"]
+    del document["lift_law"]
+    document["lift_law"] = table
+    return saved(document)
+
+
+def _in_one_table(document: Any) -> Any:
+    """The lift law of a ``document``, put into one table where its keys stand here and there."""
+    import tomlkit
+
+    law = document["lift_law"]
+    if isinstance(law, (tomlkit.items.Table, tomlkit.items.InlineTable)) and not getattr(law, "is_super_table", bool)():
+        return law
+    del document["lift_law"]
+    document["lift_law"] = tomlkit.item(law.unwrap())
+    return document["lift_law"]
 
 
 class KeptLaws:

@@ -79,6 +79,6 @@ class CaseFiles:
         try:
             await asyncio.to_thread(self.desk.workspace.detach, self.case, name)
         except ValvetrainError as error:
-            self.fill(self.desk.workspace.side_files(self.case), sentence_of(error))
+            self.fill(self.desk.workspace.side_files(self.case), sentence_of(error, name))
             return
         await self.changed()

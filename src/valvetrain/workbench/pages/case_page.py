@@ -6,6 +6,7 @@ import asyncio
 import json
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from nicegui import events, ui
@@ -37,15 +38,20 @@ LOOK, SLOW_LOOK = 0.05, 10
 OPEN_GROUPS, MOST_RUNS = 1, 8
 
 
-def case_page(desk: Desk, case: CaseId) -> None:
+async def case_page(desk: Desk, case: CaseId) -> None:
     """The page of a case of the workspace."""
     try:
-        text = desk.workspace.text(case)
-        read = desk.workspace.parse(case, text)
+        text, read = await asyncio.to_thread(as_it_stands, desk, case)
     except ValvetrainError as error:
         missing_page("This case cannot be shown", sentence_of(error))
         return
     CasePage(desk, case, text, read).build()
+
+
+def as_it_stands(desk: Desk, case: CaseId) -> tuple[str, Case]:
+    """Text of a case, and what is read of it. Raises :class:`InputError` for an unknown one."""
+    text = desk.workspace.text(case)
+    return text, desk.workspace.parse(case, text)
 
 
 def missing_page(title: str, sentence: str) -> None:
@@ -141,6 +147,11 @@ class CasePage:
         """Groups of the form, and tables that may be added, as its script takes them."""
         return shown_groups(groups, self.files(), removable(self.read, self.text)), shown_additions(additions(self.read, self.text))
 
+    async def after_changes(self, ask: Callable[[], str]) -> str:
+        """Ask for something once the changes that were asked for before are made; it goes on beside what the pages do."""
+        async with self.line:
+            return await asyncio.to_thread(ask)
+
     async def refresh(self) -> None:
         """Show the case as it stands, after the changes that were asked for before."""
         async with self.line:
@@ -148,18 +159,13 @@ class CasePage:
 
     async def refreshed(self) -> None:
         """Show the case as it stands; it is read beside what the pages do."""
-        self.text, self.read = await asyncio.to_thread(self.as_it_stands)
+        self.text, self.read = await asyncio.to_thread(as_it_stands, self.desk, self.case)
         self.moved = None
         groups = form.fields(self.text)
         self.form.show(*self.shown(groups))
         self.beside.show()
         self.slider.show([*engine_speed(self.read), *sliding(groups)], "")
         self.order.tell(quantities=sliding(groups), models=models_for(self.read))
-
-    def as_it_stands(self) -> tuple[str, Case]:
-        """Text of the case, and what is read of it."""
-        text = self.desk.workspace.text(self.case)
-        return text, self.desk.workspace.parse(self.case, text)
 
     def files(self) -> list[str]:
         """Names of the files beside the case."""
@@ -168,7 +174,7 @@ class CasePage:
     async def copy(self) -> None:
         """A copy of the case, and its page."""
         try:
-            ui.navigate.to(f"/case/{await asyncio.to_thread(self.desk.workspace.duplicate, self.case)}")
+            ui.navigate.to(f"/case/{await self.after_changes(lambda: self.desk.workspace.duplicate(self.case))}")
         except ValvetrainError as error:
             ui.notify(sentence_of(error))
 
@@ -228,6 +234,8 @@ class CasePage:
             self.order.tell(estimate="Choose the quantity to vary.", refusal="")
             return
         try:
+            async with self.line:
+                pass  # changes that were asked for before are made; those that come need not wait for this
             cost = await asyncio.to_thread(self.desk.jobs.estimate, request_of(self.case, wish))
             self.order.tell(estimate=f"Takes {cost}." if cost else "", refusal="")
         except ValvetrainError as error:
@@ -237,7 +245,7 @@ class CasePage:
         """Submit the job."""
         wish: dict[str, Any] = event.args
         try:
-            await asyncio.to_thread(self.desk.jobs.submit, request_of(self.case, wish))
+            await self.after_changes(lambda: self.desk.jobs.submit(request_of(self.case, wish)))
         except ValvetrainError as error:
             self.order.tell(estimate="", refusal=sentence_of(error))
             return
@@ -258,7 +266,7 @@ class CasePage:
         """Start the job that is shown again."""
         if self.job is not None:
             try:
-                await asyncio.to_thread(self.desk.jobs.restart, self.job.job_id)
+                await self.after_changes(partial(self.desk.jobs.restart, self.job.job_id))
             except ValvetrainError as error:
                 ui.notify(sentence_of(error))
 

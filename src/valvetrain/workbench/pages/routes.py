@@ -11,6 +11,9 @@ from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.home import home_page
 from valvetrain.workbench.pages.run_page import run_page, runs_page
 
+#: How long a page waits for its case to be read (s): tables of lifts may be large.
+LONGEST_READING = 300.0
+
 
 def register(desk: Desk) -> None:
     """Add all pages, parts and assets to the server."""
@@ -29,9 +32,9 @@ def register(desk: Desk) -> None:
     def _compare(a: str = "", b: str = "") -> None:
         compare_page(desk, a, b)
 
-    @ui.page("/case/{case}")
-    def _case(case: str) -> None:
-        case_page(desk, case)
+    @ui.page("/case/{case}", response_timeout=LONGEST_READING)
+    async def _case(case: str) -> None:
+        await case_page(desk, case)
 
     @ui.page("/run/{case}/{stamp}")
     def _run(case: str, stamp: str) -> None:

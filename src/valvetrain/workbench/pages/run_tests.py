@@ -74,5 +74,5 @@ class RunTests:
         try:
             remove_test(self.run, name)
         except ValvetrainError as error:
-            refusal = sentence_of(error)
+            refusal = sentence_of(error, "test")
         self.show("" if name == self.shown else self.shown, refusal)

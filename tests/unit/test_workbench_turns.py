@@ -1,0 +1,419 @@
+"""Two visitors at once, a full disk, names of any kind: one change at a time, one sentence, nothing half made.
+
+Evidence: threads that meet at the worst moment, errors of the system put where it may give them, what stands on disk afterwards.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import os
+import sqlite3
+import threading
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from valvetrain.errors import InputError
+from valvetrain.parameters import kept_tables
+from valvetrain.parameters.loading import parse_case
+from valvetrain.workbench import kept_tests, lift_laws, passing
+from valvetrain.workbench import workspace as whole
+from valvetrain.workbench.job_process import study_file, write_inputs
+from valvetrain.workbench.jobs import JobRequest, Jobs
+from valvetrain.workbench.kept_tests import MOST_TESTS, keep_test, kept_name, read_test, remove_test
+from valvetrain.workbench.names import checked_name
+from valvetrain.workbench.workspace import Workspace
+from workbench_parts import SMALL, kept
+
+SPRING = SMALL.split("[lift_law]")[0]
+TABLE = "[lift_law]\nkind = 'table'\nfile = 'lift.txt'\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\n"
+
+
+def lifts(peak: float = 9.0) -> bytes:
+    """A table of 36 lifts."""
+    return "\n".join(f"{place * 10} {max(0.0, peak - abs(place - 18)) ** 2 / peak:.4f}" for place in range(36)).encode()
+
+
+def at_once(*calls):
+    """What each call raised, None where it did not; all begin together."""
+    found, start = [None] * len(calls), threading.Barrier(len(calls))
+
+    def one(place):
+        start.wait(10)
+        try:
+            calls[place]()
+        except Exception as error:
+            found[place] = error
+
+    threads = [threading.Thread(target=one, args=(place,)) for place in range(len(calls))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(30)
+    return found
+
+
+@pytest.fixture
+def workspace(tmp_path):
+    return Workspace(tmp_path / "bench")
+
+
+@pytest.fixture
+def table(workspace):
+    """A case that names its table of lifts."""
+    return workspace.upload("small.toml", (SPRING + TABLE).encode(), {"lift.txt": lifts()})
+
+
+# -- two visitors
+
+
+def test_a_file_goes_or_is_named_never_both(workspace, table, monkeypatch):
+    """A value that names a file is read while another tab removes that file: one of the two is refused, and the case reads."""
+    workspace.attach(table, "other.txt", lifts(8.0))
+    reading, parse = threading.Event(), Workspace.parse
+
+    def slow(self, case, toml, changes=None):
+        found = parse(self, case, toml, changes)
+        reading.set()
+        time.sleep(0.1)
+        return found
+
+    def gone():
+        reading.wait(10)
+        workspace.detach(table, "other.txt")
+
+    monkeypatch.setattr(Workspace, "parse", slow)
+    named, removed = at_once(lambda: workspace.set_value(table, "lift_law.file", "other.txt"), gone)
+    monkeypatch.undo()
+    assert named is None and isinstance(removed, InputError) and "so it stays" in str(removed)
+    assert workspace.read(table).lift_law is not None
+
+
+def test_no_more_tests_are_kept_than_may_be(workspace, monkeypatch):
+    run = workspace.run(kept(workspace))
+    for place in range(MOST_TESTS - 1):
+        keep_test(run, f"t{place}.csv", b"1")
+    monkeypatch.setattr(kept_tests, "refuse_living", lambda folder: time.sleep(0.05))  # between the check and the writing
+    refused = at_once(*(lambda place=place: keep_test(run, f"n{place}.csv", b"1") for place in range(3)))
+    assert len([one for one in refused if isinstance(one, InputError)]) == 2 and refused.count(None) == 1
+    assert len(kept_tests.kept_tests(run)) == MOST_TESTS
+
+
+def test_a_test_that_has_gone_meanwhile_is_said_to_have_gone(workspace, monkeypatch):
+    run = workspace.run(kept(workspace))
+    keep_test(run, "a.csv", b"1")
+    found = kept_tests.kept_test(run, "a.csv")
+    monkeypatch.setattr(kept_tests, "kept_test", lambda run, name: found)
+    remove_test(run, "a.csv")
+    with pytest.raises(InputError, match="over this run; it may have been removed"):
+        read_test(run, "a.csv")
+    remove_test(run, "a.csv")
+    listing = Path.iterdir
+    keep_test(run, "b.csv", b"1")
+    monkeypatch.setattr(Path, "iterdir", lambda self: iter([self / "away.csv", *listing(self)]))
+    assert [one.name for one in kept_tests.kept_tests(run)] == ["b.csv"]
+
+
+def test_a_comparison_is_that_of_the_content_that_lies_there(workspace, monkeypatch):
+    """Another test under the same name, within the same tick of the clock and of the same size."""
+    files = pytest.importorskip("valvetrain.workbench.pages.files")
+    run, made = workspace.run(kept(workspace)), files.Overlays()
+    monkeypatch.setattr(files, "against", lambda run, name, content: SimpleNamespace(runs=(1,), failures=(), content=content))
+    monkeypatch.setattr(files, "test_part", lambda found: found.content.decode())
+    at = made.lay(run, "a.csv", b"one").path.stat()
+    assert made.part(run, "a.csv") == "one"
+    os.utime(keep_test(run, "a.csv", b"two").path, ns=(at.st_atime_ns, at.st_mtime_ns))
+    assert made.part(run, "a.csv") == "two"
+
+
+def test_the_pages_answer_while_a_file_is_read(workspace, table, monkeypatch):
+    """A table that takes long to read blocks what waits for it, not the server."""
+    pytest.importorskip("nicegui")
+    httpx = pytest.importorskip("httpx")
+    from fastapi import FastAPI
+
+    from valvetrain.workbench.pages import files
+    from valvetrain.workbench.pages.desk import Desk
+    from valvetrain.workbench.settings import ServeSettings
+
+    hold = threading.Event()
+    monkeypatch.setattr(Workspace, "attach", lambda *given: hold.wait(10))
+    monkeypatch.setattr(Workspace, "upload", lambda *given: hold.wait(10))
+    app = FastAPI()
+
+    async def both(jobs) -> list[int]:
+        async with httpx.AsyncClient(transport=httpx.ASGITransport(app=app), base_url="http://127.0.0.1") as line:
+            sent = {"file": ("a.toml", b"x")}
+            slow = [asyncio.create_task(line.post(f"/upload/file?case={table}&name=a.csv", content=b"1")),
+                    asyncio.create_task(line.post("/upload/case", files=sent))]  # fmt: skip
+            await asyncio.sleep(0.1)
+            answer = await asyncio.wait_for(line.get(f"/download-case/{table}"), 5)
+            assert not any(one.done() for one in slow)
+            hold.set()
+            return [answer.status_code, *(one.status_code for one in await asyncio.gather(*slow))]
+
+    with Jobs(workspace) as jobs:
+        files.register(app, Desk(workspace, jobs, ServeSettings()))
+        assert asyncio.run(both(jobs)) == [200, 200, 200]
+
+
+def test_a_slider_begins_anew_when_a_file_beside_its_case_has_changed(workspace, table, monkeypatch):
+    from valvetrain.workbench.live import LiveResult
+    from valvetrain.workbench.pages import desk as shared
+    from valvetrain.workbench.settings import ServeSettings
+
+    begun = []
+
+    class Chain:
+        def __init__(self, text, folder):
+            self.peak = float(max(parse_case(text, "case", folder).lift_law.values["lifts"]))
+            begun.append(self)
+
+        def curve(self, changes, speed=""):
+            return LiveResult(lift_mm=(self.peak,))
+
+        def close(self):
+            self.peak = 0.0
+
+    monkeypatch.setattr(shared, "LiveChain", Chain)
+    desk = shared.Desk(workspace, None, ServeSettings())
+    first = desk.chain(table)
+    assert desk.chain(table) == first and first[1].lift_mm == (pytest.approx(9e-3),)
+    workspace.attach(table, "lift.txt", lifts(8.0))
+    opened, base = desk.chain(table)
+    assert base.lift_mm == (pytest.approx(8e-3),) and opened.chain is begun[1] and begun[0].peak == 0
+    desk.put(table, "spring.mass", "45 g")
+    assert desk.chain(table)[0].chain is begun[1] and len(begun) == 2, "a value needs no other chain"
+
+
+# -- tables that were read
+
+
+def test_a_table_is_read_once_while_it_stays_as_it_is(workspace, table, monkeypatch):
+    from valvetrain.cam import spline
+
+    read, names = spline.read_lift, []
+    monkeypatch.setattr(spline, "read_lift", lambda path, answers: names.append(path.name) or read(path, answers))
+    kept_tables._kept.clear()
+    first = workspace.read(table).lift_law
+    for mass in ("45 g", "46 g"):
+        workspace.set_value(table, "spring.mass", mass)
+    assert workspace.read(table).lift_law == first and names == ["lift.txt"]
+    path = workspace.side_file(table, "lift.txt")
+    at = path.stat()
+    path.write_bytes(lifts().replace(b"9.0000", b"8.0000"))
+    os.utime(path, ns=(at.st_atime_ns, at.st_mtime_ns))
+    assert path.stat().st_size == at.st_size and workspace.read(table).lift_law != first, "same time and size, another content"
+    workspace.set_value(table, "lift_law.degree", "7")
+    assert workspace.read(table).lift_law.values["degree"] == 7 and len(names) == 3
+    path.unlink()
+    with pytest.raises(InputError, match="cannot be read"):
+        workspace.read(table)
+
+
+def test_tables_that_are_kept_are_few(tmp_path):
+    for place in range(2 * kept_tables.MOST_KEPT):
+        peak = 9 + place / 100
+        (tmp_path / "lift.txt").write_bytes(lifts(peak))
+        assert max(parse_case(SPRING + TABLE, "case", tmp_path).lift_law.values["lifts"]) == pytest.approx(peak * 1e-3, rel=1e-4)
+    assert len(kept_tables._kept) <= kept_tables.MOST_KEPT
+
+
+# -- a full disk
+
+
+def full(*_, **__):
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+@pytest.mark.parametrize("where", ["write_text", "write_bytes"])
+def test_a_full_disk_leaves_no_case(workspace, monkeypatch, where):
+    monkeypatch.setattr(passing, where, full)
+    for make in (
+        lambda: workspace.new_case("a", "spring"),
+        lambda: workspace.upload("a.toml", (SPRING + TABLE).encode(), {"lift.txt": lifts()}),
+    ):
+        refused = None
+        try:
+            make()
+        except InputError as error:
+            refused = str(error)
+            assert "cannot be written (no space left on device); make room" in refused
+        assert refused is not None or where == "write_bytes", "a template has no file"
+        monkeypatch.undo()
+        assert list(workspace.cases_folder.iterdir()) == [workspace.case_folder(one.name) for one in workspace.cases()]
+        assert not list(workspace.jobs_folder.iterdir())
+        for one in workspace.cases():
+            workspace.delete(one.name)
+        assert workspace.new_case("a", "spring") == "a"
+        workspace.delete("a")
+        monkeypatch.setattr(passing, where, full)
+
+
+def test_a_database_that_cannot_be_written_leaves_no_case(workspace, monkeypatch):
+    def broken():
+        raise sqlite3.OperationalError("database or disk is full")
+
+    monkeypatch.setattr(workspace.store, "connected", broken)
+    with pytest.raises(InputError, match="disk is full"):
+        workspace.new_case("a", "spring")
+    assert not list(workspace.cases_folder.iterdir())
+
+
+def test_a_full_disk_is_said_and_changes_nothing(workspace, table, monkeypatch):
+    run, before = workspace.run(kept(workspace)), workspace.text(table)
+    for module in (whole, lift_laws, kept_tests, passing):
+        for name in {"write_text", "write_bytes"} & set(vars(module)):
+            monkeypatch.setattr(module, name, full)
+    for call in (
+        lambda: workspace.set_value(table, "spring.mass", "45 g"), lambda: workspace.change_law(table, "polynomial"),
+        lambda: workspace.attach(table, "a.csv", b"1"), lambda: workspace.attach(table, "lift.txt", lifts(8.0)),
+        lambda: keep_test(run, "a.csv", b"1"), lambda: workspace.duplicate(table), lambda: workspace.replace_text(table, SMALL),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match="no space left on device"):
+            call()
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(InputError, match="no space left on device"):
+        workspace.attach(table, "lift.txt", lifts(8.0))
+    monkeypatch.setattr(passing.tempfile, "mkdtemp", full)
+    with pytest.raises(InputError, match="no space left on device"):
+        workspace.upload("b.toml", SMALL.encode())
+    monkeypatch.undo()
+    assert workspace.text(table) == before and workspace.files(table) == {"lift.txt": lifts()}
+    assert [card.name for card in workspace.cases()] == [table] and not kept_tests.kept_tests(run)
+
+
+def test_what_a_killed_server_was_making_is_no_case(workspace):
+    left = workspace.cases_folder / ".new-abc" / "mine"
+    left.mkdir(parents=True)
+    (left / "case.toml").write_text(SMALL)
+    (workspace.cases_folder / ".new-abc" / "case.toml").write_text(SMALL)
+    (workspace.jobs_folder / "upload-abc").mkdir()
+    mine = workspace.upload("upload-abc.toml", SMALL.encode())
+    assert [card.name for card in workspace.cases()] == [mine] == ["upload-abc"]
+    workspace.hold()()
+    assert [path.name for path in workspace.cases_folder.iterdir()] == [mine] and not list(workspace.jobs_folder.iterdir())
+
+
+# -- names
+
+
+def test_two_tests_never_take_the_place_of_each_other(workspace):
+    """Their names differ beyond what a name here may hold, or in what is left out of it."""
+    stem = "2027-03-14-head3-beehive-production-batch-A-cycles-at"
+    pairs = [(f"{stem}-5600-rpm.csv", f"{stem}-5800-rpm.csv"), ("a b.csv", "a(b.csv"), ("a..b.csv", "a.b.csv"), ("-a.csv", "a.csv"),
+             ("a.csv\u0301", "a.csv"), ("a." + "x" * 20, "a." + "x" * 21), ("\u00e9.csv", "e\u0301.csv")]  # fmt: skip
+    run = workspace.run(kept(workspace))
+    for one, other in pairs:
+        names = [keep_test(run, one, b"1").name, keep_test(run, other, b"22").name]
+        assert len({checked_name(name) for name in names}) == 2 and len(kept_tests.kept_tests(run)) == 2
+        assert keep_test(run, one, b"333").name == names[0] and len(kept_tests.kept_tests(run)) == 2
+        assert {test.size for test in kept_tests.kept_tests(run)} == {2, 3}
+        for name in names:
+            remove_test(run, name)
+    assert kept_name("cycles-2.nc") == "cycles-2.nc" and kept_name(f"{stem}-5600-rpm.csv").endswith(".csv")
+
+
+def test_a_file_laid_there_by_hand_blocks_no_other(workspace, table):
+    (workspace.case_folder(table) / "notes.toml").write_text("x = 1")
+    workspace.attach(table, "b.csv", b"1")
+    workspace.attach(table, "lift.txt", lifts(8.0))
+    assert set(workspace.files(workspace.duplicate(table))) == {"notes.toml", "b.csv", "lift.txt"}
+    with pytest.raises(InputError, match="no file that a case names"):
+        workspace.attach(table, "more.toml", b"1")
+
+
+@pytest.mark.parametrize("name", ["study", "Study", "small"])
+def test_a_study_of_any_case_has_two_files(workspace, name):
+    case = workspace.upload(f"{name}.toml", SMALL.encode())
+    request = JobRequest("study", case, study="outputs = ['preload']\n[[vary]]\nkey = 'spring.mass'\nvalues = '1, 2 g'\n")
+    write_inputs(workspace, "one", request, SMALL)
+    folder = workspace.jobs_folder / "one"
+    assert (folder / f"{case}.toml").read_text() == SMALL and "outputs" in (folder / study_file(case)).read_text()
+    assert f'case = "{case}.toml"' in (folder / study_file(case)).read_text()
+
+
+_PART = b'--x\r\nContent-Disposition: form-data; name="file"; filename="%s"\r\n\r\n%s\r\n'
+
+
+@pytest.fixture
+def served(workspace, monkeypatch):
+    """The addresses of files of a workspace with a case and a run; a test that begins with ``a;`` can be laid over it."""
+    pytest.importorskip("nicegui")
+    httpx = pytest.importorskip("httpx")
+    from fastapi import FastAPI
+
+    from valvetrain.workbench.pages import files
+    from valvetrain.workbench.pages.desk import Desk
+    from valvetrain.workbench.settings import ServeSettings
+
+    app, reached, real = FastAPI(), set(), files.against
+
+    def against(run, name, content):
+        reached.add(name)
+        return SimpleNamespace(runs=(1,), failures=()) if content.startswith(b"a;") else real(run, name, content)
+
+    def post(path, **more):
+        async def answer():
+            async with httpx.AsyncClient(transport=httpx.ASGITransport(app=app), base_url="http://127.0.0.1") as line:
+                return await line.post(path, **more)
+
+        return asyncio.run(answer())
+
+    def get(path):
+        async def answer():
+            async with httpx.AsyncClient(transport=httpx.ASGITransport(app=app), base_url="http://127.0.0.1") as line:
+                return await line.get(path)
+
+        return asyncio.run(answer())
+
+    monkeypatch.setattr(files, "against", against)
+    monkeypatch.setattr(files, "test_part", lambda found: "")
+    workspace.upload("small.toml", (SPRING + TABLE).encode(), {"lift.txt": lifts()})
+    with Jobs(workspace) as jobs:
+        files.register(app, Desk(workspace, jobs, ServeSettings()))
+        yield SimpleNamespace(post=post, get=get, run=kept(workspace), reached=reached)
+
+
+NAMES = st.one_of(
+    st.text(max_size=30), st.from_regex(r"[\w .+-]{1,70}\.[a-z]{1,4}", fullmatch=True), st.sampled_from(["lift.txt", "case.toml"])
+)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(name=NAMES, content=st.one_of(st.binary(max_size=60), st.binary(max_size=9).map(b"a;".__add__)), torn=st.integers(0, 40))
+def test_whatever_is_sent_is_answered_in_a_sentence(workspace, served, name, content, torn):
+    """Names and contents of any kind, whole and torn off, to a case and a run that are there; what is no sentence would be raised here."""
+    body = _PART % (b"a.toml", content) + _PART % (name.encode("utf-8", "replace").replace(b"\n", b" "), content) + b"--x--\r\n"
+    answer = served.post("/upload/case", content=body[: len(body) - torn], headers={"content-type": "multipart/form-data; boundary=x"})
+    assert answer.status_code == 200 and answer.json()["refusal"]
+    run = workspace.run(served.run)
+    for path, taken, place in (
+        ("/upload/file", "file", workspace.case_folder("small")),
+        ("/upload/test", "test", run.folder / "laid-over"),
+    ):
+        answer = served.post(path, params={"case": "small", "run": served.run, "name": name}, content=content)
+        assert answer.status_code == 200
+        ((kind, words),) = answer.json().items()
+        assert words and kind in (taken, "refusal")
+        there = {one.name for one in place.iterdir()} if place.exists() else set()
+        assert all(checked_name(one) == one for one in there)
+        if kind == taken:
+            assert (place / words).read_bytes() == content
+            remove_test(run, words) if taken == "test" else workspace.detach("small", words)
+    assert workspace.text("small") == SPRING + TABLE and workspace.files("small") == {"lift.txt": lifts()}
+    assert len(workspace.cases()) == 1 and workspace.read("small") and not (run.folder / "laid-over").exists()
+    assert Path(name).name in served.reached
+
+
+def test_a_case_of_any_name_is_handed_out(workspace, served):
+    case = workspace.upload("Пружина.toml", SMALL.encode())
+    answer = served.get(f"/download-case/{case}")
+    assert answer.status_code == 200 and answer.text == SMALL and answer.headers["content-type"].startswith("application/toml")
+    assert answer.headers["content-disposition"].startswith("attachment; filename*=utf-8''%D0%9F")
+    assert served.get("/download-case/none").status_code == 404
