@@ -96,22 +96,7 @@ class Jobs:
     def submit(self, request: JobRequest) -> str:
         """Put a job in the queue; its id. Raises :class:`InputError` for a case or choice that is refused, and beyond the bounds."""
         with self.workspace.turn:  # the files beside a case stay those that its text names
-            text = self.workspace.text(request.case)
-            self._check(request, text)
-            with self._changed:
-                if self._stopping:
-                    raise InputError("the server is ending; start it again", "job")
-                with self.workspace.store.connected() as base:
-                    (waiting,) = base.execute("SELECT COUNT(*) FROM jobs WHERE state = 'queued'").fetchone()
-                    if waiting >= self.most_waiting:
-                        raise InputError(f"{waiting} jobs are waiting already; wait for one, or cancel one", "job")
-                    job_id = f"{time.strftime('%Y%m%d-%H%M%S', time.gmtime())}-{secrets.token_hex(4)}"
-                    write_inputs(self.workspace, job_id, request, text)
-                    base.execute(
-                        "INSERT INTO jobs (id, case_name, kind, request, state, text, created_at) VALUES (?, ?, ?, ?, 'queued', 'waiting', ?)",
-                        (job_id, request.case, request.kind, request_json(request), time.time()),
-                    )
-                self._changed.notify_all()
+            job_id = self._queued(request)
         self._forget()
         return job_id
 
@@ -177,6 +162,25 @@ class Jobs:
         case = self.workspace.parse(request.case, text, changes_of(request) or None)
         check_request(request, case)
         return cost_words(cost_of(request, case, self.workers), self.limits)
+
+    def _queued(self, request: JobRequest) -> str:
+        text = self.workspace.text(request.case)
+        self._check(request, text)
+        with self._changed:
+            if self._stopping:
+                raise InputError("the server is ending; start it again", "job")
+            with self.workspace.store.connected() as base:
+                (waiting,) = base.execute("SELECT COUNT(*) FROM jobs WHERE state = 'queued'").fetchone()
+                if waiting >= self.most_waiting:
+                    raise InputError(f"{waiting} jobs are waiting already; wait for one, or cancel one", "job")
+                job_id = f"{time.strftime('%Y%m%d-%H%M%S', time.gmtime())}-{secrets.token_hex(4)}"
+                write_inputs(self.workspace, job_id, request, text)
+                base.execute(
+                    "INSERT INTO jobs (id, case_name, kind, request, state, text, created_at) VALUES (?, ?, ?, ?, 'queued', 'waiting', ?)",
+                    (job_id, request.case, request.kind, request_json(request), time.time()),
+                )
+            self._changed.notify_all()
+        return job_id
 
     def _manage(self) -> None:
         """Start the oldest job that waits whenever there is room."""
