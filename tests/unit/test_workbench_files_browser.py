@@ -138,6 +138,11 @@ def test_a_table_is_put_beside_a_case_and_named_in_its_lift_law(bench, page, tmp
     page.select_option("#field-lift_law-kind", "polynomial")
     page.locator("#field-lift_law-maximum_lift").wait_for()
     assert bench.case("mine")["lift_law"]["kind"] == "polynomial"
+    page.select_option("#field-lift_law-kind", "table")
+    page.locator("#field-lift_law-file").wait_for()
+    assert bench.case("mine")["lift_law"] == {
+        "kind": "table", "file": "other.csv", "angle_of": "cam", "angle_unit": "deg", "lift_unit": "mm",
+    }  # fmt: skip
     page.locator("summary", has_text="Add to the case").click()
     page.get_by_role("button", name="Add: Second spring").click()
     page.wait_for_function("document.activeElement.id === 'field-spring-1-name'")
