@@ -47,11 +47,7 @@ def test_each_study_tells_its_own_numbers_and_each_speed_comes_from_the_study_th
     lines = table(three_studies(BLIND, JOINT, WITHOUT), measured_of(BLIND)).splitlines()
     assert lines[0] == "| | published | blind | joint | each speed from the other two |"
     assert lines[2] == "| at rest: preload | 289 ± 1.5 N | 289 (260 to 318) | 347 (318 to 376) | – |"
-    assert lines[
-        3
-    ] == "| 4200 rpm: Stage II peak force | 812 ± 8 N | 812 (731 to 893) | 974 (893 to 1060) | 406 (325 to 487, 97 %) |" or lines[
-        3
-    ].endswith("| 406 (325 to 487, 97 %) |")
+    assert lines[3].endswith("| 812 ± 8 N | 812 (731 to 893) | 974 (893 to 1060) | 406 (325 to 487, 97 %) |") and "4200 rpm: " in lines[3]
     assert lines[4].endswith("| 0.68 ± 0.068 mm | 0.68 (0.612 to 0.748, 97 %) | 0.816 (0.748 to 0.884) | 0.476 (0.408 to 0.544, 97 %) |")
 
 
@@ -71,7 +67,7 @@ def test_bars_and_marks_stand_at_the_ratio_to_the_published_value():
         ("blind", True, [1.0, 1.0]), ("blind", False, [1.0]), ("joint", True, [1.2, 1.2, 1.2]),
         ("each speed from the other two", False, [0.5, 0.7]),
     ]  # fmt: skip
-    assert [words for _, words in panel.y_words][0] == "at rest: preload"
+    assert panel.y_words[0][1] == "at rest: preload"
     heights = {height for height, _ in panel.y_words}
     assert all(min(abs(value - height) for height in heights) < 0.5 for one in marks for value in one.y)
 
