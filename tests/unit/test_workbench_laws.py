@@ -137,7 +137,8 @@ def test_what_is_kept_of_a_law_is_no_file_of_the_case(workspace):
 @pytest.mark.parametrize(
     "content",
     [b"", b"\xff", b"[1]", b'{"told": 1}', b'{"told": {"polynomial": "x = ["}}', b'{"told": {"polynomial": 3}}',
-     b'{"told": {"polynomial": "[lift_law]\\nkind = 4"}, "begun": {"zero": "="}}', None],
+     b'{"told": {"polynomial": "[lift_law]\\nkind = 4"}, "begun": {"zero": "="}}',
+     b'{"told": {"polynomial": "[lift_law]\\nkind = \'zero\'"}}', b'{"told": {"polynomial": "[other]\\nx = 1"}}', None],
 )  # fmt: skip
 def test_what_is_kept_may_be_damaged(workspace, tmp_path, content):
     case = workspace.upload("mine.toml", SMALL.encode())

@@ -171,7 +171,8 @@ class KeptLaws:
         law = self._told.get(kind)
         if law is not None and kind in registry.words("lifts"):
             with suppress(ValueError):
-                yield with_law_of(text, law)
+                if kind_of(law) == kind:
+                    yield with_law_of(text, law)
         last = ""
         for name in files or [""]:
             made = with_law(text, kind, [name] if name else [])
