@@ -70,7 +70,7 @@ class ChainForces:
         largest = float(np.max(layout.stiffness * np.abs(nodes[1:]))), float(np.max(pushed, initial=0.0))
         tangents = self._tangents(held * layout.stiffness, closed)
         return Resistance(
-            total[1:-1] + slowed, *tangents, (float(total[-1]), float(-total[0])), depth, beyond, dampers, max(largest)
+            total[1:-1] + slowed, *tangents, (float(total[-1]), float(0.0 - total[0])), depth, beyond, dampers, max(largest)
         )  # fmt: skip
 
     def _tangents(self, held: Array, closed: NDArray[np.bool_]) -> tuple[Array, Array]:
