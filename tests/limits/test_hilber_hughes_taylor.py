@@ -10,9 +10,9 @@ import pytest
 import valvetrain as vt
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
-from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.chain_forces import ChainForces
 from valvetrain.integrate.clash import RECORDED
+from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.hht import HilberHughesTaylor
 from valvetrain.integrate.run import run
 from valvetrain.solution.provenance import Provenance

@@ -3,8 +3,16 @@ damage from a difference."""
 
 from __future__ import annotations
 
+import itertools
 import json
+import os
+import subprocess
+import sys
+import threading
 import tracemalloc
+import zlib
+from contextlib import nullcontext
+from importlib import invalidate_caches
 
 import h5py
 import numpy as np
@@ -17,6 +25,7 @@ from valvetrain.measurements.cycles_file import read_cycles, write_cycles
 from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.solution import checksum, netcdf, read_apart
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve, save_modal_result, save_netcdf, save_static_curve
+from valvetrain.solution.rebuilt import refuse_claims
 from valvetrain.solution.textfile import load_csv, save_csv
 from valvetrain.studies.run_answer import answer_text, read_answer
 from valvetrain.studies.run_differences import input_differences
@@ -252,17 +261,105 @@ def test_measured_cycles_come_from_others_and_their_checksum_vouches_for_nothing
     refused(read_cycles, path, "does not come back")
 
 
-@pytest.mark.parametrize(
-    ("end", "words"), [("raise MemoryError", "more than 4 GB"), ("os.abort()", "does not come back"), ("x = {}[0]", "")]
-)
-def test_the_end_of_a_trial_is_told(tmp_path, monkeypatch, end, words):
-    (tmp_path / "reader_of_tests.py").write_text(f"import os\ndef read(path):\n    assert path.name == 'it'\n    {end}\n")
-    monkeypatch.syspath_prepend(str(tmp_path))
+READERS_SO_FAR = itertools.count()
+
+
+@pytest.fixture
+def reader_of_tests(tmp_path, monkeypatch):
+    """Tries a file by a reader whose lines are given; what it raises is told as 'cannot be read'."""
     (tmp_path / "it").write_bytes(b"x")
-    if words:
-        refused(lambda path: read_apart.tried_apart("reader_of_tests:read", path, str(path)), tmp_path / "it", words)
-    else:  # an exception is met by the caller
-        read_apart.tried_apart("reader_of_tests:read", tmp_path / "it", "it")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(threading, "active_count", lambda: 1)  # those of the test runner do no harm
+
+    def tried(lines):
+        module = f"reader_of_tests_{next(READERS_SO_FAR)}"  # each its own: modules are remembered
+        (tmp_path / f"{module}.py").write_text(f"import os\ndef read(path):\n    assert path.name == 'it'\n    {lines}\n")
+        invalidate_caches()
+        read_apart.tried_apart(f"{module}:read", tmp_path / "it", "it", "cannot be read, so the caller does not")
+
+    return tried
+
+
+ENDS = {
+    "raise MemoryError": "more than 4 GB", "bytes(4_500_000_000)": "more than 4 GB", "os.kill(os.getpid(), 9)": "does not come back",
+    "raise OSError('no room')": "cannot be read", "x = {}[0]": "cannot be read", "raise SystemExit(0)": "cannot be read",
+    "from valvetrain.errors import InputError; raise InputError('its own words')": "", "os.write(1, b'printed')": "",
+}  # fmt: skip
+#: A fork tells all in a hundredth of the time.
+BY_PROCESS = ("raise MemoryError", "os.kill(os.getpid(), 9)", "raise OSError('no room')", "os.write(1, b'printed')")
+
+
+@pytest.mark.parametrize(("end", "way"), [*((end, "fork") for end in ENDS), *((end, "process") for end in BY_PROCESS)])
+def test_the_end_of_a_trial_is_told(reader_of_tests, monkeypatch, end, way):
+    """Only a file at which the reader comes back, or has its own words, is read by the caller."""
+    if way == "fork":
+        monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: None)
+    with pytest.raises(InputError, match=ENDS[end]) if ENDS[end] else nullcontext():
+        reader_of_tests(end)
+
+
+@pytest.mark.parametrize("interpreter", ["", "/gone/bin/python", "/bin/false", None])
+def test_without_an_interpreter_a_file_is_tried_in_a_fork_and_no_damage_is_told(reader_of_tests, monkeypatch, interpreter):
+    monkeypatch.setattr(sys, "executable", interpreter)
+    reader_of_tests("return 1")
+    with pytest.raises(InputError, match="cannot be read"):
+        reader_of_tests("raise OSError")
+    monkeypatch.setattr(threading, "active_count", lambda: 2)
+    with pytest.raises(InputError, match=r"it: is not read, .* does not start as a Python that finds .*; set it"):
+        reader_of_tests("return 1")
+
+
+def test_a_reader_that_is_not_found_is_no_damage_of_the_file(reader_of_tests):
+    with pytest.raises(InputError, match="is not read"):
+        reader_of_tests("return 1\nimport no_module_of_this_name")
+
+
+def test_the_folder_of_a_session_is_searched_for_the_reader_too(reader_of_tests, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", ["", *(part for part in sys.path if part != str(tmp_path))])
+    monkeypatch.setattr(threading, "active_count", lambda: 2)
+    reader_of_tests("return 1")
+
+
+def test_a_bound_that_stands_already_drops_no_other():
+    lines = (
+        "import resource; resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))\n"
+        "resource.setrlimit(resource.RLIMIT_CPU, (7, 8)); from valvetrain.solution.read_apart import bound_process\n"
+        "bound_process(4 << 30, 9); print(*(resource.getrlimit(getattr(resource, 'RLIMIT_' + one)) for one in ('AS', 'CPU', 'CORE')))"
+    )
+    told = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, check=True).stdout.strip()
+    assert told == f"{(3 << 30, 3 << 30)} (7, 7) (0, 0)"
+
+
+def test_a_variable_whose_one_piece_is_far_larger_than_what_is_stored_is_refused(tmp_path):
+    """Ten values, but 800 MB in the piece that they lie in: reading one makes room for all of it. Nothing stored claims nothing."""
+    with h5py.File(tmp_path / "piece.nc", "w") as file:
+        held = file.create_dataset("force", (10,), "f8", maxshape=(None,), chunks=(100_000_000,), compression="gzip")
+        held.id.write_direct_chunk((0,), zlib.compress(bytes(4096)))
+    with pytest.raises(InputError, match="'force' claims 8e\\+08 bytes and holds"):
+        refuse_claims(tmp_path / "piece.nc")
+    with h5py.File(tmp_path / "empty.nc", "w") as file:
+        file.create_dataset("force", (10,), "f8", maxshape=(None,), chunks=(100_000_000,), compression="gzip")
+    refuse_claims(tmp_path / "empty.nc")
+
+
+def test_a_file_that_the_library_has_no_room_for_is_not_read_a_second_time(tmp_path, monkeypatch, tried):
+    """The library tells a refused allocation as one of the system's errors, not as want of memory."""
+    read, path = tmp_path / "read", save_static_curve(at_rest()[0].curve, tmp_path / "curve.nc")
+    without_checksum(path)
+
+    def no_room(given):
+        with read.open("a") as file:
+            file.write(f"{os.getpid() == here} ")
+        raise OSError("Can't synchronously read data (memory allocation failed)")
+
+    here = os.getpid()
+    monkeypatch.setattr(netcdf, "tried_apart", tried)
+    monkeypatch.setattr(netcdf, "dataset_of", no_room)
+    monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: None)
+    monkeypatch.setattr(threading, "active_count", lambda: 1)
+    refused(load_static_curve, path, "cannot be read as NetCDF")
+    assert read.read_text() == "False ", "once, and not in this process"
 
 
 def test_what_its_checksum_vouches_for_is_read_at_once(tmp_path, monkeypatch):
@@ -271,7 +368,8 @@ def test_what_its_checksum_vouches_for_is_read_at_once(tmp_path, monkeypatch):
     path = save_netcdf(RUN, tmp_path / "run.nc")
     assert load_netcdf(path).identical(RUN) and not tried
     without_checksum(path)
-    assert load_netcdf(path).identical(RUN) and tried == [("valvetrain.solution.netcdf:dataset_of", path, str(path))]
+    assert load_netcdf(path).identical(RUN)
+    assert [given[:3] for given in tried] == [("valvetrain.solution.netcdf:dataset_of", path, str(path))]
 
 
 # ---- kept runs
