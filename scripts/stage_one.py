@@ -56,7 +56,7 @@ from valvetrain.system.prescribed import PrescribedSpring
 
 Array = NDArray[np.float64]
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
-BLUE, ORANGE, GREEN, VIOLET, GREY, RED = theme.SERIES[:6]
+BLUE, ORANGE, GREEN, VIOLET = theme.SERIES[:4]
 #: Frequencies (Hz) tried for the first mode's share of the seat force, and the angle (deg) up to which the retainer stands still.
 TRIED, STILL = np.arange(480.0, 960.0, 5.0), 90.0
 
