@@ -64,7 +64,7 @@ complete() {
 }
 
 install() {
-    local pip=("$venv/bin/python" -m pip --disable-pip-version-check install -qq --no-input)
+    local pip=("$venv/bin/python" -m pip --disable-pip-version-check install -qq --no-input --no-compile)
     touch "$unfinished"
     local what=(--require-hashes -r "$pins")
     if [ -n "${LOWEST:-}" ]; then
@@ -78,6 +78,8 @@ install() {
         say "The environment could not be installed (see above); mend the cause, often the network, and repeat 'make $kind'."
         exit 1
     fi
+    # Bytecode on all cores at once (pip takes one, and half a minute), of the package too; what is no Python of this version is left.
+    "$venv/bin/python" -m compileall -qq -j 0 "$venv/lib" src || true
     key > "$venv/.stamp-$kind"
     if [ "$kind" = test ]; then (pins=requirements.txt; key) > "$venv/.stamp-run"; fi
     rm -f "$unfinished"

@@ -178,7 +178,7 @@ def test_the_command_keeps_what_it_found_and_goes_on_after_an_interrupt(folder: 
     out, said = started.communicate(timeout=60)
     assert started.returncode == 130 and "start the command again to go on" in said
     partial = json.loads(out)
-    assert partial["whole"] is False and partial["branches"][0]["quantities"]["rate"]["best"] > 0
+    assert partial["whole"] is False and partial["branches"][0]["quantities"]["rate"]["best"]["value"] > 0
     (folder / "card-rate.toml").write_text(FILE.format(method="least-squares"))  # the points serve another method as well
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
     answer = json.loads(done.stdout)

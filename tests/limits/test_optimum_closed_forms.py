@@ -143,6 +143,7 @@ mass = "30 g"
 """
 
 
+@pytest.mark.long
 def test_the_least_open_load_is_that_of_rigid_theory(tmp_path):
     """Spring force P + k x over inertia m a(x) of the 3-4-5 polynomial, 1.3 at its least: with P given, k follows from the worst place."""
     (tmp_path / "train.toml").write_text(TRAIN)

@@ -142,6 +142,7 @@ def test_the_pitch_law_behind_a_noisy_table_is_found_within_its_bands(tested):
     assert np.all(off[closing] < 0.25e-3) and np.all(tested.stations.spread[closing] < 0.25e-3)
 
 
+@pytest.mark.long
 def test_rate_preload_and_length_of_the_table_are_those_of_the_spring(tested):
     true = progressive_spring()
     assert tested.free_length[0] == pytest.approx(true.free_length, abs=0.1e-3)

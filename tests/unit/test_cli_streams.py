@@ -68,6 +68,7 @@ print(json.dumps(found))
 """
 
 
+@pytest.mark.long
 def test_the_help_of_every_command_ends_well_where_nobody_reads_it(tmp_path):
     """rich and the parser ended the process with code 1 where a reader left before them (``valvetrain --help | true``)."""
     result = subprocess.run(

@@ -127,6 +127,7 @@ def test_a_speed_that_changes_is_followed_from_mark_to_mark():
     assert np.abs(off)[inside].max() < np.radians(6) and "speed changes" in " ".join(phase.notes)
 
 
+@pytest.mark.long
 def test_numbers_depend_neither_on_samples_across_the_line_nor_on_its_width_nor_on_the_first_frame():
     film, _ = made.turning_film()
     first = made.turning_motion()

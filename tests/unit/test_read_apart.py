@@ -51,6 +51,17 @@ def test_the_end_of_a_trial_is_told(reader_of_tests, monkeypatch, end, way):
         reader_of_tests(end)
 
 
+@pytest.mark.parametrize("way", ["process", "fork"])
+def test_a_reader_that_waits_for_ever_is_ended_by_the_clock(reader_of_tests, monkeypatch, way):
+    """It takes none of the processor's time, which is bounded otherwise."""
+    monkeypatch.setattr(read_apart, "MOST_SECONDS", 1)
+    monkeypatch.setattr(read_apart, "_PATIENCE", 1)
+    if way == "fork":
+        monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: None)
+    with pytest.raises(InputError, match="does not come back"):
+        reader_of_tests("import time; time.sleep(60)")
+
+
 @pytest.mark.parametrize("interpreter", ["", "/gone/bin/python", "/bin/false", None])
 def test_without_an_interpreter_a_file_is_tried_in_a_fork_and_no_damage_is_told(reader_of_tests, monkeypatch, interpreter):
     monkeypatch.setattr(sys, "executable", interpreter)

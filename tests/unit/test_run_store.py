@@ -6,15 +6,18 @@ import json
 import os
 import tomllib
 from datetime import UTC, datetime, timedelta
+from pathlib import Path
 
 import pytest
 
 from valvetrain.errors import InputError
+from valvetrain.report.run_differences import result_rows
 from valvetrain.studies.cost import estimate
 from valvetrain.studies.run_differences import input_differences, result_differences
 from valvetrain.studies.run_store import (
     ANSWER,
     Inputs,
+    KeptRun,
     check_folder,
     collect_inputs,
     find_run,
@@ -170,6 +173,42 @@ def test_differences_of_inputs_and_results(tmp_path):
     ]  # fmt: skip
     assert rows[0].difference == 90.0 and rows[0].relative == pytest.approx(0.1) and rows[1].difference is None
     assert not input_differences(one, one) and not result_differences(one, one)
+
+
+def identified(rate: float, computed: float, **more: object) -> dict[str, object]:
+    found = {"quantities": {"rate": {"best": rate, "low": rate - 300.0}}, "share": 1.0, "told": {"rate": 0.9}}
+    rows = [{"measurement": "load", "key": f"force at {place} mm", "measured": 388.0, "computed": value, "fitted": True}
+            for place, value in ((12, computed), (16, 520.0))]  # fmt: skip
+    given = {"command": "identify", "case": "card", "branches": [found], "measurements": rows, "created_at": "now", "evaluations": 30}
+    return given | {"files": ["a"], "kept_from_before": 7, "evidence": {"log": None}} | more
+
+
+def test_numbers_that_are_no_runs_differ_too(tmp_path):
+    """An identification has no runs: what it found is compared by the names it stands under, how it was asked for is not."""
+    one = KeptRun(tmp_path, identified(32000.0, 389.0))
+    two = KeptRun(tmp_path, identified(33600.0, 398.0, kept_from_before=9, files=[], predictions={"float": {"best": 1.0}}))
+    assert [(row.quantity, row.run, row.a, row.b) for row in result_differences(one, two)] == [
+        ("low", "branches, 1, quantities, rate", 31700.0, 33300.0), ("best", "branches, 1, quantities, rate", 32000.0, 33600.0),
+        ("computed", "measurements, load force at 12 mm", 389.0, 398.0), ("best", "predictions, float", None, 1.0),
+    ]  # fmt: skip
+    assert not result_differences(one, one)
+    assert result_rows(result_differences(one, two))[1] == ("best", "branches, 1, quantities, rate", "32000", "33600", "", "+5.0 %")
+
+
+def test_other_numbers_keep_their_unit_and_their_name_in_a_list():
+    def swept(speed: float, order: int) -> KeptRun:
+        found = {"name": "loss of contact", "engine_speed": {"value": speed, "unit": "rpm"}, "samples": [1.0, speed]}
+        crossing = [{"label": label, "level": {"value": level, "unit": "N"}} for label, level in (("rod", 3.0), ("chain", 4.0))][::order]
+        run = {"label": "rod", "quantities": {"preload": {"value": 250.0, "unit": "N"}}}
+        return KeptRun(Path(), {"command": "sweep", "runs": [run], "critical_speeds": [found], "crossings": crossing})
+
+    speed, sample = result_differences(swept(7000.0, 1), swept(7700.0, -1))
+    assert (speed.quantity, speed.run, speed.unit, speed.difference) == ("engine_speed", "critical_speeds, loss of contact", "rpm", 700.0)
+    assert (sample.quantity, sample.b) == ("2", 7700.0)
+    deep: dict[str, object] = {"last": 1.0}
+    for _ in range(200):
+        deep = {"more": deep}
+    assert not result_differences(KeptRun(Path(), deep), KeptRun(Path(), {}))
 
 
 def test_cost_grows_as_the_work_does():

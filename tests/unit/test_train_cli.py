@@ -128,6 +128,7 @@ def test_a_second_run_leaves_no_files_of_other_engine_speeds(folder):
     assert sorted(path.name for path in target.glob("*rpm.*")) == ["massless-3500rpm.csv", "massless-3500rpm.nc", "mine-3000rpm.csv"]
 
 
+@pytest.mark.long
 def test_a_train_that_floats_at_the_nose_is_still_reported(folder):
     words = ("run", "tdi-pushrod", "--engine-speed", "9500 rpm", "--output", str(folder / "float"), *QUICK)
     result = CliRunner().invoke(app, list(words))

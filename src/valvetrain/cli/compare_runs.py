@@ -71,6 +71,6 @@ def _show(
         console.print("the results are the same")
     left, alone = max(0, len(inputs) - MOST_ROWS) + max(0, len(rows) - MOST_ROWS), len(results) - len(rows)
     if alone:
-        console.print(f"\n{alone} numbers stand in one of the two runs only; --json has them")
+        console.print(f"\n{alone} number{'s stand' if alone > 1 else ' stands'} in one of the two runs only; --json has them")
     if left:
         console.print(f"\nand {left} more differences; --json has them all")

@@ -8,7 +8,7 @@ from typing import Any
 from valvetrain.parameters.words import number
 from valvetrain.report.headlines import TOPICS
 from valvetrain.report.words import percent
-from valvetrain.solution.definition import label_of, shown
+from valvetrain.solution.definition import is_defined, label_of, shown
 from valvetrain.studies.run_differences import ResultDifference
 
 INPUT_HEADS = ("inputs", "A", "B")
@@ -35,9 +35,13 @@ def result_rows(results: Sequence[ResultDifference]) -> list[tuple[str, ...]]:
     both = sorted((row for row in results if row.difference is not None), key=lambda row: place.get(row.quantity, len(first)))
     rows: list[tuple[str, ...]] = []
     for row in both:
-        a, b = (number(float(shown(row.quantity, value)[0])) for value in (row.a or 0.0, row.b or 0.0))
         change = "" if row.relative is None else percent(row.relative)
-        rows.append((label_of(row.quantity), row.run, a, b, shown(row.quantity, 1.0)[1], change))
+        if is_defined(row.quantity):
+            a, b = (number(float(shown(row.quantity, value)[0])) for value in (row.a or 0.0, row.b or 0.0))
+            rows.append((label_of(row.quantity), row.run, a, b, shown(row.quantity, 1.0)[1], change))
+        else:
+            words = row.quantity.replace("_", " ")
+            rows.append((words, row.run.replace("_", " "), number(row.a or 0.0), number(row.b or 0.0), row.unit, change))
     return rows
 
 

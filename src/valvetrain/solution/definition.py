@@ -32,7 +32,7 @@ BY_LAST_WORD: dict[str, tuple[str, str]] = {
     "power": ("power", "W"), "ratio": ("ratio", ""), "count": ("ratio", ""), "order": ("ratio", ""), "number": ("ratio", ""),
 }  # fmt: skip
 #: SI units written otherwise than `valvetrain.units` does.
-_SI_WORDS = {"": "1", "1/s": "Hz", "m/s^2": "m/s2", "N*m": "N m", "N*s": "N s"}
+SI_WORDS = {"": "1", "1/s": "Hz", "m/s^2": "m/s2", "N*m": "N m", "N*s": "N s"}
 #: Springs of a nested pair, whose quantities carry the spring's name in front: ``outer_coil_bind_clearance``.
 NESTED = ("outer", "inner")
 
@@ -58,7 +58,7 @@ class QuantityRow:
     def si_unit(self) -> str:
         """Unit of the values inside the package and in JSON; ``1`` for plain numbers."""
         unit = DIMENSIONS[self.dimension or "ratio"].si_unit
-        return _SI_WORDS.get(unit, unit)
+        return SI_WORDS.get(unit, unit)
 
 
 def row(

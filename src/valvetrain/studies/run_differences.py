@@ -9,6 +9,17 @@ from typing import Any
 
 from valvetrain.studies.run_store import KeptRun, check_inputs
 
+#: What an answer tells of how it was asked and made, and what only says its other numbers again.
+NO_RESULT = (
+    "command", "command_line", "case", "title", "digest", "checksum", "changed", "created_at", "choices", "versions", "files", "folder",
+    "page", "units", "cite", "kept_from_before", "known_before", "quantities", "quantities_by_label", "springs_at_rest", "comparisons",
+    "findings",
+)  # fmt: skip
+#: Levels of an answer that are looked into; none that is written has half of them.
+DEEPEST = 24
+#: Fields that tell the items of a list apart.
+TOLD_APART = ("measurement", "key", "quantity", "name", "channel", "label", "model", "spring_set", "source", "event", "kind")
+
 
 @dataclass(frozen=True, slots=True)
 class ResultDifference:
@@ -82,9 +93,46 @@ def _numbers(answer: Mapping[str, Any]) -> Iterator[tuple[tuple[str, str], tuple
     for label, values in {"": answer.get("quantities", {}), **answer.get("quantities_by_label", {})}.items():
         yield from _quantities(values, label)
     for run in answer.get("runs", ()):
-        speed = (run.get("engine_speed") or {}).get("value")
-        label = run.get("label") or run.get("model") or ""
-        yield from _quantities(run.get("quantities", {}), label if speed is None else f"{label} at {speed:g} rpm")
+        if isinstance(run, Mapping) and "quantities" in run:
+            speed = (run.get("engine_speed") or {}).get("value")
+            label = run.get("label") or run.get("model") or ""
+            yield from _quantities(run.get("quantities", {}), label if speed is None else f"{label} at {speed:g} rpm")
+    others = {key: value for key, value in answer.items() if key not in NO_RESULT}
+    runs = [run for run in answer.get("runs", ()) if not (isinstance(run, Mapping) and "quantities" in run)]
+    yield from _others(others | {"runs": runs}, ())
+
+
+def _others(item: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
+    """(last word of the path, those before it) -> value and unit, of every number of an answer that is no quantity of a run."""
+    if len(path) > DEEPEST:
+        return
+    if isinstance(item, Mapping):
+        if path and _is_number(item.get("value")) and isinstance(item.get("unit"), str):
+            yield (path[-1], ", ".join(path[:-1])), (float(item["value"]), item["unit"])
+            item = {key: value for key, value in item.items() if key not in ("value", "unit")}
+        for key, value in item.items():
+            yield from _others(value, (*path, str(key)))
+    elif isinstance(item, list):
+        for name, value in zip(_names_of(item), item, strict=True):
+            yield from _others(value, (*path, name))
+    elif _is_number(item) and path:
+        yield (path[-1], ", ".join(path[:-1])), (float(item), "")
+
+
+def _names_of(items: list[Any]) -> list[str]:
+    """What tells the items of a list apart: their names, where these do not the engine speed too, else their places from 1."""
+    names = [" ".join(item[key] for key in TOLD_APART if isinstance(item.get(key), str)) if isinstance(item, Mapping) else ""
+             for item in items]  # fmt: skip
+    speeds = [item.get("engine_speed") if isinstance(item, Mapping) else None for item in items]
+    told = [f"{speed['value']:g} rpm" if isinstance(speed, Mapping) and _is_number(speed.get("value")) else "" for speed in speeds]
+    for some in (names, [f"{name} {speed}".strip() for name, speed in zip(names, told, strict=True)]):
+        if len(set(some)) == len(some) and all(some):
+            return some
+    return [f"{name} {place}".strip() for place, name in enumerate(names, start=1)]
+
+
+def _is_number(item: Any) -> bool:
+    return isinstance(item, (int, float)) and not isinstance(item, bool)
 
 
 def _quantities(values: Mapping[str, Any], run: str) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:

@@ -1,0 +1,90 @@
+"""Unit: three identifications side by side, from answers of known numbers: each cell, bar and mark carries what it names."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+from architecture.layout import ROOT
+
+sys.path.insert(0, str(ROOT / "scripts"))
+import write_beehive_studies as script
+from write_beehive_studies import BEGIN, END, chart, main, measured_of, table, three_studies
+
+REST, SLOW, FAST = "preload", "4200 rpm, finite-element: stage_2_peak_force", "8000 rpm, finite-element: node_2_maximum_displacement"
+
+
+def answer(shift: float, fitted: tuple[str, ...], whole: bool = True) -> dict:
+    """Medians ``shift`` times the published value, 10 % of it to either side."""
+    rows = []
+    for key, value, scatter, unit in ((REST, 289.0, 1.5, "N"), (SLOW, 812.0, 8.0, "N"), (FAST, 0.68e-3, 0.068e-3, "m")):
+        numbers = {
+            "measured": value,
+            "scatter": scatter,
+            "low": (shift - 0.1) * value,
+            "middle": shift * value,
+            "high": (shift + 0.1) * value,
+        }
+        rows.append(
+            {
+                "key": key,
+                **{name: {"value": one, "unit": unit} for name, one in numbers.items()},
+                "fitted": key in fitted,
+                "percentile": 97.0,
+            }
+        )
+    return {"measurements": rows, "whole": whole}
+
+
+BLIND, JOINT = answer(1.0, (REST, SLOW)), answer(1.2, (REST, SLOW, FAST))
+WITHOUT = {"4200 rpm": answer(0.5, (REST, FAST)), "8000 rpm": answer(0.7, (REST, SLOW))}
+
+
+def test_each_study_tells_its_own_numbers_and_each_speed_comes_from_the_study_that_left_it_out():
+    lines = table(three_studies(BLIND, JOINT, WITHOUT), measured_of(BLIND)).splitlines()
+    assert lines[0] == "| | published | blind | joint | each speed from the other two |"
+    assert lines[2] == "| at rest: preload | 289 ± 1.5 N | 289 (260 to 318) | 347 (318 to 376) | – |"
+    assert lines[3].endswith("| 812 ± 8 N | 812 (731 to 893) | 974 (893 to 1056) | 406 (325 to 487, 97 %) |") and "4200 rpm: " in lines[3]
+    assert lines[4].endswith("| 0.68 ± 0.068 mm | 0.68 (0.612 to 0.748, 97 %) | 0.816 (0.748 to 0.884) | 0.476 (0.408 to 0.544, 97 %) |")
+
+
+def test_a_study_that_was_fitted_to_what_it_should_leave_out_is_refused():
+    with pytest.raises(SystemExit, match="was fitted"):
+        three_studies(BLIND, JOINT, {"4200 rpm": WITHOUT["8000 rpm"]})
+
+
+def test_bars_and_marks_stand_at_the_ratio_to_the_published_value():
+    (panel,) = chart(three_studies(BLIND, JOINT, WITHOUT), measured_of(BLIND)).panels
+    lines = {one.name: one for one in panel.layers if type(one).__name__ == "Line"}
+    assert lines["joint"].x[:2] == pytest.approx([1.1, 1.3]) and lines["blind"].x[:2] == pytest.approx([0.9, 1.1])
+    assert lines["each speed from the other two"].x[[0, 1, 3, 4]] == pytest.approx([0.4, 0.6, 0.6, 0.8])
+    assert lines["scatter that was allowed"].x[6:8] == pytest.approx([0.9, 1.1])
+    marks = [one for one in panel.layers if type(one).__name__ == "Marks"]
+    assert [(one.name, one.filled, np.round(one.x, 9).tolist()) for one in marks] == [
+        ("blind", True, [1.0, 1.0]), ("blind", False, [1.0]), ("joint", True, [1.2, 1.2, 1.2]),
+        ("each speed from the other two", False, [0.5, 0.7]),
+    ]  # fmt: skip
+    assert panel.y_words[0][1] == "at rest: preload"
+    heights = {height for height, _ in panel.y_words}
+    assert all(min(abs(value - height) for height in heights) < 0.5 for one in marks for value in one.y)
+
+
+def test_page_and_picture_are_written_and_what_is_cut_short_is_refused(tmp_path, monkeypatch):
+    folders = []
+    for place, one in enumerate((BLIND, JOINT, WITHOUT["4200 rpm"], JOINT | {"measurements": []}, WITHOUT["8000 rpm"])):
+        folders.append(tmp_path / str(place))
+        folders[-1].mkdir()
+        (folders[-1] / "run.json").write_text(json.dumps(one))
+    (tmp_path / "docs" / "pictures").mkdir(parents=True)
+    page = tmp_path / "docs" / script.PAGE
+    page.write_text(f"before\n{BEGIN}old\n{END}\nafter\n")
+    main([str(one) for one in folders], tmp_path / "docs")
+    text = page.read_text()
+    assert text.startswith(f"before\n{BEGIN}| | published") and text.endswith(f"{END}\nafter\n") and "old" not in text
+    assert (tmp_path / "docs" / "pictures" / script.PICTURE).read_text().startswith("<svg")
+    (folders[1] / "run.json").write_text(json.dumps(answer(1.0, (), whole=False)))
+    with pytest.raises(SystemExit, match="cut short"):
+        main([str(one) for one in folders], tmp_path / "docs")

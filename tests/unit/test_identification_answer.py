@@ -1,0 +1,83 @@
+"""Unit: every number of an identification's answer and of its draws stands beside the unit it is in, SI, whatever unit it was given in."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+from unit.cli_parts import call
+from valvetrain.identification.api import identify_request
+from valvetrain.identification.file import parse_request
+
+CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
+FILE = """
+case = "card.toml"
+[search]
+draws = 6
+profile = ["rate"]
+[quantities.rate]
+key = "spring.rate"
+prior = "uniform"
+low = "25 N/mm"
+high = "40 N/mm"
+[measurements.load]
+compressions = "12 mm"
+forces = "388 N"
+scatter = "4 N"
+spring_model = "massless"
+[measurements.ringing]
+frequencies = "430 Hz"
+scatter = "1 %"
+spring_model = "wave-rod"
+fit = false
+[predictions.float]
+quantity = "preload"
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("answer")
+    (place / "card.toml").write_text(CARD)
+    (place / "rate.toml").write_text(FILE)
+    return place
+
+
+@pytest.fixture(scope="module")
+def told(folder: Path) -> dict:
+    done = call("identify", str(folder / "rate.toml"), "--json", "--workers", "1", "--output", str(folder / "out"))
+    assert done.exit_code == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_the_answer_tells_si_values_with_their_units(folder: Path, told: dict) -> None:
+    found = identify_request(parse_request(FILE, "card", folder), workers=1)
+    rate = found.branches[0].quantities["rate"]
+    assert 31e3 < rate.best < 34e3
+    expected = {"best": rate.best, "mean": rate.mean, "standard_deviation": rate.deviation, "low": rate.low, "high": rate.high}
+    assert told["branches"][0]["quantities"]["rate"] == {name: {"value": value, "unit": "N/m"} for name, value in expected.items()}
+    load, ringing = told["measurements"]
+    assert (load["measured"], load["scatter"]) == ({"value": 388.0, "unit": "N"}, {"value": 4.0, "unit": "N"}) and load["fitted"]
+    assert ringing["measured"] == {"value": 430.0, "unit": "Hz"} and ringing["scatter"]["value"] == pytest.approx(4.3)
+    assert not ringing["fitted"]
+    for row, one in zip((load, ringing), found.predicted, strict=True):
+        assert row["computed"]["value"] == one.best
+        assert {row[name]["unit"] for name in ("computed", "low", "middle", "high")} == {row["measured"]["unit"]}
+    assert load["computed"]["value"] == pytest.approx(0.012 * rate.best, rel=1e-9)
+    (preload,) = told["predictions"].values()
+    assert preload["computed"] == {"value": pytest.approx(250.0), "unit": "N"}
+    assert {value["unit"] for value in told["profiles"]["rate"]["values"]} == {"N/m"} and "units" not in told
+
+
+def test_draws_carry_the_units_of_their_numbers(folder: Path, told: dict) -> None:
+    with xarray.open_dataset(folder / "out" / "draws.nc") as draws:
+        units = {name: one.attrs["units"] for name, one in draws.data_vars.items()}
+        assert units["weight"] == "1" and units["quantity_rate"] == "N/m"
+        force = next(name for name in units if "force_at_12" in name)
+        mode = next(name for name in units if name.endswith("mode_1_frequency"))
+        assert units[force] == "N" and units[mode] == "Hz"
+        assert np.all(np.abs(draws["quantity_rate"].values - 32e3) < 6e3)
