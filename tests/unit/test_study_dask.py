@@ -14,6 +14,7 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, wait_until
 from valvetrain.solution.status import COMPLETED
+from valvetrain.studies.points.crews import DaskCrew
 
 pytest.importorskip("distributed")
 
@@ -97,6 +98,26 @@ def test_a_cluster_by_its_address_gives_the_bits_of_one_process():
         found = vt.study(text, dask=cluster.scheduler_address, workers=1)
     alone = vt.study(text, workers=1)
     assert np.array_equal(found.values, alone.values, equal_nan=True) and set(found.statuses) == {COMPLETED}
+
+
+def tripled(shared: tuple[int, str], number: int) -> int:
+    return shared[0] * number
+
+
+def test_no_batch_of_many_loses_what_all_of_them_share():
+    """A search asks for batch after batch; the release of the last one's shared part took away that of the next, of the same content."""
+    import distributed
+
+    shared = (3, "x" * 100_000)
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None, silence_logs=50) as cluster:
+        crew = DaskCrew(cluster.scheduler_address, 2)
+        try:
+            for first in range(12):
+                found = dict(crew.run(tripled, shared, range(first, first + 3)))
+                assert found == {place: 3 * (first + place) for place in range(3)}
+            assert dict(crew.run(tripled, (5, ""), range(2))) == {0: 0, 1: 5}
+        finally:
+            crew.close()
 
 
 def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):

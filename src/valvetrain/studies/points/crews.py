@@ -78,6 +78,7 @@ class DaskCrew:
                 f"no Dask scheduler answers at '{where[:80]}' ({type(error).__name__}); check the address", "--dask"
             ) from error
         self._client: Any = self._left.enter_context(client)
+        self._sent: tuple[Any, Any] | None = None
 
     def _cluster(self, distributed: Any, where: str, workers: int) -> Any:
         if where == "local":
@@ -99,7 +100,10 @@ class DaskCrew:
         import distributed
 
         client = self._client
-        common = client.scatter(shared, broadcast=True)
+        if self._sent is None or self._sent[0] is not shared:
+            # sent once and under a name of its own: by a name made from the content, a batch could lose it to the release of the last
+            self._sent = shared, client.scatter(shared, broadcast=True, hash=False)
+        common = self._sent[1]
         futures = client.map(_one, list(enumerate(jobs)), function=function, shared=common, pure=False, retries=TRIALS)
         places = {future.key: place for place, future in enumerate(futures)}
         waiting: Any = distributed.as_completed  # untyped
@@ -119,6 +123,7 @@ class DaskCrew:
 
     def close(self) -> None:
         """Leave the cluster; one made here ends."""
+        self._sent = None
         self._left.close()
 
 
