@@ -62,6 +62,14 @@ def test_damaged_recordings_of_every_form_are_read_or_refused(files):
         assert not cut or name.endswith(("csv", "mf4", "tdms")) or all(not one.startswith("read") for one in cut), (name, outcomes)
 
 
+@pytest.mark.parametrize("interpreter", ["", "/gone/bin/python", None])
+def test_without_an_interpreter_the_sentence_is_on_it_and_not_on_the_recording(files, monkeypatch, interpreter):
+    monkeypatch.setattr(sys, "executable", interpreter)
+    (path,) = files.glob("*.mf4")
+    with pytest.raises(InputError, match=r"is not read, .* does not start as a Python"):
+        read_recording(path)
+
+
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.binary(max_size=400))
 def test_any_bytes_as_text(tmp_path, content):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 from dataclasses import replace
 
 import pytest
@@ -249,7 +250,10 @@ def test_the_command_gives_page_table_and_answer(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("job-t", "--tolerance", "0 %"), "share between 0 and 1"), (("job-t", "--reference", "solid"), "the reference cannot run"),
+        (("job-t", "--tolerance", "0 %"), "share between 0 and 1"), (("job-t", "--tolerance", "5"), "write '5 %'"),
+        (("job-t", "--tolerance", "5 mm"), "is a length, but a plain number is needed"),
+        (("job-t", "--spring-set", "stock"), "is a spring alone and has no spring sets"),
+        (("job-t", "--reference", "solid"), "the reference cannot run"),
         (("job-t", "--reference", "sold"), "did you mean solid"),
         (("job-t", "--spring", "wave-rod", "--reference", "wave-rod"), "no model beside"),
         (("tdi-pushrod", "--spring-set", "stock,performance"), "one spring set"),
@@ -259,6 +263,16 @@ def test_the_command_gives_page_table_and_answer(tmp_path, monkeypatch):
 def test_what_cannot_be_compared_is_refused(words, told):
     result = call("fidelity", *words, "--engine-speed", "500 rpm")
     assert result.exit_code == 2 and told in sentence(result)
+
+
+def test_what_does_not_move_is_refused_before_anything_is_built(tmp_path, monkeypatch):
+    """As by a sweep: no kernel is compiled and no cost is told for it."""
+    text = re.sub(r"^\[lift_law\]\n.*?(?=^\[|\Z)", "", vt.load_case("job-t").record().text, flags=re.MULTILINE | re.DOTALL)
+    (tmp_path / "still.toml").write_text(text, encoding="utf-8")
+    monkeypatch.setattr("valvetrain.cli.progress.announce_compilation", lambda *_: pytest.fail("compiled"))
+    result = call("fidelity", str(tmp_path / "still.toml"))
+    assert result.exit_code == 2 and "case 'still' holds no lift law" in sentence(result)
+    assert "has no spring sets" in sentence(call("fidelity", "job-t", "--spring-set", "x"))
 
 
 def test_springs_known_by_cards_are_judged_by_the_rod_of_the_wave_equation():

@@ -39,7 +39,10 @@ def fidelity(
     chosen = request.spring_sets[0] if request.spring_sets else ""
     first, last, step = USUAL
     speeds = request.engine_speeds or tuple(value * math.pi / 30 for value in range(first, last + 1, step))
-    models, share = fidelity_models(request.case, request.spring_models, chosen, reference), parse_quantity(tolerance, "1", "--tolerance")
+    models, share = (
+        fidelity_models(request.case, request.spring_models, chosen, reference),
+        parse_quantity(tolerance, "ratio", "--tolerance"),
+    )
     refuse_tolerance(share)
     request = replace(request, engine_speeds=speeds, spring_models=models)
     say_cost(fidelity_cost(request.case, speeds, models, chosen, request.workers), request.limits, FEWER)

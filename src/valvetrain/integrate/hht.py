@@ -8,74 +8,26 @@ cam degree without another choice. Asked for by name; the leapfrog is the usual 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
+from valvetrain.integrate.chain_forces import ChainForces, Resistance
+from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes, steps_between
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
-from valvetrain.integrate.leapfrog import MOST_CYCLES, SAMPLES, TOLERANCE, TURN, run_channels, run_status, turn_change
+from valvetrain.integrate.leapfrog import LARGEST_RECORD, MOST_CYCLES, SAMPLES, TOLERANCE, TURN, run_channels, run_status, turn_change
 from valvetrain.solution.event import Event
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
-from valvetrain.springs import chain_statics
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
 Array = NDArray[np.float64]
-#: Share of the largest force by which a step's balance may be missed, rounds of Newton's method, and rounds after which steps are halved.
-BALANCE, ROUNDS, HALVED = 1e-10, 60, 12
-
-
-@dataclass(frozen=True, eq=False)
-class ChainForces:
-    """What resists the motion of the inner nodes of a chain, and its tangents; nodes 0 = seat ... N + 1 = retainer."""
-
-    model: MultiMassSpring
-
-    @cached_property
-    def rows(self) -> Array:
-        """Gradient of the contact depths (p, N + 2)."""
-        return chain_statics.contact_rows(self.model.layout)
-
-    @cached_property
-    def steps(self) -> Array:
-        """Differences of neighbouring nodes (N + 1, N + 2)."""
-        count = len(self.model.layout.coil_number)
-        return np.diff(np.eye(count), axis=0)
-
-    def __call__(self, nodes: Array, velocities: Array) -> tuple[Array, Array, Array, Array, Array]:
-        """Resisting forces (N,), stiffness and damping matrices of the inner nodes, overlap (m) and damping force (N) of the contacts."""
-        model, layout = self.model, self.model.layout
-        stretch, rate = np.diff(nodes), np.diff(velocities)
-        carried = layout.stiffness * (stretch + model.stiffness_damping * rate)
-        held = np.ones(len(stretch))
-        if not model.pulls:
-            for end in (0, -1):
-                held[end] = float(stretch[end] > 0 and carried[end] > 0)
-        depth = chain_statics.contact_depths(layout, nodes)
-        push = layout.contacts.stiffness * (depth + model.contact_damping_time * (self.rows @ velocities))
-        closed = push > 0  # not from zero overlap on: there the damper would jump, and a coarse step finds no balance at a jump
-        pushed = np.where(closed, push, 0.0)
-        inner = slice(1, -1)
-        force = ((held * carried) @ self.steps + pushed @ self.rows)[inner] + model.mass_damping * layout.masses * velocities[inner]
-        steps, rows = self.steps[:, inner], self.rows[closed][:, inner]
-        elements = steps.T @ ((held * layout.stiffness)[:, None] * steps)
-        contacts = rows.T @ (layout.contacts.stiffness[closed][:, None] * rows)
-        damping = model.stiffness_damping * elements + model.contact_damping_time * contacts
-        damping[np.diag_indices_from(damping)] += model.mass_damping * layout.masses
-        return force, elements + contacts, damping, depth, pushed - layout.contacts.stiffness * np.maximum(depth, 0.0)
-
-    def loss(self, velocities: Array, damping: Array, bounded: Array) -> float:
-        """Power (W) that the dampers take."""
-        inner = velocities[1:-1]
-        ends = self.model.stiffness_damping * self.model.layout.stiffness * np.diff(velocities) ** 2
-        moved = self.model.mass_damping * self.model.layout.masses @ inner**2
-        return float(ends.sum() + moved + bounded @ (self.rows @ velocities))
+#: Share of the largest term by which a step's balance may be missed, rounds of Newton's method, and rounds after which steps are halved.
+BALANCE, ROUNDS, HALVED = 1e-12, 60, 12
 
 
 @dataclass(frozen=True)
@@ -106,22 +58,27 @@ class HilberHughesTaylor:
         turns, tolerance = until.count if isinstance(until, Cycles) else MOST_CYCLES, 0.0
         if isinstance(until, Periodic):
             turns, tolerance = until.cycles or MOST_CYCLES, until.tolerance or TOLERANCE
-        stepping = _Stepping(self.alpha, ChainForces(model), step)
+        watch = model.contact_watch()
+        stepping = _Stepping(self.alpha, ChainForces(model), step, sub, steps_between(watch, step))
         state = model.initial_state(float(system.displacement(0.0, cam_speed)))
         motion = np.zeros(len(model.layout.masses))
-        forces, before, change, done, turn = np.zeros((count + 1, 2)), np.zeros(0), np.inf, 0, 0
+        keep = options.keep != "ends" and 8.0 * len(state) * (samples + 1) < LARGEST_RECORD
+        record, before, change, done, turn = stepping.record(count, 0), np.zeros(0), np.inf, 0, 0
         for turn in range(turns):
             time = step * np.arange(count + 1.0) + turn * samples * interval
             place, rate = (np.asarray(system.displacement(time, cam_speed, order)) for order in (0, 1))
-            states = np.zeros((samples + 1 if options.keep != "ends" else 0, len(state)))
-            forces, pressed = np.zeros((count + 1, 2)), np.zeros((count, 2 * model.layout.contacts.count))
-            done, motion = stepping.turn(state, motion, place, rate, sub, forces, states, pressed)
+            record = stepping.record(count, len(state) if keep else 0)
+            done, motion = stepping.turn(state, motion, place, rate, record)
             if done <= count:
                 break
-            change, before = turn_change(before, forces[:, 1]), forces[:, 1]
+            change, before = turn_change(before, record.ends[:, 1]), record.ends[:, 1]
             if change <= tolerance:
                 break
         status = run_status(system, until, done > count, change, tolerance, turn, time[min(done, count)], cam_speed)
+        if done <= count:
+            where = np.degrees(cam_speed * time[done] % TURN)
+            words = f"{ROUNDS} rounds of Newton's method found no balance of forces after {where:.1f} cam degrees of turn {turn + 1}"
+            status = replace(status, message=words, remedy="give a smaller time step, a softer coil contact or one that is damped less")
         statistics: dict[str, float | int | str | bool] = {
             "time_step_duration": step, "steps_per_cycle_count": count, "steady_cycles_count": turn + 1, "integrator": self.word,
             "hht_alpha": self.alpha,
@@ -129,52 +86,74 @@ class HilberHughesTaylor:
         if isinstance(until, Periodic):
             statistics |= {"steady_residual_ratio": change, "steady_tolerance_ratio": tolerance}
         whole = min(done, count) // sub * sub
-        kept = time[: whole + 1], forces[: whole + 1], states[: whole // sub + 1]
-        channels = run_channels(system, model, cam_speed, 0.0, [kept], sub, options.keep == "all")
+        kept = time[: whole + 1], record.ends[: whole + 1], record.states[: whole // sub + 1]
+        channels = run_channels(system, model, cam_speed, 0.0, [kept], sub, options.keep == "all", half_behind=False)
         events: tuple[Event, ...] = ()
-        watch = model.contact_watch()
         if watch is not None and whole:
-            statistics[RECORDED] = step
-            events = find_clashes(PairSeries(time[:whole], cam_speed * time[:whole], *watch.read(pressed[:whole], step, step)))
+            spacing = stepping.spacing
+            rows = (whole + spacing - 1) // spacing
+            at, statistics[RECORDED] = time[:whole:spacing], spacing * step
+            events = find_clashes(PairSeries(at, cam_speed * at, *watch.read(record.pressed[:rows], spacing * step, step)))
         return Solution(channels, events, status, statistics, provenance)
 
 
 @dataclass(frozen=True, eq=False)
+class _Record:
+    """What a turn writes down: end forces of every step, states at the times of their places, overlap and damping impulse of contacts."""
+
+    ends: Array
+    states: Array
+    pressed: Array
+
+
+@dataclass(frozen=True, eq=False)
 class _Stepping:
-    """The steps themselves: ``step`` (s)."""
+    """The steps themselves: ``step`` (s), ``every`` so many a state is kept, every ``spacing`` the coil contacts."""
 
     alpha: float
     forces: ChainForces
     step: float
+    every: int
+    spacing: int
 
-    def turn(
-        self, state: Array, motion: Array, place: Array, rate: Array, every: int, ends: Array, states: Array, pressed: Array
-    ) -> tuple[int, Array]:
-        """One cam turn from ``state`` (changed) and its accelerations ``motion``; returns the last step whose forces are known, plus one
-        where that is the last of all, and the accelerations.
+    @property
+    def beta(self) -> float:
+        """Newmark's share of the new acceleration in the places."""
+        return (1 - self.alpha) ** 2 / 4
 
-        Kept states hold the velocity half a step earlier, as the leapfrog's do.
-        """
-        model, masses, h = self.forces.model, self.forces.model.layout.masses, self.step
-        n, beta, gamma = len(masses), (1 - self.alpha) ** 2 / 4, 0.5 - self.alpha
+    @property
+    def gamma(self) -> float:
+        """Newmark's share of the new acceleration in the velocities."""
+        return 0.5 - self.alpha
+
+    def record(self, count: int, length: int) -> _Record:
+        """Room for a turn of ``count`` steps, with states of ``length`` numbers (0: none)."""
+        contacts = 2 * self.forces.model.layout.contacts.count
+        states = np.zeros((count // self.every + 1 if length else 0, length))
+        return _Record(np.zeros((count + 1, 2)), states, np.zeros(((count - 1) // self.spacing + 1, contacts)))
+
+    def turn(self, state: Array, motion: Array, place: Array, rate: Array, record: _Record) -> tuple[int, Array]:
+        """One cam turn from ``state`` (changed) and its accelerations ``motion``, written into ``record``; returns the last step whose
+        forces are known, plus one where that is the last of all, and the accelerations."""
+        h, n = self.step, len(motion)
         x, v, a = state[:n].copy(), state[n : 2 * n].copy(), motion
         now = self.forces(*self._all(x, v, place[0], rate[0]))
         for step in range(len(place)):
             state[:n], state[n : 2 * n] = x, v
-            ends[step] = model.force(state, place[step], rate[step])
-            if step % every == 0 and len(states):
-                states[step // every] = state
-                states[step // every, n : 2 * n] -= h / 2 * a
+            record.ends[step] = now.ends
+            if step % self.every == 0 and len(record.states):
+                record.states[step // self.every] = state
             if step == len(place) - 1:
                 break
-            pressed[step] = np.concatenate((now[3], h * now[4]))
-            lost = self.forces.loss(self._all(x, v, place[step], rate[step])[1], now[2], now[4])
-            found = self._solve(x + h * v + h * h * (0.5 - beta) * a, v + h * (1 - gamma) * a, a, now[0], place[step + 1], rate[step + 1])
+            if step % self.spacing == 0:
+                record.pressed[step // self.spacing] = np.concatenate((now.overlap, h * now.contact_damping))
+            ahead = x + h * v + h * h * (0.5 - self.beta) * a, v + h * (1 - self.gamma) * a
+            found = self._solve(*ahead, a, now.inner, place[step + 1], rate[step + 1])
             if found is None:
                 return step, a
+            moved = np.concatenate(([0.0], found[0] - x, [place[step + 1] - place[step]]))
+            state[2 * n] += (now.dampers + found[3].dampers) @ moved / 2
             x, v, a, now = found
-            after = self.forces.loss(self._all(x, v, place[step + 1], rate[step + 1])[1], now[2], now[4])
-            state[2 * n] += h * (lost + after) / 2
         return len(place), a
 
     def _all(self, x: Array, v: Array, place: float, rate: float) -> tuple[Array, Array]:
@@ -184,17 +163,16 @@ class _Stepping:
 
     def _solve(
         self, x0: Array, v0: Array, a: Array, old: Array, place: float, rate: float
-    ) -> tuple[Array, Array, Array, tuple[Array, Array, Array, Array, Array]] | None:
+    ) -> tuple[Array, Array, Array, Resistance] | None:
         """Positions, velocities, accelerations and forces at the end of a step; None where no balance is found."""
-        h, beta, gamma, share = self.step, (1 - self.alpha) ** 2 / 4, 0.5 - self.alpha, 1 + self.alpha
-        masses = self.forces.model.layout.masses
+        h, share, masses = self.step, 1 + self.alpha, self.forces.model.layout.masses
         for round_ in range(ROUNDS):
-            x, v = x0 + beta * h * h * a, v0 + gamma * h * a
+            x, v = x0 + self.beta * h * h * a, v0 + self.gamma * h * a
             now = self.forces(*self._all(x, v, place, rate))
-            miss = masses * a + share * now[0] - self.alpha * old
-            if np.max(np.abs(miss)) <= BALANCE * (1.0 + np.max(np.abs(now[3] * self.forces.model.layout.contacts.stiffness), initial=0.0)):
+            miss = masses * a + share * now.inner - self.alpha * old
+            if np.max(np.abs(miss)) <= BALANCE * max(now.largest, float(np.max(masses * np.abs(a)))):
                 return x, v, a, now
-            tangent = share * (beta * h * h * now[1] + gamma * h * now[2])
+            tangent = share * (self.beta * h * h * now.stiffness + self.gamma * h * now.damping)
             tangent[np.diag_indices_from(tangent)] += masses
             change = np.linalg.solve(tangent, -miss)
             a = a + (change if round_ < HALVED else 0.5 * change)

@@ -141,8 +141,12 @@ def run_channels(
     kept: list[tuple[Array, Array, Array]],
     sub: int,
     whole: bool,
+    half_behind: bool = True,
 ) -> ChannelArrays:
-    """Channels over the turns kept: end forces at every sample and step, inner motion where states were recorded, energies."""
+    """Channels over the turns kept: end forces at every sample and step, inner motion where states were recorded, energies.
+
+    ``half_behind``: velocities of the states stand half a step before their places.
+    """
     cuts = [slice(None) if n == len(kept) - 1 else slice(None, -1) for n in range(len(kept))]
     time, forces = (np.concatenate([part[k][cut] for part, cut in zip(kept, cuts, strict=True)]) for k in (0, 1))
     states = np.concatenate([part[2][cut] for part, cut in zip(kept, cuts, strict=True)])
@@ -162,7 +166,7 @@ def run_channels(
         values[name] = padded[: len(at) * sub].reshape(len(at), sub)
     coil, pairs = None, None
     if len(states):
-        step = float(time[1] - time[0]) if len(time) > 1 else 0.0
+        step = float(time[1] - time[0]) if half_behind and len(time) > 1 else 0.0
         shown = [model.outputs(state, x, v) for state, x, v in zip(states, lift, velocity, strict=True)]
         energy = (
             np.zeros((0, 4))

@@ -24,6 +24,7 @@ HDF5_MARK = b"\x89HDF\r\n\x1a\n"
 NETCDF_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,79}")
 _KIND = "valvetrain measured cycles"
 _GRID = "cam_angle_of_"
+_UNREADABLE = "cannot be read as NetCDF; it is another kind of file or was cut short"
 
 
 def netcdf_image(cycles: Sequence[MeasuredCycles]) -> bytes:
@@ -51,13 +52,13 @@ def netcdf_image(cycles: Sequence[MeasuredCycles]) -> bytes:
 def netcdf_cycles(path: Path) -> tuple[MeasuredCycles, ...]:
     """The channels of a NetCDF file of measured cycles. Raises :class:`InputError` for a damaged one or one of another kind."""
     checked_content(path)
-    tried_apart(f"{__name__}:channels_of", path, path.name[:80])
+    tried_apart(f"{__name__}:channels_of", path, path.name[:80], _UNREADABLE)
     try:
         return channels_of(path)
     except InputError:
         raise
     except Exception as error:  # the library raises many kinds for bytes that make no sense to it
-        raise InputError("cannot be read as NetCDF; it is another kind of file or was cut short", path.name[:80]) from error
+        raise InputError(_UNREADABLE, path.name[:80]) from error
 
 
 def channels_of(path: Path) -> tuple[MeasuredCycles, ...]:

@@ -15,7 +15,7 @@ from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.measurements.recording import Recording, RigChannel
 from valvetrain.measurements.rig_formats.contract import HEAD, RigFormat
-from valvetrain.solution.read_apart import apart_environment, bound_process
+from valvetrain.solution.read_apart import apart_environment, bound_process, no_interpreter
 
 #: Bytes of memory and seconds (of the processor, of the clock) that reading one file may take.
 MOST_MEMORY, MOST_SECONDS, LONGEST_WAIT = 4_000_000_000, 120, 300
@@ -73,6 +73,8 @@ def _apart(path: Path, name: str, form: str, wanted: tuple[str, ...]) -> Recordi
             done = subprocess.run(command, input=asked, text=True, capture_output=True, timeout=LONGEST_WAIT, env=environment, check=False)
         except subprocess.TimeoutExpired as error:
             raise InputError(f"'{name}' was not read within {LONGEST_WAIT} s; it is damaged or too long, so cut it") from error
+        except (OSError, TypeError) as error:
+            raise InputError(f"'{name}' is not read, for recordings are read in a process of their own, and {no_interpreter()}") from error
         answer = Path(folder, "answer.json")
         if done.returncode or not answer.is_file():
             words: RigFormat = registry.find("rig_formats", form)

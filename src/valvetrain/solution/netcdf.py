@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     import xarray
 
 _METADATA = "valvetrain_metadata"
+_UNREADABLE = "cannot be read as NetCDF, it is another kind of file or was cut short; write it again"
 _PathLike = str | os.PathLike[str]
 
 
@@ -181,7 +182,7 @@ def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
     where = str(path)
     _, closed = checked_content(Path(path))
     if not closed:
-        tried_apart(f"{__name__}:dataset_of", Path(path), where)
+        tried_apart(f"{__name__}:dataset_of", Path(path), where, _UNREADABLE)
     try:
         dataset = dataset_of(Path(path))
         text = dataset[_METADATA].values.item() if _METADATA in dataset.variables else None
@@ -190,7 +191,7 @@ def _read(path: _PathLike, kind: str) -> tuple[xarray.Dataset, dict[str, Any]]:
     except InputError:
         raise
     except Exception as error:  # the libraries below raise many kinds for bytes that make no sense to them
-        raise InputError("cannot be read as NetCDF, it is another kind of file or was cut short; write it again", where) from error
+        raise InputError(_UNREADABLE, where) from error
     if not isinstance(text, str):
         raise InputError(f"is not a valvetrain {kind} file; give one that this package wrote", where)
     return dataset, metadata.unpack(text, kind, where, closed)

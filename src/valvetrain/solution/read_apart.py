@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import threading
+import time
+import warnings
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from valvetrain.errors import InputError
 
@@ -16,54 +20,128 @@ from valvetrain.errors import InputError
 MOST_MEMORY, MOST_SECONDS, BYTES_A_SECOND = 4_000_000_000, 10, 50_000_000
 #: Seconds of the clock for each of the processor: the machine may be busy.
 _PATIENCE = 6
-_TOO_LARGE = 3
+#: How a trial ends: the reader came back, or has its own words for the file; it asked for too much; it raised anything else; it was ended.
+_READ, _TOO_LARGE, _UNREADABLE, _ENDED = 0, 3, 4, -1
+#: What a trial says once the reader is there: what ends it from then on is the file's doing.
+_BEGUN = b"begun"
 
 
-def tried_apart(reader: str, path: Path, where: str) -> None:
+def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
     """Call a reader (``module:function``, of one path) in a process of its own, and refuse the file that it does not come back from.
 
-    What the reader finds, or raises, is not handed on: the caller calls it again, now that it is known to end. Raises
-    :class:`InputError` for bytes that end or hang the process, or that ask for more than :data:`MOST_MEMORY`.
+    What the reader finds is not handed on, nor an :class:`InputError` of its own: the caller calls it again, now that it is known to end.
+    Raises :class:`InputError` for bytes that end or hang the process or ask for more than :data:`MOST_MEMORY`, with the sentence
+    ``unreadable`` for those at which the reader raises anything else, and where no such process can be started.
     """
     seconds = MOST_SECONDS + path.stat().st_size // BYTES_A_SECOND
-    command = [sys.executable, "-P", "-c", f"from {__name__} import serve; serve()", reader, str(path.absolute()), str(seconds)]
-    silent: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-    try:
-        code = subprocess.run(command, timeout=_PATIENCE * seconds, env=apart_environment(), check=False, **silent).returncode
-    except subprocess.TimeoutExpired:
-        code = -1
-    if code == _TOO_LARGE:
+    end = in_a_new_process(reader, path, seconds)
+    if end is None:
+        end = in_a_fork(reader, path, seconds)
+    if end is None:
+        raise InputError(f"is not read, for files of others are tried in a process of their own, and {no_interpreter()}", where)
+    if end == _TOO_LARGE:
         raise InputError(f"is damaged: reading it asks for more than {MOST_MEMORY / 1e9:g} GB; write it again", where)
-    if code:
+    if end == _UNREADABLE:
+        raise InputError(unreadable, where)
+    if end != _READ:
         raise InputError("is damaged: the library of the format does not come back from reading it; write it again", where)
+
+
+def no_interpreter() -> str:
+    """Why no process of Python can be started here, and what to do."""
+    python = str(sys.executable)[-80:]
+    return f"'{python}' (sys.executable) does not start as a Python that finds the reader; set it to one, or use the command line"
+
+
+def in_a_new_process(reader: str, path: Path, seconds: int) -> int | None:
+    """How the trial ended; None where it did not begin: no interpreter, or one that does not find the reader."""
+    command = [sys.executable, "-P", "-c", f"from {__name__} import serve; serve()", reader, str(path.absolute()), str(seconds)]
+    silent: dict[str, Any] = dict.fromkeys(("stdin", "stderr"), subprocess.DEVNULL)
+    try:
+        done = subprocess.run(
+            command, timeout=_PATIENCE * seconds, env=apart_environment(), check=False, stdout=subprocess.PIPE, **silent
+        )  # fmt: skip
+    except subprocess.TimeoutExpired as late:
+        return _ENDED if late.stdout == _BEGUN else None
+    except (OSError, TypeError):
+        return None
+    return done.returncode if done.stdout == _BEGUN else None
+
+
+def in_a_fork(reader: str, path: Path, seconds: int) -> int | None:
+    """As in a new process, in a copy of this one, which needs no interpreter; None where it would not be safe.
+
+    Other threads hold locks that nobody would open in the copy; a system without forks has none.
+    """
+    if not hasattr(os, "fork") or threading.active_count() > 1:
+        return None
+    try:
+        function = _function(reader)
+    except ImportError:
+        return None
+    with warnings.catch_warnings(action="ignore"):  # threads of the numerical libraries, which hold no locks now
+        child = os.fork()
+    if not child:
+        _try(function, path, seconds)
+    last = time.monotonic() + _PATIENCE * seconds
+    with suppress(ChildProcessError):  # a caller that ignores the ends of its children is not told
+        while not (ended := os.waitpid(child, os.WNOHANG))[0]:
+            if time.monotonic() > last:
+                os.kill(child, signal.SIGKILL)
+            time.sleep(0.001)
+        return os.waitstatus_to_exitcode(ended[1])
+    return None
 
 
 def apart_environment() -> dict[str, str]:
     """Variables of such a process: paths of the caller, so that a format of another package is found; no plugins of HDF5, one thread."""
-    paths = os.pathsep.join(part for part in sys.path if part)
+    paths = os.pathsep.join(os.path.abspath(part or ".") for part in sys.path)
     return os.environ | {"PYTHONPATH": paths, "HDF5_PLUGIN_PRELOAD": "::", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
 
 def serve() -> None:
     """The other side: read the file that the arguments name, under bounds, and tell by the exit status whether that ended."""
     reader, path, seconds = sys.argv[1:4]
-    bound_process(MOST_MEMORY, int(seconds))
+    function = _function(reader)
+    os.write(1, _BEGUN)
+    os.dup2(2, 1)  # whatever a library prints is no word of ours
+    _try(function, Path(path), int(seconds))
+
+
+def _function(reader: str) -> Any:
     module, _, name = reader.partition(":")
-    function = getattr(import_module(module), name)
+    return getattr(import_module(module), name)
+
+
+def _try(function: Any, path: Path, seconds: int) -> NoReturn:
+    """End this process by how the function takes the file."""
+    end = _UNREADABLE
     try:
-        function(Path(path))
+        bound_process(MOST_MEMORY + _mapped(), seconds)
+        function(path)
+        end = _READ
+    except InputError:  # the reader has words for it, and says them again to the caller
+        end = _READ
     except MemoryError:
-        os._exit(_TOO_LARGE)
-    except Exception:  # the caller meets it again, and has the words for it
-        pass
-    os._exit(0)
+        end = _TOO_LARGE
+    finally:
+        os._exit(end)
+
+
+def _mapped() -> int:
+    """Bytes that this process has mapped before it reads, where the system tells."""
+    with suppress(OSError, ValueError):
+        return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * os.sysconf("SC_PAGE_SIZE")
+    return 0
 
 
 def bound_process(memory: int, seconds: int) -> None:
-    """Bound memory (bytes) and processor time (s) of this process, where the system can."""
-    with suppress(ImportError, ValueError, OSError):
+    """Bound memory (bytes) and processor time (s) of this process, where the system can; never above a bound that it has already."""
+    with suppress(ImportError):
         import resource
 
-        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        for name, most in (("RLIMIT_AS", memory), ("RLIMIT_CPU", seconds), ("RLIMIT_CORE", 0)):
+            with suppress(AttributeError, ValueError, OSError):
+                kind = getattr(resource, name)
+                least = min([most, *(own for own in resource.getrlimit(kind) if own != resource.RLIM_INFINITY)])
+                resource.setrlimit(kind, (least, least))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 
 if TYPE_CHECKING:
+    import h5py
     import xarray
 
 #: Begin of every sentence about a file whose parts do not fit.
@@ -40,8 +42,14 @@ def refuse_claims(path: Path) -> None:
             if (label.encode() if isinstance(label, str) else bytes(label)).startswith(_DIMENSION):
                 continue  # the length of a dimension, of which nothing is stored or read
             stored = held.id.get_storage_size()
-            if stored > whole or held.nbytes > max(SMALL, stored * MOST_EXPANDED):
-                raise InputError(f"{DAMAGED} '{name}' claims {held.nbytes:.3g} bytes and holds {stored}; write it again", str(path))
+            claimed = max(held.nbytes, _chunk_bytes(held) if stored else 0)  # one value of a chunk makes room for all of it
+            if stored > whole or claimed > max(SMALL, stored * MOST_EXPANDED):
+                raise InputError(f"{DAMAGED} '{name}' claims {claimed:.3g} bytes and holds {stored}; write it again", str(path))
+
+
+def _chunk_bytes(held: h5py.Dataset) -> int:
+    """Bytes of one piece of a variable that is stored in pieces; 0 of others."""
+    return math.prod(held.chunks) * held.dtype.itemsize if held.chunks else 0
 
 
 def solution_of(dataset: xarray.Dataset, content: dict[str, Any], where: str) -> Solution:

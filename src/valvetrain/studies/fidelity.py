@@ -93,7 +93,8 @@ def fidelity(
 def refuse_tolerance(tolerance: float) -> None:
     """Raise :class:`InputError` for a tolerance that is no share."""
     if not 0 < tolerance < 1:
-        raise InputError(f"a tolerance is a share between 0 and 1, such as '5 %'; it is {tolerance:g}", "--tolerance")
+        meant = f"write '{tolerance:g} %'" if 1 <= tolerance < 100 else "write it such as '5 %'"
+        raise InputError(f"a tolerance is a share between 0 and 1, and {tolerance:g} is none; {meant}", "--tolerance")
 
 
 def fidelity_cost(case: Case, engine_speeds: tuple[float, ...], spring_models: tuple[str, ...], spring_set: str, workers: int) -> Cost:
@@ -104,7 +105,12 @@ def fidelity_cost(case: Case, engine_speeds: tuple[float, ...], spring_models: t
 
 
 def fidelity_models(case: Case, spring_models: Sequence[str] = (), spring_set: str = "", reference: str = "") -> tuple[str, ...]:
-    """Words of the models that run, the cheapest first and the reference last. Raises :class:`InputError` where it cannot run."""
+    """Words of the models that run, the cheapest first and the reference last. Raises :class:`InputError` where it cannot run, for a case
+    in which nothing moves, and for a spring set that it has not."""
+    if case.lift_law is None:
+        raise InputError(f"case '{case.name}' holds no lift law, so its spring does not move; add a [lift_law] table", "lift_law")
+    if case.train is None and spring_set:
+        raise InputError(f"case '{case.name}' is a spring alone and has no spring sets; leave them out", "--spring-set")
     if case.train is not None and spring_set and spring_set not in case.train.springs:
         raise InputError(f"there is no spring set '{spring_set[:40]}'; use one of {', '.join(case.train.springs)}", "--spring-set")
     springs = case.springs if case.train is None else case.train.spring_parts(*((spring_set,) if spring_set else _own_set(case)))
