@@ -57,6 +57,27 @@ def test_figures_of_clean_stations_are_those_of_the_closed_form():
     assert found["largest_jerk"].value == pytest.approx(48 * HEIGHT / HALF**3, rel=0.05)
 
 
+def flat_start(cam_angle, derivative=0):
+    """Rise of 65 degrees by 35 s^4 - 84 s^5 + 70 s^6 - 20 s^7, and back: the first micrometre takes three degrees."""
+    x = (NOSE - np.abs(np.asarray(cam_angle) - NOSE) - NOSE) / np.radians(65) + 1
+    s = np.clip(x, 0.0, 1.0)
+    found = (35 * s**4 - 84 * s**5 + 70 * s**6 - 20 * s**7, None, 420 * s**2 - 1680 * s**3 + 2100 * s**4 - 840 * s**5)[derivative]
+    return HEIGHT / np.radians(65) ** derivative * found
+
+
+@pytest.mark.parametrize("count", [180, 360, 720, 3600, pytest.param(20_000, marks=pytest.mark.long)])
+def test_the_acceleration_depends_little_on_how_many_stations_a_turn_has(count):
+    """The fit began three stations before the noise was left, a fifth of a degree where they stand close, and cut off the ramp."""
+    angles = 2 * np.pi * np.arange(count) / count
+    lobe = smooth_lift(angles, flat_start(angles) + np.random.default_rng(1).normal(0, 2e-6, count))
+    assert np.degrees(lobe.event) == pytest.approx([115.5, 244.5], abs=4)
+    assert lobe.noise == pytest.approx(2e-6, rel=0.2) and len(lobe.knots) < 420
+    grid = np.linspace(*lobe.event, 1501)[1:-1]
+    off, spread = lobe.lift(grid, 2) - flat_start(grid, 2), lobe.spread(grid, 2)
+    assert np.sqrt(np.mean(off**2)) < np.sqrt(np.mean(spread**2)) < 0.07 * np.abs(flat_start(grid, 2)).max()
+    assert np.abs(off).max() < 0.12 * np.abs(flat_start(grid, 2)).max()
+
+
 @pytest.mark.parametrize("noise", [1e-6, 3e-6, 10e-6])
 def test_bands_hold_the_true_law(noise):
     grid = np.linspace(NOSE - 0.97 * HALF, NOSE + 0.97 * HALF, 400)

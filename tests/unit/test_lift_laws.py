@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from valvetrain import registry
-from valvetrain.cam import build_lift_law, tabulate
+from valvetrain.cam import build_lift_law, smoothing, tabulate
 from valvetrain.cam.contract import TURN, LiftLaw
 from valvetrain.cam.kernels import evaluate_pieces
 from valvetrain.cam.lift_event import event_of_table
@@ -175,6 +175,22 @@ def test_spline_passes_its_table_and_smoothing_keeps_its_distance():
     assert np.sqrt(np.mean((smooth.lift(angles) - lifts) ** 2)) == pytest.approx(2e-5, rel=1e-3)
     fine = np.linspace(angles[0], angles[-1], 5001)
     assert np.mean(smooth.lift(fine, 3) ** 2) < np.mean(Spline(**TABLE).lift(fine, 3) ** 2)
+
+
+def test_many_stations_share_knots_until_these_are_too_few(monkeypatch):
+    """A closed form of 600 noisy stations: few knots serve the noise of the table, more are taken where it asks to come nearer."""
+    angles = np.radians(np.linspace(120.0, 240.0, 600))
+    true = 8e-3 * np.sin((angles - angles[0]) / (angles[-1] - angles[0]) * np.pi) ** 4
+    lifts = true + np.where((angles > angles[0]) & (angles < angles[-1]), np.random.default_rng(5).normal(0, 3e-6, 600), 0.0)
+    monkeypatch.setattr(smoothing, "FIRST_KNOTS", 60)
+    monkeypatch.setattr(smoothing, "MOST_KNOTS", 240)
+    few, more = (smoothing.smoothed_spline(angles, lifts, 5, deviation) for deviation in (3e-6, 2.7e-6))
+    assert len(few.t) == 60 + 10 and len(more.t) in (120 + 10, 240 + 10)
+    assert np.sqrt(np.mean((few(angles) - lifts) ** 2)) == pytest.approx(3e-6, rel=1e-3)
+    assert np.sqrt(np.mean((more(angles) - lifts) ** 2)) == pytest.approx(2.7e-6, rel=1e-3)
+    assert np.sqrt(np.mean((few(angles) - true) ** 2)) < 1.5e-6
+    with pytest.raises(InputError, match=r"smoothing of 0.001 mm is less than the 600 stations scatter: 0.002\d mm"):
+        smoothing.smoothed_spline(angles, lifts, 5, 1e-6)
 
 
 def test_smoothing_recovers_the_acceleration_under_noise():

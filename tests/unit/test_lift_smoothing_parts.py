@@ -45,7 +45,7 @@ def test_the_scale_is_the_expected_square_of_the_jerk_over_neighbours(fit):
     per = np.arange(1.0, 21.0) ** 2
     given = np.repeat(per, 4)
     one = smoothing._Fit.__new__(smoothing._Fit)
-    one.jerk, one.ratio = np.diag(np.sqrt(given)), 1.0
+    one.jerk, one.ratio, one.window = np.diag(np.sqrt(given)), 1.0, smoothing.WINDOW
     one.mean, one.factor = lambda ratio: np.ones(80), lambda ratio: np.zeros((80, 80))
     assert one._local_scale() == pytest.approx(np.repeat(averaged(per), 4), rel=1e-12)
 

@@ -21,12 +21,14 @@ DEGREE = 5
 TURN = 2 * np.pi
 #: Rounds in which the local scale of the jerk is found; the first has one scale for the whole event.
 ROUNDS = 4
-#: Stations on either side over which the scale of the jerk is averaged, and the least share of its largest value.
-WINDOW, LEAST_SHARE = 5, 1e-3
+#: Intervals of knots, and angle (rad), on either side over which the scale of the jerk is averaged; least share of its largest value.
+WINDOW, WINDOW_ANGLE, LEAST_SHARE = 5, np.radians(5), 1e-3
+#: Knots at most: where stations stand closer they share them, for what a lobe does within a third of a degree is in no table.
+MOST_KNOTS = 400
 #: Bounds (m) and number of trials of the noise where it is not stated, and of the ratio of the two variances.
 NOISE_BOUNDS = (1e-9, 1e-3)
-#: Stations of the base circle on either side that belong to the fit.
-MARGIN = 3
+#: Stations of the base circle, and angle (rad), on either side that belong to the fit: what lies below the noise there is of the ramp.
+MARGIN, MARGIN_ANGLE = 3, np.radians(3)
 #: Quantile of the bands: 95 % of a normal distribution lie within.
 BAND = 1.959963984540054
 
@@ -139,13 +141,17 @@ class _Fit:
     """Normal equations of the event, with the scale of the jerk along it and the noise that are likeliest."""
 
     def __init__(self, angles: Array, lifts: Array, noise: float | None, stated: bool) -> None:
-        self.knots = np.concatenate([np.full(DEGREE, angles[0]), angles, np.full(DEGREE, angles[-1])])
+        sites = angles
+        if len(angles) > MOST_KNOTS:
+            sites = angles[np.round(np.linspace(0, len(angles) - 1, MOST_KNOTS)).astype(int)]
+        self.knots = np.concatenate([np.full(DEGREE, sites[0]), sites, np.full(DEGREE, sites[-1])])
         self.count = len(self.knots) - DEGREE - 1
         free = _free(self.count)
         self.design, self.lifts = _design(self.knots, angles)[:, free], lifts
         nodes, weights = np.polynomial.legendre.leggauss(4)
-        self.points = (angles[:-1, None] + np.diff(angles)[:, None] * (nodes + 1) / 2).ravel()
-        self.weights = (np.diff(angles)[:, None] * weights / 2).ravel()
+        self.points = (sites[:-1, None] + np.diff(sites)[:, None] * (nodes + 1) / 2).ravel()
+        self.weights = (np.diff(sites)[:, None] * weights / 2).ravel()
+        self.window = max(WINDOW, round(WINDOW_ANGLE / float(np.median(np.diff(sites)))))
         self.jerk = _design(self.knots, self.points, 3)[:, free]
         scale: Array = np.ones(len(self.points))
         for round_ in range(ROUNDS):
@@ -169,7 +175,7 @@ class _Fit:
         mean, spread = self.jerk @ self.mean(self.ratio), self.jerk @ self.factor(self.ratio)
         square = mean**2 + np.einsum("ij,ij->i", spread, spread)
         per = square.reshape(-1, 4).mean(axis=1)
-        kernel = np.ones(2 * min(WINDOW, (len(per) - 1) // 2) + 1)
+        kernel = np.ones(2 * min(self.window, (len(per) - 1) // 2) + 1)
         smooth = np.convolve(per, kernel, "same") / np.convolve(np.ones(len(per)), kernel, "same")
         return np.asarray(np.repeat(np.maximum(smooth / smooth.max(), LEAST_SHARE), 4), dtype=float)
 
@@ -222,7 +228,9 @@ def _event(angles: Array, lifts: Array, noise: float | None) -> tuple[int, int, 
         begin -= 1
     while end < len(lifts) - 1 and lifts[end] > threshold:
         end += 1
-    return max(begin - MARGIN, 0), min(end + MARGIN, len(lifts) - 1), base, runout
+    first = min(begin - MARGIN, int(np.searchsorted(angles, angles[begin] - MARGIN_ANGLE - 1e-9)))
+    last = max(end + MARGIN, int(np.searchsorted(angles, angles[end] + MARGIN_ANGLE + 1e-9)) - 1)
+    return max(first, 0), min(last, len(lifts) - 1), base, runout
 
 
 def _design(knots: Array, angles: Array, derivative: int = 0) -> Array:
