@@ -104,6 +104,12 @@ def test_the_servers_own_names_are_answered(guard, host):
     assert ask(guard, heads={"host": host}).status == 200
 
 
+def test_a_refusal_is_plain_text_of_its_own_length(guard):
+    answer = ask(guard, heads={**OWN, "host": "elsewhere.example"})
+    assert answer.status >= 400 and answer.heads["content-type"] == "text/plain; charset=utf-8"
+    assert int(answer.heads["content-length"]) == len(answer.body) > 10 and answer.body.endswith(b".\n")
+
+
 @pytest.mark.parametrize(
     "host",
     ["evil.example:8420", "evil.example", "127.0.0.1:80", "127.0.0.1", "127.0.0.1.evil.example:8420", "", "127.0.0.1:8420@evil.example",

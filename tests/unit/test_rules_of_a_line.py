@@ -1,0 +1,116 @@
+"""Unit: rules of one line, each against what it says by hand; a larger test would not tell whether they are followed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import click
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import valvetrain as vt
+from valvetrain.cam.harmonic import Harmonic
+from valvetrain.cli import guard
+from valvetrain.errors import InputError
+from valvetrain.measurements.cycle_cutting import CycleGrid, set_to_zero
+from valvetrain.measurements.rig_channels import RigQuantity
+from valvetrain.parameters.train import ContactParameters
+from valvetrain.report.motion.scene import _bytes_per_frame
+from valvetrain.report.motion.springs import _shares
+from valvetrain.sources.multibody4b17 import _formula, closed_forms
+from valvetrain.studies import train_uncertainty
+from valvetrain.studies.optimum import searchers
+from valvetrain.studies.solid import SolidMotion, check_motion
+
+
+def test_the_printed_contact_formula_by_hand():
+    assert closed_forms()["contact_formula_force"] == pytest.approx((100_000 + 49.92) * 0.02**1.5)
+    assert _formula({}) == "" and "check of 283 N is all but the elastic force at 0.02 mm (282.8 of 283.0 N)" in _formula(
+        {"contact_formula_force": 283.0}
+    )
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_more_damping_of_a_restitution_is_the_restitution_of_more_damping(factor):
+    """Hunt and Crossley's damping number d of a rebound e: d (1 + e) = ln((1 + d) / (1 - e d)); damped ``factor`` times as much."""
+
+    def number(e: float) -> float:
+        return brentq(lambda d: d * (1 + e) - np.log((1 + d) / (1 - e * d)), 1e-6, (1 - 1e-9) / e)
+
+    contact = ContactParameters("hunt-crossley", {"contact_stiffness": 1e9, "exponent": 1.5, "restitution": 0.7})
+    changed = train_uncertainty._with(contact, "damping", factor).values["restitution"]
+    assert number(changed) == pytest.approx(factor * number(0.7), rel=1e-3)
+    assert (changed < 0.7) is (factor > 1)
+
+
+@pytest.mark.parametrize(("velocity", "refused"), [(0.0, False), (2.0, True)])
+def test_a_stretch_of_motion_may_not_begin_where_the_valve_moves_though_it_is_shut(velocity, refused):
+    """Lift zero at the first angle, and then at once a rate: per cam angle, so 100 rad/s of the crank are 50 of the cam."""
+
+    class Ramp(Harmonic):
+        def lift(self, cam_angle, derivative=0):
+            angle = np.asarray(cam_angle, dtype=float)
+            return (
+                np.where(angle >= 0.5, velocity / 50 * (angle - 0.5), 0.0)
+                if derivative == 0
+                else np.where(angle >= 0.5, velocity / 50, 0.0)
+            )
+
+    law = Ramp(maximum_lift=9e-3, opening_start=1.0, opening_end=2.0, closing_start=2.0, closing_end=3.0)
+    motion = SolidMotion(engine_speed=100.0, first_cam_angle=0.5, last_cam_angle=2.0)
+    if not refused:
+        check_motion(law, motion)
+        return
+    with pytest.raises(InputError, match="0 mm open and moves at 2 m/s"):
+        check_motion(law, motion)
+
+
+@pytest.mark.parametrize(("ends", "places", "shares"), [
+    ((0.8, 5.2), (0.0, 1.0), True), ((0.8, 1.7), (0.0, 1.0), False), ((0.8, 5.2), (0.0, 1.2), False), ((0.8, 5.2), (-0.1, 1.0), False),
+])  # fmt: skip
+def test_places_are_shares_only_where_they_reach_from_zero_to_one_of_more_than_a_turn(ends, places, shares):
+    assert _shares(np.array(places), SimpleNamespace(free_coils=ends)) is shares
+
+
+def test_each_colouring_of_a_spring_costs_its_bytes():
+    study = vt.simulate("gu2021-beehive", "4200 rpm", spring_models=["multi-mass"], workers=1)
+    run, member = study.solutions[0], vt.build("gu2021-beehive", spring_models=["multi-mass"]).members[0]
+    names = [name for name in run.arrays.variables if name.endswith(("axial_velocity", "coil_gap", "_shear_stress"))]
+    assert names
+    none = replace(run, channels=replace(run.arrays, variables={k: v for k, v in run.arrays.variables.items() if k not in names}))
+    assert _bytes_per_frame(run, member) > _bytes_per_frame(none, member)
+
+
+def test_a_dwell_is_looked_for_from_the_first_sample_on():
+    """Samples begin at 0.5 s; the dwells, from 1 to 1.2 s and from 2 to 2.2 s, stand 3 and 5 above zero, all else far away."""
+    times = 0.5 + 0.01 * np.arange(300)
+    values = np.full(300, 100.0)
+    for first, level in ((1.0, 3.0), (2.0, 5.0)):
+        values[(times > first - 0.005) & (times < first + 0.205)] = level
+    grid = CycleGrid(np.zeros(2), np.array([0.5, 2.5]), np.array([[1.1, 1.6], [2.1, 2.4]]), np.ones(2))
+    edges = np.array([[1.0, 1.2], [2.0, 2.2]])
+    found, zero = set_to_zero(np.full((2, 2), 10.0), RigQuantity("spring_force", "N", values, 0.5, 0.01, "a"), grid, edges, 0.0)
+    assert zero == pytest.approx([3.0, 5.0])
+    assert found == pytest.approx(np.array([[7.0, 6.0], [5.0, 5.0]]))
+
+
+@pytest.mark.parametrize(("error", "words"), [(click.Abort(), "interrupted"), (ValueError("x"), "fault in valvetrain (ValueError: x)")])
+def test_an_abort_of_the_parser_is_an_interrupt_and_nothing_else_is(error, words, capsys, monkeypatch):
+    monkeypatch.setattr(guard, "_told", [])
+    monkeypatch.delenv(guard.TRACEBACK_VARIABLE, raising=False)
+    code = guard._report(error)
+    assert words in capsys.readouterr().err and code == (130 if words == "interrupted" else 1)
+
+
+def test_what_could_not_be_computed_ranks_behind_what_misses_a_bound():
+    def trial(**more):
+        return SimpleNamespace(**({"feasible": False, "failure": "", "total_missed": 0.5, "objectives": np.array([3.0])} | more))
+
+    key = searchers.EvolutionSearch._key
+    for sign in (1, -1):
+        one = SimpleNamespace(sign=sign)
+        better, worse = (trial(feasible=True, objectives=np.array([sign * value])) for value in (1.0, 2.0))
+        ordered = [key(one, each) for each in (better, worse, trial(total_missed=0.1), trial(), trial(failure="diverged"))]
+        assert ordered == sorted(ordered) and len(set(ordered)) == 5
