@@ -1,0 +1,25 @@
+"""Every figure that any test makes: its panels have room, neither a slit nor a page."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from valvetrain.report.chart import Chart
+
+#: Pixels of a row of panels: least of a figure of one row (less where words stand along y), least of several rows, most.
+ONE_ROW, WORDS, SEVERAL, MOST = 230, 150, 205, 620
+usual = Chart.__init__
+
+
+def watched(self: Chart, *given: Any, **more: Any) -> None:
+    """``Chart(...)``, with its height looked at; a figure of named rows needs 20 pixels for each."""
+    usual(self, *given, **more)
+    if not self.panels or self.key in ("", "a", "key"):  # figures of tests themselves
+        return
+    named = max(len(panel.y_words) for panel in self.panels)
+    least = max(WORDS, 20 * named) if named else ONE_ROW if self.rows == 1 else SEVERAL
+    most = max(MOST, 60 * named + 200)
+    assert least <= self.height / self.rows <= most, f"figure '{self.key}' gives {self.height / self.rows:.0f} pixels to a row of panels"
+
+
+Chart.__init__ = watched  # type: ignore[method-assign]
