@@ -19,7 +19,16 @@ import table_watch  # noqa: E402, F401  before any module takes the function tha
 LONG = "VALVETRAIN_LONG"
 
 
+#: Files of half a minute and more: begun first, so that no worker ends with one of them alone.
+FIRST = (
+    "test_workbench_browser", "test_code_blocks", "test_report_browser", "test_docstring_examples", "test_how_to",
+    "test_workbench_files_browser", "test_motion_browser", "test_cli_streams", "test_spring_models",
+    "test_train_cli", "test_study_command", "test_workbench_live",
+)  # fmt: skip
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: FIRST.index(item.path.stem) if item.path.stem in FIRST else len(FIRST))
     if os.environ.get(LONG) != "1":
         left = [item for item in items if item.get_closest_marker("long")]
         config.hook.pytest_deselected(items=left)

@@ -50,7 +50,7 @@ def optimise(
     ... objective = [{ quantity = "preload", direction = "minimise" }]
     ... constraint = [{ quantity = "installed_compression", at_least = "6 mm" }]
     ... rest_model = "massless"
-    ... search = { trials = 24 }
+    ... search = { trials = 12 }
     ... ''', workers=1)
     >>> round(1e3 * float(found.best.trial.values[0]), 1)
     6.0
