@@ -14,14 +14,18 @@ import valvetrain as vt
 from valvetrain.cam.harmonic import Harmonic
 from valvetrain.cli import guard
 from valvetrain.errors import InputError
-from valvetrain.measurements.cycle_cutting import CycleGrid, set_to_zero
+from valvetrain.measurements import rig_shaft
+from valvetrain.measurements.cycle_cutting import CycleGrid, grid_of, set_to_zero
+from valvetrain.measurements.recording import RigChannel
 from valvetrain.measurements.rig_channels import RigQuantity
+from valvetrain.measurements.shaft_angle import ShaftAngle
 from valvetrain.parameters.train import ContactParameters
 from valvetrain.report.motion.scene import _bytes_per_frame
 from valvetrain.report.motion.springs import _shares
 from valvetrain.sources.multibody4b17 import _formula, closed_forms
-from valvetrain.studies import train_uncertainty
-from valvetrain.studies.optimum import searchers
+from valvetrain.studies import train_uncertainty, uncertainty
+from valvetrain.studies.optimum import run_search, searchers
+from valvetrain.studies.points.distributions import Uniform
 from valvetrain.studies.solid import SolidMotion, check_motion
 
 
@@ -114,3 +118,41 @@ def test_what_could_not_be_computed_ranks_behind_what_misses_a_bound():
         better, worse = (trial(feasible=True, objectives=np.array([sign * value])) for value in (1.0, 2.0))
         ordered = [key(one, each) for each in (better, worse, trial(total_missed=0.1), trial(), trial(failure="diverged"))]
         assert ordered == sorted(ordered) and len(set(ordered)) == 5
+
+
+def test_a_local_search_has_its_share_where_one_quantity_at_least_may_move_a_little():
+    """Of one objective; a quantity that takes listed values only cannot move a little."""
+
+    def share(uniform: list[bool], objectives: int = 1) -> int:
+        varied = [SimpleNamespace(distribution=Uniform(0.0, 1.0) if one else None) for one in uniform]
+        plan = SimpleNamespace(varied=varied, objectives=[None] * objectives, search=SimpleNamespace(local=0.6, trials=50))
+        return run_search._Search._local_share(SimpleNamespace(plan=plan))
+
+    assert [share([True]), share([True, False]), share([False, False]), share([True], objectives=2)] == [30, 30, 0, 0]
+
+
+def test_an_interrupt_is_told_once(capsys, monkeypatch):
+    monkeypatch.setattr(guard, "_told", [])
+    assert guard.interrupted("interrupted: one is kept") == guard.interrupted() == 130
+    assert capsys.readouterr().err.count("interrupted") == 1
+
+
+def test_cycles_of_a_steady_shaft_have_its_speed():
+    """25 rad/s over two seconds: seven whole turns, each of 2 pi / 25 s."""
+    times = np.linspace(0.0, 2.0, 200)
+    grid = grid_of(ShaftAngle(times, 25.0 * times), 90, 0.0, 0.0, (0.0, 2.0))
+    assert grid.cam_speeds == pytest.approx(np.full(7, 25.0)) and np.diff(grid.cut_times) == pytest.approx(2 * np.pi / 25)
+
+
+@pytest.mark.parametrize(("ratio", "told"), [(1, False), (2, True)])
+def test_one_mark_a_crank_turn_leaves_half_a_cam_turn_open(ratio, told):
+    edges = np.linspace(0.0, 1.0, 21)
+    channel = RigChannel("mark", "V", np.zeros(10), step=0.1)
+    assert any("half a cam turn off" in note for note in rig_shaft._by_pulse_a_turn(edges, ratio, channel).notes) is told
+
+
+def test_a_refinement_at_no_speed_is_refused_before_anything_is_computed(monkeypatch):
+    monkeypatch.setattr(uncertainty, "_prepare", lambda *_: pytest.fail("computed"))
+    for speeds in ([0.0], [-100.0], [float("nan")]):
+        with pytest.raises(InputError, match="speed"):
+            uncertainty.uncertainty_study(vt.load_case("job-t"), speeds)

@@ -52,6 +52,8 @@ def finished(bench) -> str:
     page.get_by_role("button", name="Run", exact=True).click()
     page.wait_for_selector(".results[data-shown]", timeout=600_000 if LONG else 60_000)
     run = page.get_attribute(".results", "data-shown").removeprefix("/part/")
+    assert page.locator(".run-head").count() == 1
+    assert page.get_by_role("link", name="Open on its own page").get_attribute("href") == f"/run/{run}"
     page.context.close()
     assert not seen
     return run
