@@ -149,6 +149,12 @@ def test_points_of_another_identification_and_of_another_process_are_not_taken(t
                 Journal(tmp_path, "a")
     with pytest.raises(InputError, match="another identification"):
         Journal(tmp_path, "b")
+    with Journal(tmp_path / "old", "asked 1.0"):
+        pass
+    with pytest.raises(InputError, match=r"another version of valvetrain .* remove the file to begin anew"):
+        Journal(tmp_path / "old", "asked 1.1")
+    with pytest.raises(InputError, match="another identification"):
+        Journal(tmp_path / "old", "else 1.0")
 
 
 def test_what_is_not_asked_for_changes_nothing(folder: Path) -> None:

@@ -98,6 +98,13 @@ class Journal:
             end += len(line)
             if number == 0:
                 if record != identity:
+                    asked, _, version = identity.partition(" ")
+                    if version and str(record).partition(" ")[0] == asked:
+                        raise InputError(
+                            "holds points that another version of valvetrain or of its libraries computed; go on with that version, or "
+                            "remove the file to begin anew",
+                            str(path),
+                        )
                     raise InputError("holds points of another identification; give another folder", str(path))
             else:
                 point, outcome = record
