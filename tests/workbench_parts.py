@@ -102,3 +102,13 @@ def kept(workspace: Workspace, case: str = "small", created: str = "2026-01-01T0
     answer = {"case": case, "command": "run", "created_at": created, "completed": True, "files": [*(n.replace("_", ".") for n in files)]}
     link_latest(keep(folder, inputs, answer).folder)
     return folder.relative_to(workspace.runs_folder).as_posix()
+
+
+#: The spring of the small case, a lift law for it that reads a file, and such a file of 36 lifts.
+SPRING = SMALL.split("[lift_law]")[0]
+TABLE = "[lift_law]\nkind = 'table'\nfile = 'lift.txt'\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\n"
+
+
+def lifts(peak: float = 9.0) -> bytes:
+    """A table of 36 lifts."""
+    return "\n".join(f"{place * 10} {max(0.0, peak - abs(place - 18)) ** 2 / peak:.4f}" for place in range(36)).encode()

@@ -18,17 +18,10 @@ from valvetrain.workbench.jobs import Jobs
 from valvetrain.workbench.kept_tests import MOST_TESTS, keep_test, kept_test, kept_tests, remove_test
 from valvetrain.workbench.side_files import MOST_FILES, check_bounds
 from valvetrain.workbench.workspace import Workspace
-from workbench_parts import BAD_NAMES, SMALL, kept
+from workbench_parts import BAD_NAMES, SMALL, SPRING, TABLE, kept, lifts
 
 OWN = "http://127.0.0.1:8420"
 OURS = {"origin": OWN}
-SPRING = SMALL.split("[lift_law]")[0]
-TABLE = "[lift_law]\nkind = 'table'\nfile = 'lift.txt'\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\n"
-
-
-def lifts(peak: float = 9.0) -> bytes:
-    """A table of 36 lifts."""
-    return "\n".join(f"{place * 10} {max(0.0, peak - abs(place - 18)) ** 2 / peak:.4f}" for place in range(36)).encode()
 
 
 async def in_parts() -> Any:

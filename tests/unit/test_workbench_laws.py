@@ -16,11 +16,10 @@ from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.registry import words
 from valvetrain.workbench.lift_laws import KEPT, law_of, with_law, with_law_of
 from valvetrain.workbench.workspace import Workspace
-from workbench_parts import SMALL
+from workbench_parts import SMALL, SPRING
 
 TEXTS = {name: (LIBRARY / f"{name}.toml").read_text("utf-8") for name in library_names()} | {kind: template_text(kind) for kind in KINDS}
 WITH_LAW = [name for name, text in TEXTS.items() if "lift_law" in tomllib.loads(text)]
-SPRING = SMALL.split("[lift_law]")[0]
 LAW = "kind = 'polynomial'\nmaximum_lift = '8 mm'\nopening_start = '100 deg'\nopening_end = '180 deg'\n"
 LAW += "closing_start = '180 deg'\nclosing_end = '250 deg'\n"
 DOTTED = "".join(f"lift_law.{line}\n" for line in LAW.splitlines())

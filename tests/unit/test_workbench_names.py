@@ -20,15 +20,7 @@ from valvetrain.workbench.jobs import JobRequest, Jobs
 from valvetrain.workbench.kept_tests import keep_test, kept_name, remove_test
 from valvetrain.workbench.names import checked_name
 from valvetrain.workbench.workspace import Workspace
-from workbench_parts import SMALL, kept
-
-SPRING = SMALL.split("[lift_law]")[0]
-TABLE = "[lift_law]\nkind = 'table'\nfile = 'lift.txt'\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\n"
-
-
-def lifts(peak: float = 9.0) -> bytes:
-    """A table of 36 lifts."""
-    return "\n".join(f"{place * 10} {max(0.0, peak - abs(place - 18)) ** 2 / peak:.4f}" for place in range(36)).encode()
+from workbench_parts import SMALL, SPRING, TABLE, kept, lifts
 
 
 @pytest.fixture

@@ -17,9 +17,9 @@ from valvetrain.report.page import render
 from valvetrain.solution.arrays import ChannelArrays, Variable
 from valvetrain.solution.atomic import write_bytes, write_text
 from valvetrain.solution.checksum import closing_line
-from valvetrain.solution.definition import SI_WORDS
+from valvetrain.solution.definition import si_words
 from valvetrain.solution.netcdf_layout import write_arrays
-from valvetrain.units import DIMENSIONS, dimension_of
+from valvetrain.units import dimension_of
 
 PAGE, DRAWS = "report.html", "draws.nc"
 
@@ -71,7 +71,7 @@ def si_unit(unit: str) -> str:
     ('N/m', 'rad', '1', 'SI')
     """
     dimension = dimension_of(unit) if unit else None
-    return SI_WORDS.get(DIMENSIONS[dimension].si_unit, DIMENSIONS[dimension].si_unit) if dimension else "SI"
+    return si_words(dimension) if dimension else "SI"
 
 
 def _by_measurement(found: Identified, branch: Branch, shares: NDArray[np.float64]) -> dict[str, dict[str, float]]:

@@ -32,9 +32,15 @@ BY_LAST_WORD: dict[str, tuple[str, str]] = {
     "power": ("power", "W"), "ratio": ("ratio", ""), "count": ("ratio", ""), "order": ("ratio", ""), "number": ("ratio", ""),
 }  # fmt: skip
 #: SI units written otherwise than `valvetrain.units` does.
-SI_WORDS = {"": "1", "1/s": "Hz", "m/s^2": "m/s2", "N*m": "N m", "N*s": "N s"}
+_SI_WORDS = {"": "1", "1/s": "Hz", "m/s^2": "m/s2", "N*m": "N m", "N*s": "N s"}
 #: Springs of a nested pair, whose quantities carry the spring's name in front: ``outer_coil_bind_clearance``.
 NESTED = ("outer", "inner")
+
+
+def si_words(dimension: str) -> str:
+    """SI unit of a word of :data:`valvetrain.units.DIMENSIONS` as answers write it: ``1`` for plain numbers."""
+    unit = DIMENSIONS[dimension].si_unit
+    return _SI_WORDS.get(unit, unit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +63,7 @@ class QuantityRow:
     @property
     def si_unit(self) -> str:
         """Unit of the values inside the package and in JSON; ``1`` for plain numbers."""
-        unit = DIMENSIONS[self.dimension or "ratio"].si_unit
-        return SI_WORDS.get(unit, unit)
+        return si_words(self.dimension or "ratio")
 
 
 def row(
