@@ -14,6 +14,7 @@ from valvetrain.identification.file import parse_request
 from valvetrain.identification.observe import Observed, groups_of, numbers_at, numbers_of
 from valvetrain.identification.sought import Sought, Station
 from valvetrain.parameters.toml_text import toml_text
+from valvetrain.studies import run
 
 RPM = math.pi / 30
 WIRE = {"key": "spring.wire_diameter", "prior": "normal", "mean": "4 mm", "standard_deviation": "0.1 mm"}
@@ -148,3 +149,24 @@ def test_what_is_only_compared_elsewhere_is_computed_for_the_draws_alone(tmp_pat
     assert peak.datum.key == key and np.isfinite(found.computed[key]).sum() == 12
     assert peak.low < peak.middle < peak.high and 0 < peak.percentile < 100
     assert peak.low <= peak.best <= peak.high and seat.best == pytest.approx(212.0, abs=1.0)
+
+
+def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(tmp_path, monkeypatch) -> None:
+    """One run tells both; the same numbers, bit for bit, as each condition by itself."""
+    moving = {"engine_speed": "4200 rpm", "spring_model": "finite-element", "scatter": "1 %"}
+    request = request_of(
+        {
+            "preload": {"quantity": "preload", "value": "300 N", "scatter": "1 N"},
+            "peak": {**moving, "quantity": "stage_2_peak_force", "value": "800 N"},
+        },
+        tmp_path,
+        case="gu2021-beehive",
+    )
+    observed = Observed(request.case, request.varied, request.sought)
+    assert groups_of(observed) == ((1, 0),)
+    apart = {key: value for one in observed.stations for key, value in (numbers_at(request.case, one, request.sought) or {}).items()}
+    rests = []
+    monkeypatch.setattr(run, "rest_of_spring", lambda *given, real=run.rest_of_spring: rests.append(1) or real(*given))
+    together = numbers_of(request.case, observed.stations, request.sought)
+    assert together == apart and len(together) == 2
+    assert len(rests) == 1

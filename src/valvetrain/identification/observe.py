@@ -91,7 +91,7 @@ def _needs_run(station: Station, sought: Sequence[Sought]) -> bool:
 def numbers_of(case: Case, stations: Sequence[Station], sought: Sequence[Sought]) -> Outcome:
     """What is ``sought`` of a case under several conditions, by key; None where one does not run. Raises as building and running do."""
     moving = [station for station in stations if _needs_run(station, sought)]
-    runs, still = _runs(case, moving) if len(moving) > 1 else ({}, {})
+    runs, still = _runs(case, moving) if len(moving) > 1 or (moving and Station() in stations) else ({}, {})
     found: dict[str, float] = {}
     for station in stations:
         here = [one for one in sought if one.station == station]

@@ -38,9 +38,9 @@ def solve(
 ) -> Identified:  # fmt: skip
     """Search the posterior, find its branches, and tell of each what the data determine.
 
-    ``begin`` (n, quantities): starts of a search for a point in SI, beside those of ``search``. ``compare``: tells of a point what is not
-    fitted, asked for ``search.draws`` of the draws. ``units``: those that computed quantities are shown in, by key. A stop in a
-    search leaves what it had, one before that raises :class:`Stopped`.
+    ``begin`` (n, quantities): starts of a search for a point in SI, beside those of ``search``; an ensemble begins about what they lead to.
+    ``compare``: tells of a point what is not fitted, asked for ``search.draws`` of the draws. ``units``: those that computed quantities are
+    shown in, by key. A stop in a search leaves what it had, one before that raises :class:`Stopped`.
     """
     began = time.perf_counter()
     given = None if begin is None else posterior.work_of(begin)
@@ -50,7 +50,8 @@ def solve(
                 posterior, seed=search.seed, live_points=search.live_points, lanes=search.lanes, precision=search.precision, report=report
             )
         else:
-            draws = ensemble(posterior, seed=search.seed, walkers=search.walkers, steps=search.steps, around=given, report=report)
+            around = None if given is None else _around(posterior, search, given, report)
+            draws = ensemble(posterior, seed=search.seed, walkers=search.walkers, steps=search.steps, around=around, report=report)
         labels = branches_of_draws(posterior, draws, search.seed) if draws.whole else np.zeros(len(draws.work), dtype=np.int64)
         peaks = _peaks(posterior, draws, labels)
         shares = np.array([draws.weights[labels == number].sum() for number in range(labels.max() + 1)])
@@ -76,6 +77,13 @@ def solve(
         _predicted(posterior, tables), _predictions(posterior, tables, units), computed, draws.log_evidence, draws.evidence_error,
         draws.evidence_kind, found, draws.notes, journal.computed, journal.before, draws.whole, time.perf_counter() - began, name,
     )  # fmt: skip
+
+
+def _around(posterior: Posterior, search: Search, given: Array, report: Report) -> Array:
+    """Draws of the linearised posterior about what least squares reach from ``given``: walkers that begin there are spread already."""
+    step = search.difference_step or None
+    peaks = [least_squares(posterior, one, iterations=search.iterations, step=step, report=lambda text: report(0.0, text)) for one in given]
+    return linear_draws(posterior, ends_of(posterior, peaks), search.draws, search.seed)[0].work
 
 
 def _ends(posterior: Posterior, search: Search, given: Array | None, report: Report) -> tuple[Ends, bool]:
