@@ -12,9 +12,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import valvetrain as vt
 from architecture.layout import PACKAGE
+from valvetrain.cli.main import app
 from valvetrain.errors import InputError
 from valvetrain.identification.api import identify_request
 from valvetrain.identification.file import parse_request
@@ -165,6 +167,39 @@ def test_what_is_not_asked_for_changes_nothing(folder: Path) -> None:
     two = identify_request(parse_request(plain.replace("keep = 2", "keep = 2\ndraws = 7") + extra, "card", folder), workers=1)
     assert one.best == two.best and one.branches[0].quantities == two.branches[0].quantities
     assert [one.datum.name for one in two.predicted if not one.datum.used] == ["seat"]
+
+
+def test_points_of_one_fit_are_not_those_of_another_that_asks_more(folder: Path) -> None:
+    """A measurement that was only compared is fitted: the points that are kept lack it, so they lie elsewhere."""
+    seat = '[measurements.seat]\nquantity = "preload"\nvalue = "250 N"\nscatter = "1 N"\nspring_model = "multi-mass"\n'
+    plain = FILE.format(method="least-squares")
+    compared, fitted = (parse_request(plain + seat + words, "card", folder) for words in ("fit = false\n", ""))
+    assert compared.identity != fitted.identity
+    again = parse_request(plain.replace("6 g", "5 g").replace("least-squares", "nested") + seat, "card", folder)
+    assert again.identity == fitted.identity, "priors and the method leave the outcome of a point as it is"
+    with pytest.raises(InputError, match="another identification"):
+        for request in (compared, fitted):
+            identify_request(request, folder=folder / "points", workers=1)
+
+
+def test_a_cut_search_with_a_folder_of_its_own_goes_on_there(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The message of the cut says to start the same command again: with ``--output`` too. Another command refuses that folder."""
+    (folder / "card-rate.toml").write_text(FILE.format(method="least-squares"))
+    monkeypatch.chdir(folder)
+    request = parse_request((folder / "card-rate.toml").read_text(), "card-rate.toml", folder)
+    whole = identify_request(request, folder=folder / "mine", workers=1)
+    lines = (folder / "mine" / NAME).read_bytes().splitlines(keepends=True)
+    (folder / "mine" / NAME).write_bytes(b"".join(lines[:20]))
+    command = ["identify", "card-rate.toml", "--workers", "1", "--json", "--output", "mine"]
+    told = CliRunner().invoke(app, command)
+    assert told.exit_code == 0, told.output
+    answer = json.loads(told.stdout)
+    assert answer["kept_from_before"] == 19 and answer["evaluations"] == whole.evaluations - 19
+    assert answer["branches"][0]["quantities"]["rate"]["best"]["value"] == whole.best["rate"]
+    (folder / "half").mkdir()
+    (folder / "half" / NAME).write_bytes(b"".join(lines[:20]))
+    refused = CliRunner().invoke(app, ["run", "card.toml", "--output", "half"])
+    assert refused.exit_code == 2 and (folder / "half" / NAME).exists()
 
 
 @pytest.mark.slow

@@ -49,10 +49,11 @@ def identify(
 ) -> None:  # fmt: skip
     """Identify quantities of a case from measurements: likeliest values, intervals, separate solutions. A cut search is resumed."""
     from valvetrain.identification.file import read_request
+    from valvetrain.identification.journal import NAME
     from valvetrain.studies.cost import read_limits
     from valvetrain.studies.run_store import ROOT, safe_name
 
-    take_folder(output)
+    take_folder(output, NAME)
     request = read_request(file)
     asked: dict[str, Any] = {"method": method} if method else {}
     if seed is not None:

@@ -64,15 +64,16 @@ def read_folder(text: str) -> Path:
     return Path(text)
 
 
-def take_folder(output: Path | None) -> None:
-    """Check the folder of ``--output``, or the home of kept runs where it is None, and hold it until the command ends.
+def take_folder(output: Path | None, resumes: str = "") -> None:
+    """Check the folder of ``--output``, or the home of kept runs where it is None, and hold it until the command ends. ``resumes``: file
+    by which a folder of the same command, cut short, is known.
 
     Raises :class:`InputError` for a folder that cannot be used or that another run writes into.
     """
     from valvetrain.studies.held_folder import hold_folder
     from valvetrain.studies.run_store import ROOT, check_folder
 
-    check_folder(output or ROOT, kept=output is None)
+    check_folder(output or ROOT, kept=output is None, resumes=resumes)
     if output is not None:
         at_end(hold_folder(output))
 

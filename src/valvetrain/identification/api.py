@@ -137,11 +137,7 @@ def evaluators_of(request: Request, workers: int) -> Iterator[tuple[Evaluate, Ev
         with StandingPool(_of_source, named, workers) as pool:
             yield lambda points: pool.map([tuple(map(float, point)) for point in points]), None
         return
-    fitted = {one.key for one in request.data if one.used}
-    searched = {one.station for one in request.sought if one.key in fitted}
-    measured = {one.key for one in request.data}
-    first = tuple(one for one in request.sought if one.station in searched and one.key in measured)
-    later = tuple(one for one in request.sought if one not in first)
+    first, later = request.parts
     every = tuple(Observed(request.case, request.varied, sought) for sought in (first, later))
     with StandingPool(observe, every, workers) as pool:
         yield CaseEvaluator(pool, 0), CaseEvaluator(pool, 1) if later else None

@@ -52,16 +52,19 @@ class Request:
     folder: Path
 
     @property
+    def parts(self) -> tuple[tuple[Sought, ...], tuple[Sought, ...]]:
+        """What is sought of every point, measured under conditions of which something is fitted; and what of the draws alone."""
+        fitted = {one.key for one in self.data if one.used}
+        searched = {one.station for one in self.sought if one.key in fitted}
+        measured = {one.key for one in self.data}
+        first = tuple(one for one in self.sought if one.station in searched and one.key in measured)
+        return first, tuple(one for one in self.sought if one not in first)
+
+    @property
     def identity(self) -> str:
         """What the outcome of a point depends on, in 32 digits."""
-        asked = (
-            self.case.record().digest,
-            self.varied,
-            tuple(one.name for one in self.unknowns),
-            self.sought,
-            self.evaluator,
-            self.options,
-        )
+        names = tuple(one.name for one in self.unknowns)
+        asked = (self.case.record().digest, self.varied, names, self.parts, self.evaluator, self.options)
         return digest(repr(asked).encode())
 
     @property

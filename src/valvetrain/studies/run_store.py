@@ -195,13 +195,13 @@ def _free_folder(home: Path, stem: str) -> Path:
     raise InputError(f"'{home}' holds a thousand runs of this second; tidy it up", "--output")
 
 
-def check_folder(folder: Path, kept: bool = False) -> None:
+def check_folder(folder: Path, kept: bool = False, resumes: str = "") -> None:
     """Refuse, with an :class:`InputError`, a folder that cannot be written, or, unless runs are ``kept`` in it, one that holds something
-    else than an earlier run."""
+    else than an earlier run or, by the file ``resumes``, what is left of one that was cut."""
     shown = clipped(str(folder), 120)
     try:
         there = next(path for path in (folder.absolute(), *folder.absolute().parents) if os.path.lexists(path) or path.exists())
-        ours = (folder / ANSWER).is_file() or (folder / LIST).is_file()
+        ours = any((folder / name).is_file() for name in (ANSWER, LIST, resumes) if name)
         foreign = not kept and folder.is_dir() and not ours and any(path for path in folder.iterdir() if not path.name.endswith(SUFFIX))
     except (OSError, ValueError) as error:
         words = getattr(error, "strerror", None) or error
