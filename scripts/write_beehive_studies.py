@@ -1,7 +1,8 @@
 """Puts the identifications of the beehive side by side: docs/pictures/beehive-studies.svg and the table of docs/beehive.md.
 
-valvetrain identify examples/identify-beehive-blind.toml --limit "5 d" --output BLIND        (and so on; hours each)
+valvetrain identify examples/identify-beehive-blind.toml --limit "5 d" --output BLIND        (and so on; 10 to 60 min each on two cores)
 python scripts/write_beehive_studies.py BLIND JOINT WITHOUT-4200 WITHOUT-5600 WITHOUT-8000
+python scripts/write_beehive_studies.py      picture and table anew from docs/data/beehive/studies.json
 """
 
 from __future__ import annotations
@@ -24,8 +25,15 @@ from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_of, shown
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
-PAGE, PICTURE = "beehive.md", "beehive-studies.svg"
+PAGE, PICTURE, KEPT = "beehive.md", "beehive-studies.svg", Path("data") / "beehive" / "studies.json"
+STUDIES = ("blind", "joint", "without 4200 rpm", "without 5600 rpm", "without 8000 rpm")
 BEGIN, END = "<!-- three studies -->\n", "<!-- end of three studies -->"
+#: What the joint study aims at: words, quantities, share of the published value.
+TARGETS = (
+    ("Stage II peaks", ("stage_2_peak_force", "stage_2_first_peak_force", "stage_2_second_peak_force"), 0.05),
+    ("spikes of Stage III", ("stage_3_peak_force",), 0.2),
+    ("displacements of node 2", ("node_2_maximum_displacement",), 0.1),
+)
 SPEED = re.compile(r"^(\d+) rpm, ")
 
 
@@ -107,7 +115,7 @@ def chart(studies: Sequence[Beside], measured: Mapping[str, tuple[float, float]]
 
 
 def table(studies: Sequence[Beside], measured: Mapping[str, tuple[float, float]]) -> str:
-    """A row per published value: median, interval and, where the study was not fitted to it, the percentile of the published value."""
+    """A row per published value: median, interval, the percentile at which the published value lies, whether the study was fitted to it."""
     lines = ["| | published | " + " | ".join(study.words for study in studies) + " |", "|---" * (len(studies) + 2) + "|"]
     for key, (value, scatter) in measured.items():
         name = key.rpartition(": ")[2]
@@ -124,24 +132,117 @@ def _in(name: str, value: float) -> str:
 def _cell(row: Row | None, name: str) -> str:
     if row is None:
         return "–"
-    told = "" if row.fitted or row.percentile is None else f", {row.percentile:.0f} %"
-    return f"{_in(name, row.middle)} ({_in(name, row.low)} to {_in(name, row.high)}{told})"
+    told = "" if row.percentile is None else f", {row.percentile:.0f} %"
+    return f"{_in(name, row.middle)} ({_in(name, row.low)} to {_in(name, row.high)}{told}{', fitted' if row.fitted else ''})"
+
+
+def sentences(kept: Mapping[str, Any]) -> tuple[str, ...]:
+    """What the data tell and what not, in five sentences, every number and verdict from what is kept."""
+    blind, joint = kept["blind"], kept["joint"]
+    ahead = [row for row in blind["measurements"] if not row["fitted"]]
+    without = [
+        row for name, one in kept.items() if name.startswith("without ") for row in one["measurements"]
+        if row["key"].startswith(f"{name.removeprefix('without ')}, ")
+    ]  # fmt: skip
+    known = sorted((name for name, share in blind["told"].items() if share > 0.5), key=lambda name: -blind["told"][name])
+    open_ = [name for name, share in blind["told"].items() if share < 0.1]
+    never = [row for row in joint["measurements"] if _apart(row) > 0]
+    return (
+        f"From statics, modes and 4200 rpm alone {_inside(ahead)} of the {len(ahead)} values published at 5600 and 8000 rpm lie within "
+        f"the central 95 % of the draws{_outside(ahead)}.",
+        f"Those data determine {_named(known)} (more than half of the variance of the prior is gone) and say next to nothing of "
+        f"{_named(open_)} (less than a tenth).",
+        "Fitted to all three speeds, the likeliest spring and lift have "
+        + ", ".join(_met(joint["measurements"], *target) for target in TARGETS) + ".",
+        f"The central 95 % of the joint study miss {_list([_missed(row) for row in never])}: here data and model contradict each other."
+        if never else "The 95 % intervals of the joint study come within two scatters of every published value: no contradiction is shown.",
+        f"Each speed from the other two: {_inside(without)} of {len(without)} values lie within the central 95 %{_outside(without)}.",
+    )  # fmt: skip
+
+
+def _inside(rows: Sequence[Mapping[str, Any]]) -> int:
+    return sum(row["low"]["value"] <= row["measured"]["value"] <= row["high"]["value"] for row in rows)
+
+
+def _outside(rows: Sequence[Mapping[str, Any]]) -> str:
+    found = [row for row in rows if not row["low"]["value"] <= row["measured"]["value"] <= row["high"]["value"]]
+    return f"; outside are {_list([_missed(row) for row in found])}" if found else ""
+
+
+def _missed(row: Mapping[str, Any]) -> str:
+    name = row["key"].rpartition(": ")[2]
+    low, high = (_in(name, row[end]["value"]) for end in ("low", "high"))
+    return f"{words_of(row['key'])} ({low} to {high}, published {_in(name, row['measured']['value'])} {shown(name, 1.0)[1]})"
+
+
+def _apart(row: Mapping[str, Any]) -> float:
+    """By how much the interval misses the published value and two of its scatters."""
+    value, room = row["measured"]["value"], 2 * row["scatter"]["value"]
+    return float(max(row["low"]["value"] - (value + room), value - room - row["high"]["value"]))
+
+
+def _met(rows: Sequence[Mapping[str, Any]], words: str, names: Sequence[str], share: float) -> str:
+    here = [row for row in rows if row["key"].rpartition(": ")[2] in names]
+    met = sum(abs(row["computed"]["value"] / row["measured"]["value"] - 1) <= share for row in here)
+    return f"{met} of {len(here)} {words} within {100 * share:.0f} %"
+
+
+def _named(names: Sequence[str]) -> str:
+    return _list([name.replace("_", " ") for name in names]) if names else "none of the quantities"
+
+
+def _list(words: Sequence[str]) -> str:
+    return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else words[0]
+
+
+def kept_of(answer: Mapping[str, Any]) -> dict[str, Any]:
+    """What the page stands on, of the answer of one identification: rows, quantities of the likeliest branch, warnings, count of points."""
+    names = ("key", "measured", "scatter", "fitted", "computed", "low", "middle", "high", "percentile")
+    return {
+        "method": answer["method"], "points": answer["evaluations"] + answer["kept_from_before"], "warnings": answer["warnings"],
+        "branches": len(answer["branches"]), "misfit": answer["branches"][0]["misfit"],
+        "quantities": {
+            name: {key: value for key, value in one.items() if key in ("best", "low", "high")}
+            for name, one in answer["branches"][0]["quantities"].items()
+        },
+        "told": answer["branches"][0]["told"],
+        "measurements": [{name: row[name] for name in names} for row in answer["measurements"]],
+    }  # fmt: skip
+
+
+def read_folders(folders: Sequence[str]) -> dict[str, Any]:
+    """What is kept of five folders. Raises :class:`SystemExit` where one was cut short."""
+    answers = [json.loads((Path(folder) / "run.json").read_text(encoding="utf-8")) for folder in folders]
+    short = [folder for folder, answer in zip(folders, answers, strict=True) if not answer["whole"]]
+    if short:
+        raise SystemExit(f"the identification in '{short[0]}' was cut short; start it again, it goes on")
+    return dict(zip(STUDIES, map(kept_of, answers), strict=True))
+
+
+def read_kept(docs: Path = DOCS) -> tuple[tuple[Beside, ...], dict[str, tuple[float, float]]]:
+    """The three studies and the published values from what is kept."""
+    kept = json.loads((docs / KEPT).read_text(encoding="utf-8"))
+    without = {name.removeprefix("without "): one for name, one in kept.items() if name.startswith("without ")}
+    return three_studies(kept["blind"], kept["joint"], without), measured_of(kept["blind"])
 
 
 def main(folders: Sequence[str], docs: Path = DOCS) -> None:
-    """Write picture and table."""
-    if len(folders) != 5:
+    """Write what is kept where folders are given, then picture, sentences and table."""
+    if len(folders) not in (0, len(STUDIES)):
         raise SystemExit(__doc__)
-    blind, joint, *left = (json.loads((Path(folder) / "run.json").read_text(encoding="utf-8")) for folder in folders)
-    short = [folder for folder, answer in zip(folders, (blind, joint, *left), strict=True) if not answer["whole"]]
-    if short:
-        raise SystemExit(f"the identification in '{short[0]}' was cut short; start it again, it goes on")
-    studies, measured = three_studies(blind, joint, dict(zip(("4200 rpm", "5600 rpm", "8000 rpm"), left, strict=True))), measured_of(blind)
+    if folders:
+        found = read_folders(folders)
+        (docs / KEPT).parent.mkdir(parents=True, exist_ok=True)
+        write_text(docs / KEPT, json.dumps(found, indent=1) + "\n")
+    studies, measured = read_kept(docs)
+    said = "\n".join(
+        f"{number}. {words}" for number, words in enumerate(sentences(json.loads((docs / KEPT).read_text(encoding="utf-8"))), 1)
+    )
     page = (docs / PAGE).read_text(encoding="utf-8")
     before, begin, rest = page.partition(BEGIN)
     if not begin or END not in rest:
         raise SystemExit(f"docs/{PAGE} lacks the marks {BEGIN.strip()} and {END}; put them where the table belongs")
-    write_text(docs / PAGE, f"{before}{begin}{table(studies, measured)}\n{END}{rest.partition(END)[2]}")
+    write_text(docs / PAGE, f"{before}{begin}{said}\n\n{table(studies, measured)}\n{END}{rest.partition(END)[2]}")
     write_text(docs / "pictures" / PICTURE, svg(chart(studies, measured)))
 
 

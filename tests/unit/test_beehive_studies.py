@@ -24,6 +24,7 @@ def answer(shift: float, fitted: tuple[str, ...], whole: bool = True) -> dict:
         numbers = {
             "measured": value,
             "scatter": scatter,
+            "computed": (shift + 0.01) * value,
             "low": (shift - 0.1) * value,
             "middle": shift * value,
             "high": (shift + 0.1) * value,
@@ -36,7 +37,16 @@ def answer(shift: float, fitted: tuple[str, ...], whole: bool = True) -> dict:
                 "percentile": 97.0,
             }
         )
-    return {"measurements": rows, "whole": whole}
+    wire = {"best": 3.9e-3, "mean": 3.8e-3, "low": 3.7e-3, "high": 4.0e-3}
+    branch = {
+        "misfit": 7.5,
+        "told": {"wire": 0.9, "flank_control_1": 0.05},
+        "quantities": {"wire": {key: {"value": one, "unit": "m"} for key, one in wire.items()}},
+    }
+    return {
+        "measurements": rows, "whole": whole, "method": "ensemble", "evaluations": 7, "kept_from_before": 5, "warnings": ["few"],
+        "branches": [branch, branch],
+    }  # fmt: skip
 
 
 BLIND, JOINT = answer(1.0, (REST, SLOW)), answer(1.2, (REST, SLOW, FAST))
@@ -46,9 +56,14 @@ WITHOUT = {"4200 rpm": answer(0.5, (REST, FAST)), "8000 rpm": answer(0.7, (REST,
 def test_each_study_tells_its_own_numbers_and_each_speed_comes_from_the_study_that_left_it_out():
     lines = table(three_studies(BLIND, JOINT, WITHOUT), measured_of(BLIND)).splitlines()
     assert lines[0] == "| | published | blind | joint | each speed from the other two |"
-    assert lines[2] == "| at rest: preload | 289 ± 1.5 N | 289 (260 to 318) | 347 (318 to 376) | – |"
-    assert lines[3].endswith("| 812 ± 8 N | 812 (731 to 893) | 974 (893 to 1056) | 406 (325 to 487, 97 %) |") and "4200 rpm: " in lines[3]
-    assert lines[4].endswith("| 0.68 ± 0.068 mm | 0.68 (0.612 to 0.748, 97 %) | 0.816 (0.748 to 0.884) | 0.476 (0.408 to 0.544, 97 %) |")
+    assert lines[2] == "| at rest: preload | 289 ± 1.5 N | 289 (260 to 318, 97 %, fitted) | 347 (318 to 376, 97 %, fitted) | – |"
+    assert (
+        lines[3].endswith("| 812 ± 8 N | 812 (731 to 893, 97 %, fitted) | 974 (893 to 1056, 97 %, fitted) | 406 (325 to 487, 97 %) |")
+        and "4200 rpm: " in lines[3]
+    )
+    assert lines[4].endswith(
+        "| 0.68 ± 0.068 mm | 0.68 (0.612 to 0.748, 97 %) | 0.816 (0.748 to 0.884, 97 %, fitted) | 0.476 (0.408 to 0.544, 97 %) |"
+    )
 
 
 def test_a_study_that_was_fitted_to_what_it_should_leave_out_is_refused():
@@ -83,8 +98,36 @@ def test_page_and_picture_are_written_and_what_is_cut_short_is_refused(tmp_path,
     page.write_text(f"before\n{BEGIN}old\n{END}\nafter\n")
     main([str(one) for one in folders], tmp_path / "docs")
     text = page.read_text()
-    assert text.startswith(f"before\n{BEGIN}| | published") and text.endswith(f"{END}\nafter\n") and "old" not in text
+    assert text.startswith(f"before\n{BEGIN}1. From statics") and text.endswith(f"{END}\nafter\n") and "old" not in text
     assert (tmp_path / "docs" / "pictures" / script.PICTURE).read_text().startswith("<svg")
+    kept = json.loads((tmp_path / "docs" / script.KEPT).read_text())
+    assert list(kept) == list(script.STUDIES) and kept["blind"]["points"] == 12 and kept["blind"]["branches"] == 2
+    assert kept["blind"]["quantities"] == {
+        "wire": {k: {"value": v, "unit": "m"} for k, v in (("best", 3.9e-3), ("low", 3.7e-3), ("high", 4e-3))}
+    }
+    page.write_text(f"before\n{BEGIN}old\n{END}\nafter\n")
+    main([], tmp_path / "docs")
+    assert page.read_text() == text, "what is kept is enough"
     (folders[1] / "run.json").write_text(json.dumps(answer(1.0, (), whole=False)))
     with pytest.raises(SystemExit, match="cut short"):
         main([str(one) for one in folders], tmp_path / "docs")
+
+
+def kept(blind: dict, joint: dict, without: dict) -> dict:
+    return {name: script.kept_of(one) for name, one in {"blind": blind, "joint": joint, "without 8000 rpm": without}.items()}
+
+
+def test_five_sentences_follow_the_numbers_in_both_directions():
+    met = script.sentences(kept(BLIND, answer(1.0, (REST, SLOW, FAST)), answer(1.05, (REST, SLOW))))
+    assert len(met) == 5
+    assert "1 of the 1 values" in met[0] and "outside" not in met[0]
+    assert met[1].startswith("Those data determine wire (") and "nothing of flank control 1 (" in met[1]
+    assert "1 of 1 Stage II peaks within 5 %, 0 of 0 spikes of Stage III within 20 %, 1 of 1 displacements of node 2 within 10 %" in met[2]
+    assert "no contradiction" in met[3] and met[4].endswith("1 of 1 values lie within the central 95 %.")
+    missed = script.sentences(kept(answer(1.5, (REST, SLOW)), JOINT, answer(0.5, (REST, SLOW))))
+    assert "0 of the 1 values" in missed[0]
+    assert missed[0].endswith("; outside are 8000 rpm: largest displacement of node 2 (0.952 to 1.09, published 0.68 mm).")
+    assert "0 of 1 Stage II peaks within 5 %" in missed[2] and "0 of 1 displacements" in missed[2]
+    assert "contradict each other" in missed[3] and "289 N" in missed[3] and "812 N" in missed[3]
+    assert "0.68 mm" not in missed[3], "two scatters of 10 % reach the interval that begins 10 % above"
+    assert missed[4].count("published") == 1 and "0 of 1" in missed[4]
