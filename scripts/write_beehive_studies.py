@@ -160,6 +160,15 @@ def sentences(kept: Mapping[str, Any]) -> tuple[str, ...]:
     )  # fmt: skip
 
 
+def searches(kept: Mapping[str, Any]) -> str:
+    """A row per search: its method, the points it computed, the misfit it ends at and what it says of itself."""
+    lines = ["| study | method | points | least misfit | branches | what the search says of itself |", "|---|---|---|---|---|---|"]
+    for name, one in kept.items():
+        said = "; ".join(one["warnings"]) or "nothing"
+        lines.append(f"| {name} | {one['method']} | {one['points']} | {one['misfit']:.3g} | {one['branches']} | {said} |")
+    return "\n".join(lines)
+
+
 def _inside(rows: Sequence[Mapping[str, Any]]) -> int:
     return sum(row["low"]["value"] <= row["measured"]["value"] <= row["high"]["value"] for row in rows)
 
@@ -235,14 +244,13 @@ def main(folders: Sequence[str], docs: Path = DOCS) -> None:
         (docs / KEPT).parent.mkdir(parents=True, exist_ok=True)
         write_text(docs / KEPT, json.dumps(found, indent=1) + "\n")
     studies, measured = read_kept(docs)
-    said = "\n".join(
-        f"{number}. {words}" for number, words in enumerate(sentences(json.loads((docs / KEPT).read_text(encoding="utf-8"))), 1)
-    )
+    kept = json.loads((docs / KEPT).read_text(encoding="utf-8"))
+    said = "\n".join(f"{number}. {words}" for number, words in enumerate(sentences(kept), 1))
     page = (docs / PAGE).read_text(encoding="utf-8")
     before, begin, rest = page.partition(BEGIN)
     if not begin or END not in rest:
         raise SystemExit(f"docs/{PAGE} lacks the marks {BEGIN.strip()} and {END}; put them where the table belongs")
-    write_text(docs / PAGE, f"{before}{begin}{said}\n\n{table(studies, measured)}\n{END}{rest.partition(END)[2]}")
+    write_text(docs / PAGE, f"{before}{begin}{said}\n\n{table(studies, measured)}\n\n{searches(kept)}\n{END}{rest.partition(END)[2]}")
     write_text(docs / "pictures" / PICTURE, svg(chart(studies, measured)))
 
 

@@ -100,6 +100,7 @@ def test_page_and_picture_are_written_and_what_is_cut_short_is_refused(tmp_path,
     text = page.read_text()
     assert text.startswith(f"before\n{BEGIN}1. From statics") and text.endswith(f"{END}\nafter\n") and "old" not in text
     assert (tmp_path / "docs" / "pictures" / script.PICTURE).read_text().startswith("<svg")
+    assert "| blind | ensemble | 12 | 7.5 | 2 | few |" in text.splitlines()
     kept = json.loads((tmp_path / "docs" / script.KEPT).read_text())
     assert list(kept) == list(script.STUDIES) and kept["blind"]["points"] == 12 and kept["blind"]["branches"] == 2
     assert kept["blind"]["quantities"] == {
