@@ -12,7 +12,7 @@ from train_parts import LAW, direct
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.loading import load_case
+from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.parameters.train import CamParameters, ContactParameters, FollowerParameters, ValveParameters
 from valvetrain.springs.equivalent import EquivalentSpring
@@ -113,6 +113,23 @@ def test_every_spring_model_gives_the_first_modes_of_the_template(word):
     assert closed.natural_frequency[0] == pytest.approx(surge, rel=0.03)
     assert lifted.natural_frequency[0] == pytest.approx(surge, rel=0.03)
     assert closed.moving(0).startswith("spring") and lifted.state == "full_lift"
+
+
+@pytest.mark.parametrize(
+    ("kind", "nose"), [("direct", 90.0), ("direct", 180.0), ("direct", 275.0), ("direct", 395.0), ("finger", 260.0), ("rocker", 300.0)]
+)
+def test_both_states_stand_at_nose_and_base_circle_wherever_on_the_turn_the_lobe_lies(kind: str, nose: float) -> None:
+    """The lobe of the template, 80 cam degrees to either side of its nose, turned: full lift there, no lift with the valve closed."""
+    text = (TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8")
+    edges = {"opening_start": nose - 80, "opening_end": nose, "closing_start": nose, "closing_end": nose + 80}
+    case = parse_case(text, kind, changes={f"lift_law.{key}": f"{angle} deg" for key, angle in edges.items()})
+    closed, lifted = train_modes(case, ["massless"])
+    assert (closed.state, lifted.state) == ("closed", "full_lift")
+    assert math.degrees(lifted.cam_angle) == pytest.approx(nose % 360, abs=0.25)
+    assert (math.degrees(closed.cam_angle) - nose + 80) % 360 >= 160 - 0.25
+    full = {"direct": 8e-3, "finger": 9e-3, "rocker": 9e-3}[kind]
+    assert lifted.valve_lift == pytest.approx(full, rel=0.04) and closed.valve_lift == pytest.approx(0.0, abs=0.01e-3)
+    assert "seat" in closed.closed and "seat" in lifted.open
 
 
 def test_a_spring_without_a_mass_only_presses():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import film_parts as made
 import valvetrain as vt
 from unit.cli_parts import call as invoke
 from valvetrain.measurements.film.surge import alias_of, fit_surge
+from valvetrain.report.film_charts import displacement_chart
 from valvetrain.report.film_files import named_cycles
 from valvetrain.report.film_page import film_page, peak_rows
 from valvetrain.report.page import charts, gaps_of, render
@@ -133,6 +135,17 @@ def test_the_page_lays_the_model_over_the_film():
     assert "model.csv" not in render(page) and "1236 Hz at 764 Hz" in render(page)
     assert [one.quantity for one in named_cycles(motion, beside)] == list(NAMES)
     assert all(len(row) == 6 for row in peak_rows(motion, beside)) and all(len(row) == 4 for row in peak_rows(motion, None))
+
+
+@pytest.mark.parametrize(
+    ("dwell", "shaded"), [((100, 250), [(100, 250)]), ((165, 360), [(165, 360)]), ((200, 405), [(200, 360), (0, 45)]), ((0, 90), [(0, 90)])]
+)
+def test_the_closed_valve_is_shaded_where_the_dwell_lies(dwell, shaded):
+    """One stretch of cam degrees, or two where the dwell goes over the end of the turn; the first alone carries the words."""
+    motion = replace(made.turning_motion(), dwell=tuple(np.radians(dwell)))
+    (panel,) = displacement_chart(motion).panels
+    assert [(band.first, band.last) for band in panel.bands] == [pytest.approx(one) for one in shaded]
+    assert [band.words for band in panel.bands] == ["valve closed", ""][: len(shaded)] and panel.x_range == (0, 360)
 
 
 def test_aliases_are_where_sampling_folds_them():

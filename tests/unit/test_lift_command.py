@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -134,6 +135,28 @@ def test_the_noise_is_carried_into_forces(table, tmp_path):
     assert spreads[1].value == alone.quantities["peak_spring_force"]
 
 
+def test_the_mean_law_is_told_apart_from_the_draws(table, tmp_path, monkeypatch):
+    """Studies written by hand, the mean law's first: values are its own, spreads those of the draws, each sentence names its draw."""
+    from valvetrain.solution.quantity import Quantity
+    from valvetrain.studies import lift_band
+
+    force, loft = (Quantity(name, 400.0, "massless") for name in ("peak_spring_force", "loft_gap"))
+    made = [
+        SimpleNamespace(quantities={force: 500.0, loft: 1e-4}, failures=("of the mean",)),
+        SimpleNamespace(quantities={force: 503.0, loft: 2e-4}, failures=()),
+        SimpleNamespace(quantities={force: 509.0}, failures=("not settled", "not completed")),
+        SimpleNamespace(quantities={force: 506.0, loft: np.nan}, failures=()),
+        SimpleNamespace(quantities={force: 512.0, loft: np.inf}, failures=("too stiff",)),
+    ]
+    monkeypatch.setattr(lift_band, "map_points", lambda work, shared, places, *given, **more: [made[place] for place in places])
+    case = vt.load_case("job-t").replace({"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law})
+    study = lift_band_study(case, "2000 rpm", draws=4)
+    assert study.mean is made[0] and study.failures == ("draw 2: not settled", "draw 2: not completed", "draw 4: too stiff")
+    one, other = study.spread("peak_spring_force"), study.spread("loft_gap")
+    assert (one.value, one.draws) == (500.0, 4) and one.spread == pytest.approx(np.sqrt(15.0))
+    assert (other.value, other.draws) == (1e-4, 1) and np.isnan(other.spread)
+
+
 def test_the_spread_does_not_depend_on_workers(table, tmp_path):
     case = vt.load_case("job-t").replace({"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law})
     found = [
@@ -145,8 +168,6 @@ def test_the_spread_does_not_depend_on_workers(table, tmp_path):
 @pytest.mark.long
 def test_searched_speeds_are_carried_with_their_spread(table, tmp_path, monkeypatch):
     """Each law's own critical speeds: here 700 rad/s and the number of the law; a law that never floats is left out of the spread."""
-    from types import SimpleNamespace
-
     from valvetrain.studies import lift_band
 
     asked = []

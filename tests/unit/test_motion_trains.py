@@ -16,6 +16,7 @@ import pytest
 
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.report.motion.cam_followers import ARC_MARGIN
 from valvetrain.report.motion.pack import motion_json
 from valvetrain.report.motion.scene import Limits, member_of, moving_picture
 from valvetrain.solution.arrays import ChannelArrays
@@ -91,6 +92,25 @@ def test_the_drawn_gap_between_lobe_and_follower_is_that_of_the_solution(kind):
     assert np.ptp(gap) > 1e-3
     # Chords of half a degree under a radius of some 30 mm, and single precision.
     np.testing.assert_allclose(found, gap, atol=1.5e-3)
+
+
+def test_the_pad_of_a_finger_reaches_evenly_beyond_the_places_that_the_lobe_touches():
+    """The side of the drawn lobe that is nearest to the arc's centre tells where on its arc the pad is touched, frame by frame."""
+    _, data, sample, train = drawn("finger")
+    (pad, *_), lever = body(data, "lever")
+    (lobe, *_), cam = body(data, "cam")
+    touched = []
+    for place in range(len(sample)):
+        centre, outline = arc_centre("finger", data, train, place), placed(lobe, cam[place])
+        along = np.roll(outline, -1, axis=0) - outline
+        share = np.clip(np.sum((centre - outline) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
+        away = outline + share[:, None] * along - centre
+        touched.append(np.arctan2(*away[np.argmin(np.hypot(*away.T))][::-1]) - lever[place][2])
+    ends = [np.arctan2(*(placed(pad[[end]], lever[0])[0] - arc_centre("finger", data, train, 0))[::-1]) - lever[0][2] for end in (0, 31)]
+    middle = sum(ends) / 2
+    beyond = np.mod(np.array(touched) - middle + np.pi, 2 * np.pi) - np.pi
+    assert np.ptp(beyond) > 0.3, "the contact travels along the pad"
+    assert [beyond.min() - (ends[0] - middle), (ends[1] - middle) - beyond.max()] == pytest.approx([ARC_MARGIN] * 2, abs=0.01)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -131,6 +131,33 @@ def test_rigid_channels_stand_under_kinematics(train):
     np.testing.assert_allclose(shown["valve lift (mm)"], 1e3 * train_run().channel("rigid_valve_lift"))
 
 
+@pytest.mark.parametrize(
+    ("left_out", "drawn_from"),
+    [
+        (((), ()), {"valve lift": 0, "contact force": 0, "hertz pressure": 0}),
+        ((("hertz_pressure",), ()), {"valve lift": 0, "contact force": 0, "hertz pressure": 1}),
+        ((("valve_lift", "contact_force"), ("hertz_pressure",)), {"hertz pressure": 0, "valve lift": 1, "contact force": 1}),
+        ((("valve_lift", "contact_force", "hertz_pressure"), ("valve_lift",)), {"contact force": 1, "hertz pressure": 1}),
+    ],
+)
+def test_a_rigid_channel_is_drawn_from_the_first_run_that_has_it(left_out, drawn_from):
+    """A spring set without a contact of Hertz has no pressure, an older run not every channel."""
+    runs = [train_run(), train_run(label="race, multi-mass", spring_set="race")]
+    for place, names in enumerate(left_out):
+        channels = runs[place].channels.drop_vars([f"rigid_{name}" for name in names])
+        rigid = [name for name in channels.data_vars if name.startswith("rigid_")]
+        runs[place] = replace(runs[place], channels=channels.assign({name: (1 + place) * channels[name] for name in rigid}))
+    (chart,) = [one for one in drawn(replace(train_study(), solutions=tuple(runs))).values() if one.key == "kinematics-1"]
+    assert [panel.layers[0].name for panel in chart.panels] == list(drawn_from)
+    for panel, place in zip(chart.panels, drawn_from.values(), strict=True):
+        (line,) = panel.layers
+        channel = train_run().channel(f"rigid_{line.name.replace(' ', '_')}")
+        np.testing.assert_allclose(line.y / np.max(np.abs(line.y)), channel / np.max(np.abs(channel)), err_msg=line.name)
+        assert np.max(line.y) == pytest.approx(
+            (1 + place) * np.max(channel) * {"mm": 1e3, "N": 1.0, "MPa": 1e-6}[panel.y_label[:-1].rsplit("(")[1]]
+        )
+
+
 def test_no_panel_holds_more_than_four_lines():
     runs = tuple(train_run(label=f"set {n}", spring_set=f"set {n}") for n in range(7))
     for chart in drawn(replace(train_study(), solutions=runs)).values():

@@ -10,6 +10,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import conical, cylindrical, hourglass, pitch_with_closed_ends
 from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC, Material
+from valvetrain.parameters.materials import MATERIALS, material_by_name
 from valvetrain.parameters.schema_spring import EndModel
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 
@@ -144,3 +145,20 @@ def test_ends_and_constructors_refuse_what_cannot_be():
         pitch_with_closed_ends(2.5, WIRE, PITCH)
     with pytest.raises(InputError, match="slimmer in the middle"):
         hourglass(WIRE, DIAMETER, 26e-3, PITCH, TURNS)
+
+
+@pytest.mark.parametrize("name", MATERIALS)
+def test_a_material_is_known_however_its_name_is_spaced_and_capitalised(name):
+    writings = {
+        name,
+        name.upper(),
+        name.lower(),
+        name.title(),
+        name.replace(" ", ""),
+        name.replace(" ", "  "),
+        f" {name} ",
+        name.swapcase(),
+    }
+    assert {material_by_name(one) for one in writings} == {MATERIALS[name]}
+    with pytest.raises(InputError, match="not in the library"):
+        material_by_name(f"{name} X")

@@ -1,0 +1,87 @@
+"""Unit: which designs of a front a search names, worked out by hand, and how the page and the case file of a design name them."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from valvetrain.report.optimum_page import MOST_DESIGNS, optimum_page
+from valvetrain.report.page import Grid
+from valvetrain.studies.optimum.after import chosen_designs
+from valvetrain.studies.optimum.kept import case_text
+from valvetrain.studies.optimum.measure import Measured
+from valvetrain.studies.optimum.optimum_file import OptimumText
+from valvetrain.studies.optimum.plan import read_optimum
+from valvetrain.studies.optimum.result import Optimum
+from valvetrain.studies.optimum.trial import CASE_SEED, Trial
+
+FILE = """
+title = "Light and quick"
+case = "job-c"
+objective = [
+  { quantity = "wire_mass", direction = "minimise" },
+  { quantity = "estimated_surge_frequency", direction = "maximise" },
+]
+vary = [{ key = "spring.wire_diameter", low = "3 mm", high = "4.2 mm" }]
+search = { method = "nsga2", trials = 160, per_round = 16 }
+"""
+#: Mass (g) and surge frequency (Hz) of the case and of the trials after it, the last of which are beaten by others.
+MADE = [(50, 90), (10, 100), (20, 200), (30, 350), (40, 380), (25, 150), (40, 370)]
+
+
+def search(made: list[tuple[float, float]]) -> Optimum:
+    plan = read_optimum(OptimumText(FILE, "search.toml", Path()))
+    trials = tuple(
+        Trial(
+            place,
+            1 if place else CASE_SEED,
+            np.array([3e-3 + 1e-5 * place]),
+            Measured(dict(zip(plan.measures, (1e-3 * mass, rate), strict=True)), {}),
+            plan,
+        )
+        for place, (mass, rate) in enumerate(made)
+    )
+    found = Optimum(plan, trials[0], trials)
+    return replace(found, designs=chosen_designs(found))
+
+
+def front_table(found: Optimum) -> list[list[str]]:
+    (section,) = [one for one in optimum_page(found).sections if one.key == "front-designs"]
+    (grid,) = [one for one in section.blocks if isinstance(one, Grid)]
+    return [[cell.words for cell in cells] for cells, _ in grid.rows]
+
+
+def test_balanced_is_nearest_to_the_best_of_both_and_the_ends_are_the_best_by_each():
+    """Spans 30 g and 280 Hz: squared distances to (10 g, 380 Hz) are 1, 0.52, 0.46 and 1."""
+    found = search(MADE)
+    assert [one.number for one in found.front] == [1, 2, 3, 4]
+    words = [(one.trial.number, one.chosen.partition(":")[0]) for one in found.designs]
+    assert words == [(3, "balanced"), (1, "best wire mass"), (4, "best estimated surge frequency")]
+
+
+def test_the_table_of_the_front_marks_the_chosen_designs_and_no_other():
+    assert front_table(search(MADE)) == [
+        ["1", "10", "100", "3.01", "best wire mass"], ["2", "20", "200", "3.02", ""], ["3", "30", "350", "3.03", "balanced"],
+        ["4", "40", "380", "3.04", "best estimated surge frequency"],
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("designs", "listed"), [(40, 40), (41, 21), (90, 30)])
+def test_a_long_front_is_thinned_evenly(designs, listed):
+    found = search([(1e3, 1.0), *((10.0 + place, 100.0 + place) for place in range(designs))])
+    rows = front_table(found)
+    assert len(found.front) == designs and len(rows) == listed <= MOST_DESIGNS
+    assert set(np.diff([int(row[0]) for row in rows])) == {-(-designs // listed)}
+
+
+def test_the_case_file_of_a_design_says_which_one_it_is():
+    found = search(MADE)
+    told = [tomllib.loads(case_text(found, one)) for one in found.designs]
+    ends = ("balanced", "best wire mass", "best estimated surge frequency")
+    assert [one["title"] for one in told] == [f"Light and quick, {end}" for end in ends]
+    assert [one["spring"]["wire_diameter"] for one in told] == [f"{value!r} m" for value in (3.03e-3, 3.01e-3, 3.04e-3)]
+    assert [one["description"].split()[:2] for one in told] == [["Trial", "3"], ["Trial", "1"], ["Trial", "4"]]
