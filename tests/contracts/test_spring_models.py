@@ -8,10 +8,11 @@ from numba import njit, types
 
 from spring_parts import CLOSED_ENDS, LINEAR_RATE, MODELS, PRECOMPRESSION, build_models, drive, raised_cosine
 from valvetrain.cosserat.layout import row
+from valvetrain.integrate.clash import steps_between
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.registry import places
-from valvetrain.springs.contract import SpringModel
+from valvetrain.springs.contract import SpringModel, contact_watch_of
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.rest import at_rest
@@ -224,6 +225,26 @@ def test_clash_happens_in_the_clashing_event_and_costs_energy():
         state = model.initial_state(0.0)
         drive(model, state, displacement, velocity, time_step)
         assert model.energy(state, 0.0).dissipated > 1e-6
+
+
+#: Spacing (s) of the record of a model's coil contacts: 2 us of a chain, twice that of a rod with its many points; None without coils.
+RECORDED = {
+    **dict.fromkeys(("chain", "chain-damped", "chain-7-per-coil", "wave-rod-clash", "nested", "nested-rubbing"), 2e-6),
+    "finite-element": 4e-6,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_record_of_coil_contacts_is_as_fine_as_its_model_says(name):
+    """Blows last some 10 us, so two rows at least fall into each; the steps between rows follow from the time step."""
+    watch = contact_watch_of(MODELS[name])
+    assert (None if watch is None else watch.interval) == RECORDED.get(name)
+    if watch is not None:
+        assert [steps_between(watch, step) for step in (1e-7, 2e-7, 1e-5)] == [
+            round(watch.interval / 1e-7),
+            round(watch.interval / 2e-7),
+            1,
+        ]
 
 
 @pytest.mark.parametrize("name", NAMES)

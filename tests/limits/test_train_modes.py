@@ -138,6 +138,13 @@ def test_a_spring_without_a_mass_only_presses():
     assert len(with_card.natural_frequency) == 2 and with_card.energy_share[:, -1] == pytest.approx(0.0)
 
 
+@pytest.mark.parametrize(("label", "shown"), [("", "stock"), ("multi-mass, inner", "multi-mass, inner")])
+def test_modes_are_named_by_their_label_and_else_by_their_train(label, shown):
+    built = bucket(MasslessSpring(RATE, 300.0))
+    named = TrainSystem(built.mechanism, built.springs, name="stock")
+    assert modes_of_train(named, cam_angle=NOSE, label=label).label == shown
+
+
 def test_the_command_tells_both_states_with_bodies_and_springs_by_name():
     """The JSON of ``modes`` holds what Python gives; shares of a mode make one whole."""
     import json

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,8 @@ import pytest
 
 from book_page import assert_page_holds
 from valvetrain.citations import references
+from valvetrain.cosserat import quaternion
+from valvetrain.cosserat.static import RodStatics
 from valvetrain.solution.comparison import Comparison
 from valvetrain.validation import beams, conical, followers, free_ends, laws, models, ring, springs, stresses, waves
 from valvetrain.validation.__main__ import book, main, page, run_book
@@ -120,6 +123,23 @@ def test_a_fault_in_the_rods_bending_turns_rows_red(monkeypatch):
     whole = energy_kernels.bend_terms
     monkeypatch.setattr(energy_kernels, "bend_terms", lambda f, n, q, k, rest, *more: whole(f, n, q, k, 0.99 * rest, *more))
     assert red(beams.helix_under_large_compression())
+
+
+@pytest.mark.parametrize("turns", [1, 2])
+@pytest.mark.parametrize("lead", [0.3, 0.15, 0.05])
+def test_the_torque_at_the_end_of_a_bent_helix_is_the_slope_of_its_energy(lead, turns):
+    """Castigliano: the last end turned a little about the axis, forward and back, all else held."""
+    length = turns * 2 * np.pi / np.cos(0.2)
+    wire = beams.tube(1.0, 0.77, length)
+    mesh, result, torque = beams._bent(beams.Helix(1.0, 0.2, wire), beams.Helix(1.0, lead, wire), length, 48 * turns)
+    statics, last, energy = RodStatics(mesh, options=beams.TIGHT), mesh.last, []
+    for turn in (1e-4, -1e-4):
+        position, frame = result.state.position.copy(), result.state.frame.copy()
+        (x, y), cosine, sine = position[last, :2].copy(), np.cos(turn), np.sin(turn)
+        position[last, :2] = cosine * x - sine * y, sine * x + cosine * y
+        frame[last + 1] = quaternion.multiply(np.array([np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2)]), frame[last + 1])
+        energy.append(statics.assemble(replace(result.state, position=position, frame=frame), False)[0])
+    assert torque == pytest.approx((energy[0] - energy[1]) / 2e-4, abs=2e-7)
 
 
 def test_a_fault_in_the_time_march_turns_rows_red(monkeypatch):

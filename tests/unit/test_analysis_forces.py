@@ -10,7 +10,7 @@ from valvetrain.errors import InputError
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.energy import energy_balance
 from valvetrain.quantities.filters import filtered_force, low_pass
-from valvetrain.quantities.main_clash import IMPULSE_TIME, find_clash_window, main_clash_quantities
+from valvetrain.quantities.main_clash import IMPULSE_TIME, _vertex, find_clash_window, main_clash_quantities
 from valvetrain.quantities.spectrum import order_spectrum, surge_order
 from valvetrain.sources.gu2021_stages import stage_quantities
 
@@ -157,6 +157,24 @@ def test_main_clash_of_a_made_up_force():
     time = angle.ravel() / (made.engine_speed / 2)
     here = np.abs(time - (2 * np.pi + np.radians(250.0)) / (made.engine_speed / 2)) <= IMPULSE_TIME
     assert found["main_clash_impulse"] == pytest.approx(np.trapezoid(fine.ravel()[here] - 300.0, time[here]), rel=0.02)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1e-3, 1.0, 1e6])
+@pytest.mark.parametrize(
+    ("shape", "place"),
+    [
+        (lambda x: -((x - 10.25) ** 2), 10.25),  # a parabola: its vertex, between the samples
+        (lambda x: -((x - 10.0) ** 2), 10.0),
+        (lambda x: -np.abs(x - 10.0), 10.0),  # a kink alike on both sides
+        (lambda x: np.exp(-x), 0.0),  # falls ever slower from the first sample on: no vertex near, the sample itself
+        (lambda x: np.exp(x - 20.0), 20.0),
+        (lambda x: -x, 0.0),
+    ],
+)
+def test_the_angle_of_a_largest_force_does_not_depend_on_its_size(shape, place, size):
+    steps = np.arange(21.0)
+    found = _vertex(0.01 * steps, size * shape(steps), np.arange(21))
+    assert found == pytest.approx(0.01 * place, abs=1e-9)
 
 
 def test_filter_of_a_closed_period_sees_its_end_before_its_beginning():

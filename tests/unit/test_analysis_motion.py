@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from synthetic_spring import ENGINE_SPEED, EVENT, bump, run
-from valvetrain.integrate.clash import ClashRule, runs
+from valvetrain.integrate.clash import RECORDED, ClashRule, runs
 from valvetrain.quantities.clash import clash_events
 from valvetrain.quantities.compare import compare, pair_angles
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.frame import Frame
 from valvetrain.quantities.peaks import separate_spikes
 from valvetrain.quantities.statics import natural_quantities, rest_quantities, slope_change, static_quantities
+from valvetrain.solution.event import Event
 from valvetrain.solution.modal import ModalResult
 from valvetrain.solution.quantity import Quantity, unit_of
 from valvetrain.solution.static import SpringAtRest, StaticCurve
@@ -90,6 +92,17 @@ def test_node_2_motion():
     assert found["node_2_late_stage_3_minimum_velocity"] == pytest.approx(-0.9)
     assert found["node_2_peak_acceleration"] == pytest.approx(1e4)
     assert found["node_2_peak_acceleration_cam_angle"] / DEG == pytest.approx(245.5)
+
+
+@pytest.mark.parametrize("named", ["", "outer_"])
+@pytest.mark.parametrize("clashes", [0, 1, 3])
+def test_clashes_that_the_integrator_found_are_those_of_the_run_and_nothing_else(clashes, named):
+    """Six would be read from the samples; seatings, bounces and losses of contact stand among the events too."""
+    others = [Event(kind, 0.1 * place, 1e-4 * place, 1e-5, 1.0, "N") for place, kind in enumerate(("seating", "bounce", "contact-loss"))]
+    own = [Event("clash", 1.0 + place, 1e-3 * (1 + place), 2e-5, 100.0 + place, "N", "coils 1-2") for place in range(clashes)]
+    made = replace(_motion(), events=(*others, *own), statistics={f"{named}{RECORDED}": 2e-6})
+    assert clash_events(made) == tuple(own)
+    assert len(clash_events(replace(made, statistics={}))) == 6
 
 
 @pytest.mark.parametrize("change", [{"coil_gap": None}, {"coil_contact_force": None}])

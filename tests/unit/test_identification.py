@@ -14,6 +14,7 @@ from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.identification.datum import Datum
 from valvetrain.identification.journal import Journal
 from valvetrain.identification.least_squares import least_squares
+from valvetrain.identification.multistart import ends_of, linear_draws
 from valvetrain.identification.posterior import Posterior, Unknown
 from valvetrain.identification.prior import Prior
 from valvetrain.identification.profiles import profile
@@ -176,3 +177,20 @@ def test_a_library_that_is_interrupted_says_nothing_on_standard_output(method: s
         posterior = Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(interrupted))
         solve(posterior, Search(method, live_points=30, steps=100), journal)
     assert sum(calls) > asked and capfd.readouterr().out == ""
+
+
+@pytest.mark.parametrize(("bend", "holds"), [(1e6, True), (0.3, False)])
+@pytest.mark.parametrize("count", [3, 10])
+def test_a_linearised_posterior_is_noted_where_it_does_not_hold(count: int, bend: float, holds: bool) -> None:
+    """Data b tanh(x / b): straight lines for a large b, whose posterior is normal; for a small b they flatten off beside the peak."""
+    unknowns = tuple(Unknown(f"x{place}", Prior("uniform", -50.0, 50.0)) for place in range(count))
+
+    def told(points: np.ndarray) -> list[dict[str, float]]:
+        return [{f"y{place}": bend * math.tanh(value / bend) for place, value in enumerate(row)} for row in points.tolist()]
+
+    posterior = Posterior(unknowns, tuple(Datum(f"y{place}", 0.0, 1.0) for place in range(count)), told)
+    ends = ends_of(posterior, [least_squares(posterior, np.full(count, 0.01))])
+    draws, numbers = linear_draws(posterior, ends, 400, 1)
+    assert draws.work.shape == (400, count) and not np.any(numbers)
+    assert np.std(draws.work, axis=0) == pytest.approx(np.ones(count), rel=0.1)
+    assert (not draws.notes) == holds and all("does not hold" in note for note in draws.notes)

@@ -89,6 +89,35 @@ def test_ranges_follow_what_is_shown():
     assert low < 7 < high
 
 
+@pytest.mark.parametrize(
+    ("values", "decades"), [((3.0, 4e4), (0, 5)), ((1.0, 1e3), (0, 3)), ((2e-7, 5e-7, 0.0), (-7, -6)), ((0.02, 30.0, np.nan), (-2, 2))]
+)
+def test_an_axis_of_decades_is_one_on_the_page_and_in_the_picture(values, decades):
+    """Whole decades about the positive values, evenly spaced, the line at the logarithms of its values."""
+    low, high = decades
+    x, y = np.arange(float(len(values))), np.array(values)
+    chart = _chart(Line(x, y, "a", "#123456"), y_log=True)
+    drawn = figure(chart)
+    for layout in (drawn["layout"], drawn["narrow"]):
+        assert (layout["yaxis"]["type"], layout["yaxis"]["dtick"]) == ("log", 1)
+        assert layout["yaxis"]["range"] == pytest.approx([low, high])
+    assert unpacked(drawn["data"][0]["y"]) == pytest.approx(y, nan_ok=True), "values, not logarithms"
+    tree = ElementTree.fromstring(svg(chart))
+    told = {one.text: float(one.get("y")) for one in tree.iter(f"{SVG}text")}
+    places = np.array([told[f"{10.0**power:g}"] for power in range(low, high + 1)])
+    assert np.diff(places) == pytest.approx(np.full(high - low, (places[-1] - places[0]) / (high - low)), abs=0.11)
+    (path,) = [one.get("d") for one in tree.iter(f"{SVG}path") if one.get("stroke") == "#123456" and "L" in one.get("d")]
+    (first, second) = (float(words.split()[-1].split(",")[-1]) for words in re.split("[ML]", path)[1:3])
+    per_decade = (places[0] - places[-1]) / (high - low)
+    assert first - second == pytest.approx(per_decade * np.log10(y[1] / y[0]), abs=0.3)
+
+
+@pytest.mark.parametrize("y_log", [False, True])
+def test_only_an_axis_that_is_asked_for_has_decades(y_log):
+    layout = figure(_chart(Line(np.arange(3.0), np.array([1.0, 10.0, 100.0]), "a", "#000000"), y_log=y_log))["layout"]
+    assert (layout["yaxis"].get("type") == "log") == y_log and layout["xaxis"].get("type") != "log"
+
+
 def test_words_of_near_rules_stand_on_different_lines():
     rules = (Rule("x", 5.0, "b"), Rule("x", 4.5, "a"), Rule("x", 9.5, "c"))
     line = Line(np.array([0.0, 10.0]), np.zeros(2), "", "#000000")

@@ -111,3 +111,20 @@ def test_refinement_in_two_quantities_gathers_along_the_front():
 def test_options_that_a_sampler_does_not_have_are_refused(word, options, words):
     with pytest.raises(InputError, match=words):
         drawn(word, **options)
+
+
+#: Whether its points are draws from the distributions, so that their scatter and percentiles are those of the outputs.
+DRAWN = {
+    "monte-carlo": True, "latin-hypercube": True, "sobol": True, "saltelli": True, "grid": False, "list": False, "adaptive": False,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("word", sorted({*registry.words("samplers"), *DRAWN}))
+def test_points_count_as_draws_where_they_follow_their_distribution(word):
+    """Points of a normal quantity: those that are draws have its deviation, those on levels or rows do not."""
+    assert sampler(word).independent == DRAWN[word]
+    if word in ("list", "adaptive"):
+        return
+    normal = (Varied("a", distribution=Normal(0.0, 1.0, -3.0, 3.0)), Varied("b", distribution=Normal(0.0, 1.0, -3.0, 3.0)))
+    points = drawn(word, normal, **({"levels": 5} if word == "grid" else {"count": 512}))
+    assert (np.std(points[:, 0]) == pytest.approx(0.987, abs=0.08)) == DRAWN[word]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 import tomllib
+from dataclasses import replace
 
 import pytest
 
@@ -14,8 +15,9 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.loading import LIBRARY, parse_case
 from valvetrain.parameters.templates import TEMPLATES
-from valvetrain.units import to_unit
+from valvetrain.units import parse_quantity, si_speeds, to_unit
 from valvetrain.workbench.form import Field, check, fields, read_change
+from valvetrain.workbench.pages.forms import engine_speed, sliding
 from workbench_parts import SMALL
 
 FILES = sorted([*LIBRARY.glob("*.toml"), *TEMPLATES.glob("*.toml")], key=lambda path: path.stem)
@@ -122,3 +124,38 @@ def test_a_form_of_a_text_that_is_none():
         fields("x = [")
     assert [group.key for group in fields("")] == ["", "operation"]
     assert parse_case(SMALL).springs
+
+
+@pytest.mark.parametrize(
+    ("speeds", "value", "ends"),
+    [
+        ("4200 rpm", 4200.0, (1250.0, 6300.0)),
+        ("4200, 8000, 5600 rpm", 8000.0, (2400.0, 12000.0)),
+        ("100 rad/s", 955.0, (300.0, 1450.0)),
+        ("1000:3000:500 rpm", 3000.0, (900.0, 4500.0)),
+        (None, None, None),
+    ],
+)
+def test_the_slider_of_the_speed_stands_about_the_highest_speed_in_rpm(speeds, value, ends):
+    """Ends at 0.3 and 1.5 of it, to 50 rpm; the value with its unit is the speed of the case, to a revolution per minute."""
+    case = parse_case(SMALL)
+    wanted = () if speeds is None else si_speeds(speeds)
+    shown = engine_speed(replace(case, operation=replace(case.operation, engine_speeds=wanted)))
+    if speeds is None:
+        assert shown == []
+        return
+    (one,) = shown
+    assert (one["value"], one["unit"], (one["low"], one["high"]), one["step"]) == (value, "rpm", ends, 10.0)
+    assert parse_quantity(f"{one['value']} {one['unit']}", "angular speed") == pytest.approx(max(wanted), abs=0.06)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_a_slider_shows_what_stands_in_the_form_in_its_unit(path):
+    """Every quantity of a slider is that of the field of the same key: number, unit, ends about the number."""
+    groups = fields(path.read_text("utf-8"))
+    by_key = {field.key: field for group in groups for field in group.fields}
+    shown = sliding(groups)
+    assert shown and len({one["key"] for one in shown}) == len(shown)
+    for one in shown:
+        field = by_key[one["key"]]
+        assert (one["value"], one["unit"]) == (field.number, field.unit) and one["low"] <= one["value"] <= one["high"] and one["step"] > 0

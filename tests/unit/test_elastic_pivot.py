@@ -1,0 +1,45 @@
+"""Unit: the elastic pivot of a lever as a mass on a spring and a damper, by Newton's and Hooke's laws, in every kind of train."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from train_parts import KINDS, LAW
+from valvetrain.mechanism.build import build_mechanism
+from valvetrain.mechanism.parts import ElasticLink
+from valvetrain.mechanism.planar import support_parts
+from valvetrain.parameters.train import SupportParameters
+
+STIFFNESS, DAMPING, MASS, LEVER = 5e7, 200.0, 0.1, 0.06
+LEVERS = ("finger", "rocker", "pushrod")
+
+
+@pytest.mark.parametrize("direction", [0.0, 60.0, 90.0, 200.0])
+@pytest.mark.parametrize("kind", LEVERS)
+def test_a_pivot_carries_the_lever_and_yields_along_its_direction(kind, direction):
+    turned = math.radians(direction)
+    train = KINDS[kind](support=SupportParameters(STIFFNESS, MASS, DAMPING, turned), gravity=(1.5, -9.81))
+    (body,), (link,), along, name = support_parts(train, LEVER)
+    assert (name, body.name, link.coordinates) == ("support", "support", ("support",))
+    assert along == pytest.approx((math.cos(turned), math.sin(turned)))
+    assert body.mass == pytest.approx(MASS + LEVER)
+    assert body.force == pytest.approx((MASS + LEVER) * (1.5 * math.cos(turned) - 9.81 * math.sin(turned)))
+    assert isinstance(link.law, ElasticLink) and (link.law.stiffness, link.law.damping) == (STIFFNESS, DAMPING)
+    assert link.geometry_row()[:2].tolist() == [0.0, 1.0], "it is pressed by the travel of the pivot"
+
+
+@pytest.mark.parametrize("model", ["planar", "lumped"])
+@pytest.mark.parametrize("kind", LEVERS)
+def test_the_link_of_a_pivot_is_the_same_in_both_models(kind, model):
+    built = build_mechanism(KINDS[kind](model=model, support=SupportParameters(STIFFNESS, MASS, DAMPING)), LAW)
+    (link,) = [one for one in built.interactions if one.name == "support"]
+    np.testing.assert_array_equal(link.law.parameters(), [STIFFNESS, DAMPING])
+
+
+@pytest.mark.parametrize("kind", LEVERS)
+def test_a_rigid_pivot_adds_nothing(kind):
+    assert support_parts(KINDS[kind](), LEVER) == ([], [], (0.0, 0.0), "")
+    assert not [one.name for one in build_mechanism(KINDS[kind](), LAW).interactions if one.name == "support"]
