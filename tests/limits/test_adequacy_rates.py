@@ -182,3 +182,17 @@ def test_spikes_and_their_distance_are_those_that_were_drawn():
     interval = interval_row(rows, np.radians(233.0), 2 * np.pi)
     assert np.degrees([interval.model, interval.test]) == pytest.approx([26.5, 27.0], abs=0.05)
     assert interval.name == "interval of 3 spikes" and interval_row(rows[:2], 0.0, 7.0) is None
+
+
+@pytest.mark.parametrize("count", [3, 8, 9, 12])
+def test_of_many_spikes_the_eight_that_stand_out_most_are_told_in_order(count):
+    """Spikes of unlike heights, evenly apart: the lowest are left out, and each meets its own in a model of 3 N less."""
+    angle = np.arange(1440) * 2 * np.pi / 1440
+    places = 20.0 + 330.0 / count * np.arange(count)
+    heights = 100.0 + 40.0 * ((5 * np.arange(count)) % 13)
+    curve = sum(size * np.exp(-(((np.degrees(angle) - at) / 2.0) ** 2)) for at, size in zip(places, heights, strict=True))
+    values = curve + 0.01 * repeats(np.random.default_rng(3), 6, 1440)
+    rows = [row for row in spike_rows(angle, values, curve - 3.0, scatter_of_mean(values)[:20]) if row.dimension == "value"]
+    due = np.sort(np.argsort(-heights)[:8])
+    assert [row.test for row in rows] == pytest.approx(heights[due], abs=0.5)
+    assert [row.difference for row in rows] == pytest.approx([-3.0] * len(due), abs=0.2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import subprocess
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from unit.cli_parts import MODULE, call, process_environment, sentence
+from valvetrain.cli.streams import mend_streams
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY
 from valvetrain.solution.atomic import check_target, write_text
@@ -175,3 +177,15 @@ def test_a_file_never_takes_the_place_of_a_pipe_or_a_folder(tmp_path):
         assert result.exit_code == 2 and words in sentence(result)
     assert (tmp_path / "pipe").is_fifo() and not list((tmp_path / "folder").iterdir())
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "pipe"]
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
+@pytest.mark.parametrize("name", ["stdout", "stderr"])
+def test_what_a_stream_cannot_show_is_written_with_backslashes(name, encoding, monkeypatch):
+    """A spring called after the Greek letter and an ohm sign: as it is where the stream knows them, else as Python escapes them."""
+    raw, words = io.BytesIO(), "Feder \u03b1 \u2126 \udcff"
+    monkeypatch.setattr(sys, name, io.TextIOWrapper(raw, encoding=encoding))
+    mend_streams()
+    print(words, file=getattr(sys, name), flush=True)
+    greek = "\u03b1 \u2126" if encoding == "utf-8" else "\\u03b1 \\u2126"
+    assert raw.getvalue().decode(encoding).strip() == f"Feder {greek} \\udcff"

@@ -16,6 +16,7 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
+from valvetrain.report.optimum_page import optimum_page
 from valvetrain.studies.optimum.run_search import SearchInterrupted
 from valvetrain.studies.optimum.words import sentences
 
@@ -253,3 +254,17 @@ def test_another_model_says_what_it_makes_of_the_best():
     assert one.label == "no surge" and len(told) == 1 and one.case.number == 0
     # a spring without surge has its static force at any speed, which the case keeps up to the highest one searched
     assert one.case.objectives[0] == pytest.approx(9000 * np.pi / 30) and found.case.objectives[0] < one.case.objectives[0]
+
+
+@pytest.mark.parametrize(("failures", "told"), [(0, 0), (1, 1), (8, 8), (9, 9), (20, 9)])
+def test_the_page_names_eight_trials_that_failed_and_counts_the_others(failures, told):
+    """Numbers and reasons of the first eight; beyond them one sentence says how many more there are."""
+    found = light()
+    failed = [one.number for one in found.trials if not one.feasible][:failures]
+    reasons = {number: f"reason {place}" for place, number in enumerate(failed)}
+    trials = [replace(one, measured=replace(one.measured, failure=reasons.get(one.number, ""))) for one in found.trials]
+    page = optimum_page(replace(found, trials=tuple(trials)))
+    blocks = [block.html for section in page.sections if section.key == "failed" for block in section.blocks]
+    assert len(blocks) == told
+    assert blocks[:8] == [f"Trial {number}: {reason}" for number, reason in list(reasons.items())[:8]]
+    assert blocks[8:] == ([f"And {failures - 8} more; trials.csv has them all."] if failures > 8 else [])

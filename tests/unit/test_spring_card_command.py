@@ -9,9 +9,10 @@ import pytest
 
 from unit.cli_parts import call as invoke
 from valvetrain.errors import InputError
+from valvetrain.measurements.catalogue_card import GROUND, CatalogueCard, SpringLoad, Winding
 from valvetrain.measurements.force_height import read_force_height
 from valvetrain.parameters.loading import load_case
-from valvetrain.studies.spring_card import forces_at
+from valvetrain.studies.spring_card import _left_free, forces_at
 
 CARD = ("spring-card", "--wire-diameter", "4.4 mm", "--outer-diameter", "32 mm")
 LOADS = ("--installed", "46 mm, 350 N", "--open-load", "34 mm, 830 N")
@@ -135,3 +136,25 @@ def test_a_table_and_loads_are_not_taken_together(tmp_path, monkeypatch):
     for more, words in ((("--closes", "middle"), "lower, upper or both"), (("--installed-height", "60 mm"), "the table holds heights")):
         shown = invoke(*CARD, str(table(tmp_path)), *more)
         assert shown.exit_code == 2 and words in " ".join(shown.output.split())
+
+
+OF_ENDS = ("no turns, mass or solid height", "the turns are those of the solid height", "no solid height is given", "do not fit together")
+
+
+@pytest.mark.parametrize(
+    ("told", "ground", "said"),
+    [
+        ((), GROUND, 0), (("solid_height",), 0.6, 1), (("solid_height",), GROUND, 1),
+        (("mass",), GROUND, 2), (("total_coils",), GROUND, 2), (("mass", "total_coils"), GROUND, 2),
+        (("mass", "solid_height"), GROUND, 3), (("total_coils", "solid_height"), GROUND, 3),
+        (("mass", "solid_height"), 0.6, None), (("total_coils", "solid_height"), 0.9, None),
+    ],
+)  # fmt: skip
+def test_what_a_card_leaves_open_of_turns_and_ends_is_said_once(told, ground, said):
+    """Ground turns of textbooks where a solid height is told as well mean that it asked for others, which no end has."""
+    given = {"mass": 0.09, "total_coils": 7.0, "solid_height": 29e-3}
+    loads = {"installed_load": SpringLoad("46 mm", "350 N"), "open_load": SpringLoad("34 mm", "830 N")}
+    card = CatalogueCard(wire_diameter=4.4e-3, outer_diameter=32e-3, **loads, **{name: given[name] for name in told})
+    free = _left_free(card, Winding(7.0, 1.0, ground, 54e-3))
+    found = [place for place, words in enumerate(OF_ENDS) for one in free if words in one]
+    assert found == ([] if said is None else [said])

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
 from train_parts import KINDS, STIFF, contacts, system
 from twins.train_step import integrate_in_time
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_run import BLOW_STEPS, TrainOptions, runner
 from valvetrain.parameters.train import ContactParameters, SupportParameters, ValveParameters
 from valvetrain.system.train_forces import gap_state
 
@@ -78,3 +80,15 @@ def test_a_twin_with_another_mass_is_another_motion():
     heavier = runner(system(KINDS["direct"](valve=ValveParameters(0.1))), 250.0, TrainOptions(samples=720))
     one, other = (item.cycle(item.initial_state())[1].q for item in (ready, heavier))
     assert np.max(np.abs(one - other)) > 1e-8
+
+
+@pytest.mark.parametrize("finer", [0.5, 1.0, 1.7, 4.0])
+def test_a_prescribed_step_finer_than_the_usual_divides_a_blow_as_much_more(finer):
+    """A coarser one divides it as usual; the parts are whole, rounded up, and none stay none."""
+    built, usual = system(KINDS["direct"]()), TrainOptions().step_fraction
+    still = runner(built, 250.0).rest
+    for asked in (BLOW_STEPS, 3, 0):
+        options = TrainOptions(time_step=usual * still.own_time_step / finer, blow_steps=asked)
+        made = runner(built, 250.0, options, rest=still)
+        assert made.options.blow_steps == math.ceil(round(asked * max(finer, 1.0), 9))
+    assert runner(built, 250.0, rest=still).options.blow_steps == BLOW_STEPS

@@ -1,0 +1,103 @@
+"""Unit: rules of charts: what is shaded, how wide a curve is, how a drawn wire is coloured, marginals in any unit."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from valvetrain.report.chart import Line
+from valvetrain.report.identification_charts import _density
+from valvetrain.report.lift_page import derivatives_chart, residuals_chart
+from valvetrain.report.motion.parts import Colouring, SpringDrawing
+from valvetrain.report.motion.project import _wire
+from valvetrain.report.rig_page import raw_chart
+
+#: Least and largest width of a curve (px); a band's edge is thinner than what it is about.
+THINNEST, WIDEST = 0.8, 2.4
+
+
+def recorded(kept, outliers, cycles=8):
+    channel = SimpleNamespace(
+        cycles=SimpleNamespace(quantity="spring_force", unit="N"),
+        raw=SimpleNamespace(start=0.0, step=0.01, values=np.linspace(0.0, 5.0, 10 * cycles)),
+    )
+    grid = SimpleNamespace(cut_times=0.1 * np.arange(cycles + 1))
+    return SimpleNamespace(channels=(channel, channel), grid=grid, kept=kept, outliers=tuple((one, "why") for one in outliers))
+
+
+@pytest.mark.parametrize(
+    ("kept", "outliers", "out"),
+    [
+        ((0, 1, 2, 4, 5, 6, 7), (3,), (3,)),
+        ((0, 1, 2, 3, 4, 5, 6, 7), (3,), ()),  # asked to stay
+        ((0, 2, 3, 4, 6), (1, 5, 7), (1, 5, 7)),
+        ((0, 1, 2, 4, 5, 6), (3, 5, 7), (3, 7)),
+        ((0, 1), (), ()),
+    ],
+)
+def test_shaded_are_the_cycles_that_were_left_out_and_no_others(kept, outliers, out):
+    panels = raw_chart(recorded(kept, outliers)).panels
+    assert len(panels) == 2
+    for panel in panels:
+        assert [(band.first, band.last) for band in panel.bands] == [pytest.approx((0.1 * one, 0.1 * one + 0.1)) for one in out]
+        assert {band.words for band in panel.bands} <= {"left out"}
+        assert [rule.value for rule in panel.rules] == pytest.approx(0.1 * np.arange(9))
+
+
+def lobe():
+    angles = np.linspace(1.0, 2.0, 30)
+    smoothed = SimpleNamespace(
+        event=(1.0, 2.0), base=0.0, noise=1e-6, cam_angles=angles, residuals=1e-6 * np.cos(40 * angles),
+        lift=lambda at, derivative=0: 1e-3 * np.sin(at + derivative), spread=lambda at, derivative=0: 1e-5 * np.ones_like(at),
+    )  # fmt: skip
+    measured = SimpleNamespace(name="intake", lifts=1e-3 * np.sin(angles), cam_angles=angles)
+    return SimpleNamespace(measured=measured, smoothed=smoothed)
+
+
+def test_a_law_is_drawn_between_thinner_edges_of_its_band():
+    """Edges two standard deviations to either side; the law is the widest curve, and no more than twice as wide as they are."""
+    panels = derivatives_chart(lobe()).panels
+    assert len(panels) == 4
+    for derivative, panel in enumerate(panels):
+        lines = [layer for layer in panel.layers if isinstance(layer, Line)]
+        low, high, law = lines
+        assert low.width == high.width < law.width <= 2 * low.width
+        assert law.name == "law behind the stations" and np.all(low.y < law.y) and np.all(law.y < high.y)
+        assert [one.in_legend for one in lines] == [derivative == 0, False, derivative == 0]
+    lines = [layer for chart in (derivatives_chart(lobe()), residuals_chart(lobe())) for panel in chart.panels for layer in panel.layers]
+    assert all(THINNEST <= one.width <= WIDEST for one in lines if isinstance(one, Line))
+
+
+def wire(values, coil):
+    colouring = Colouring("share", "share", "1", values, 0.0, 1.0, ("#000000", "#ffffff"))
+    even, still, height = np.ones(len(coil)), np.zeros((len(values), len(coil))), np.full(len(values), 0.05)
+    return SpringDrawing("one", coil, 10e-3 * even, 2e-3 * even, 1.0, 5e-3 * coil, still, height, (colouring,))
+
+
+@pytest.mark.parametrize("frame", [0, 1, 2])
+@pytest.mark.parametrize("coil", [np.linspace(0.0, 6.0, 25), np.array([0.0, 0.5, 1.0, 3.0, 6.0])])
+def test_a_piece_of_wire_has_the_colour_of_its_own_coil_in_its_frame(frame, coil):
+    """Grey over the light that falls on its strip is the channel between the nodes: rising, falling, and even along the wire."""
+    values = np.array([coil / 6.0, 1.0 - coil / 6.0, np.full(len(coil), 0.5)])
+    pieces = _wire(wire(values, coil), frame, "share", (0.0, 0.0), 1)
+    lit = _wire(wire(np.ones_like(values), coil), frame, "share", (0.0, 0.0), 1)
+    middle = (np.arange(len(pieces)) + 0.5) * 6.0 / len(pieces)
+    shown = np.array([one.colour[0] for one in pieces]) / np.array([one.colour[0] for one in lit])
+    bright = np.array([one.colour[0] for one in lit]) < 255
+    due = np.interp(middle, coil, values[frame])
+    assert bright.sum() > 0.5 * len(pieces) and np.allclose(shown[bright], due[bright], atol=0.02)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e-3, 1.0, 1e6])
+def test_a_marginal_of_draws_is_the_same_curve_in_any_unit(scale):
+    """Draws of 0 to 1 within bounds of -10 to 10: bars over 1.8 times the middle 90 % alone, as many as there are bins, of area one."""
+    values = scale * np.linspace(0.0, 1.0, 4001)[:, None]
+    interval = SimpleNamespace(low=0.05 * scale, high=0.95 * scale)
+    found = SimpleNamespace(evidence_kind="nested", names=("one",), values=values, weights=np.full(4001, 1 / 4001),
+                            branch_of=np.zeros(4001, dtype=int))  # fmt: skip
+    edges, heights = _density(found, SimpleNamespace(quantities={"one": interval}), 0, 0, -10 * scale, 10 * scale)
+    assert (edges[0] / scale, edges[-1] / scale) == pytest.approx((0.05 - 0.36, 0.95 + 0.36))
+    assert np.sum(heights[1:-1:2] * np.diff(edges[::2])) == pytest.approx(1.0)
+    assert np.median(heights[heights > 0]) * scale == pytest.approx(1.0, rel=0.02)

@@ -1,0 +1,116 @@
+"""Unit: rules of recordings, scans and traces: which cycles are whole, which points and samples count, what is read at all."""
+
+from __future__ import annotations
+
+import tracemalloc
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from valvetrain.errors import InputError
+from valvetrain.measurements.cycle_cutting import grid_of
+from valvetrain.measurements.rig_formats import tdms
+from valvetrain.measurements.rig_result import student
+from valvetrain.measurements.shaft_angle import ShaftAngle
+from valvetrain.measurements.spring_scan import sections
+from valvetrain.studies.seen import finest_trace
+
+TURN = 2 * np.pi
+
+
+@pytest.mark.parametrize("begin", [-3.0, 0.0, 0.25, 100.0])
+@pytest.mark.parametrize("reach", [0.0, 0.05, 0.1, 0.3])
+@pytest.mark.parametrize(("late", "early"), [(0.0, 0.0), (0.2, 0.0), (0.0, 0.2), (0.2, 0.2)])
+def test_cycles_lie_within_the_recording_by_the_reach_of_the_filter_wherever_time_begins(begin, reach, late, early):
+    """Five cam turns of 0.2 s, marks at the turns; the shaft is told ``late`` s after the recording begins, until ``early`` s before."""
+    times = begin + np.linspace(late, 1.0 - early, 101)
+    shaft = ShaftAngle(times, (times - begin) / 0.2 * TURN)
+    first, last = max(reach, late), 1.0 - max(reach, early)
+    due = 0.2 * np.arange(np.ceil(first / 0.2 - 1e-6), np.floor(last / 0.2 + 1e-6) + 1)
+    found = grid_of(shaft, 90, 0.0, reach, (begin, begin + 1.0))
+    assert found.cut_times - begin == pytest.approx(due, abs=1e-9)
+    assert found.times[:, 0] - begin == pytest.approx(due[:-1], abs=1e-9)
+    assert found.cam_speeds == pytest.approx(np.full(len(due) - 1, TURN / 0.2))
+
+
+def test_a_recording_shorter_than_its_filter_reaches_has_no_cycle():
+    times = 50.0 + np.linspace(0.0, 1.0, 101)
+    with pytest.raises(InputError, match="shorter than the filter needs"):
+        grid_of(ShaftAngle(times, (times - 50.0) / 0.2 * TURN), 90, 0.0, 0.5, (50.0, 51.0))
+
+
+@pytest.mark.parametrize("count", [*range(2, 41), 60, 120, 1000])
+def test_the_factor_of_a_mean_is_that_of_students_distribution(count):
+    """The table to its last digit, the formula beyond it to 0.3 %."""
+    assert student(count) == pytest.approx(stats.t.ppf(0.975, count - 1), rel=3e-4 if count <= 20 else 3e-3)
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_one_value_says_nothing_of_its_mean(count):
+    assert student(count) == np.inf
+
+
+@pytest.mark.parametrize(("count", "votes"), [(2, 2), (599, 599), (1199, 1199), (1200, 600), (1801, 601), (3000, 600), (3599, 720)])
+def test_of_many_points_every_so_many_votes_so_that_six_hundred_are_left(monkeypatch, count, votes):
+    """Every second from 1200 on, every third from 1800 on: 600 points or more are left wherever there were as many."""
+    seen: list[int] = []
+
+    def take_down(points, *more):
+        seen.append(len(points))
+        return np.zeros((1, 1)), (0.0, 0.0)
+
+    monkeypatch.setattr(sections, "_votes", take_down)
+    monkeypatch.setattr(sections, "_best_radii", lambda scores: [])
+    radius, height = np.linspace(10.0, 12.0, count), np.linspace(0.0, 50.0, count)
+    sections.find_sections(np.column_stack([radius, 0 * radius, height]), wedges=1)
+    assert set(seen) == {votes}
+
+
+@pytest.mark.parametrize("wanted", [(), ("short",), ("long",)])
+def test_of_a_tdms_file_only_what_is_wanted_is_read(tmp_path, wanted):
+    """A channel of 8 MB takes no memory where it is not asked for."""
+    nptdms = pytest.importorskip("nptdms")
+    values = {"short": np.arange(50.0), "long": np.linspace(0.0, 1.0, 1_000_000)}
+    with nptdms.TdmsWriter(tmp_path / "it.tdms") as file:
+        file.write_segment([nptdms.ChannelObject("rig", name, one, {"wf_increment": 1e-4}) for name, one in values.items()])
+    tracemalloc.start()
+    try:
+        found = tdms.read(tmp_path / "it.tdms", "it.tdms", wanted)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert [one.name for one in found.channels] == list(wanted or values)
+    for one in found.channels:
+        np.testing.assert_array_equal(one.values, values[one.name])
+    assert (peak > 8e6) == (wanted != ("short",)) and (wanted != ("short",) or peak < 2e6)
+
+
+def kept(samples: int, parts: int, known: tuple[str, ...]):
+    """A run that keeps t^2 at even times from 5 s on, at ``parts`` points a sample, and extremes between them."""
+    time = 5.0 + 0.1 * np.arange(samples)
+    share = time[:, None] + 0.1 * np.arange(parts) / parts
+    at = np.array([5.02, 5.537, np.nan, 4.0, 5.1])
+    arrays = {"force": time**2, "force_fine": share**2, "force_highest": at**2, "force_highest_time": at,
+              "force_lowest": (at + 0.011) ** 2, "force_lowest_time": at + 0.011}  # fmt: skip
+    variables = {name: SimpleNamespace(values=arrays[name]) for name in ("force", *known)}
+    return SimpleNamespace(time=time, arrays=SimpleNamespace(variables=variables))
+
+
+@pytest.mark.parametrize(
+    ("known", "parts", "extremes"),
+    [
+        ((), 1, ()),
+        (("force_fine",), 1, ()),
+        (("force_fine",), 4, ()),
+        (("force_highest", "force_highest_time"), 1, (5.02, 5.537)),
+        (("force_fine", "force_lowest", "force_lowest_time"), 4, (5.031, 5.111, 5.548)),
+    ],
+)
+def test_the_finest_trace_holds_all_that_a_run_keeps_of_a_channel(known, parts, extremes):
+    """Samples, points between them and extremes, each once and in order; extremes outside, unknown or on a point add none."""
+    time, values, spacing = finest_trace(kept(9, parts, known), "force")
+    even = 5.0 + 0.1 / parts * np.arange(8 * parts + 1)
+    assert time == pytest.approx(np.sort(np.concatenate([even, extremes])), abs=1e-12)
+    assert values == pytest.approx(time**2) and spacing == pytest.approx(0.1 / parts)
