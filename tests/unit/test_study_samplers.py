@@ -111,3 +111,14 @@ def test_refinement_in_two_quantities_gathers_along_the_front():
 def test_options_that_a_sampler_does_not_have_are_refused(word, options, words):
     with pytest.raises(InputError, match=words):
         drawn(word, **options)
+
+
+@pytest.mark.parametrize(
+    ("word", "drawn_at_random"),
+    [("monte-carlo", True), ("latin-hypercube", True), ("sobol", True), ("saltelli", True), ("grid", False), ("list", False),
+     ("adaptive", False)],
+)  # fmt: skip
+def test_points_that_follow_the_distributions_say_so_and_levels_do_not(word, drawn_at_random):
+    """Histograms and percentiles of the page are of draws alone."""
+    assert sampler(word).independent is drawn_at_random
+    assert set(registry.words("samplers")) == {"monte-carlo", "latin-hypercube", "sobol", "saltelli", "grid", "list", "adaptive"}
