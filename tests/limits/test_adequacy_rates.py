@@ -196,3 +196,26 @@ def test_of_many_spikes_the_eight_that_stand_out_most_are_told_in_order(count):
     due = np.sort(np.argsort(-heights)[:8])
     assert [row.test for row in rows] == pytest.approx(heights[due], abs=0.5)
     assert [row.difference for row in rows] == pytest.approx([-3.0] * len(due), abs=0.2)
+
+
+def in_a_circle(cycles, angles, harmonic):
+    """Residuals a cos + b sin of a harmonic with a and b even, of length one and square to each other: their direction goes in a circle."""
+    turned = harmonic * np.arange(angles) * 2 * np.pi / angles
+    a, b = np.linalg.qr(np.column_stack([np.ones(cycles), np.eye(cycles)[:, :2]]))[0][:, 1:].T
+    return np.outer(a, np.cos(turned)) + np.outer(b, np.sin(turned))
+
+
+@pytest.mark.parametrize(("cycles", "harmonic"), [(4, 1), (6, 3), (12, 2)])
+def test_the_width_of_a_band_is_that_of_the_path_of_its_directions(cycles, harmonic):
+    """A circle a harmonic, 2 pi long: 2 k (1 + f^2 / n)^(-(n - 1) / 2) + P(|t| > f) is the level. The size of the scatter, also an uneven
+    one, changes the standard errors alone."""
+    from scipy import optimize, stats
+
+    angles = 2880
+    values, free = in_a_circle(cycles, angles, harmonic), cycles - 1
+    due = optimize.brentq(lambda f: 2 * harmonic * (1 + f * f / free) ** (-(free - 1) / 2) + 2 * stats.t.sf(f, free) - 0.05, 1.0, 200.0)
+    uneven = 1 + 0.9 * np.cos(np.arange(angles) * 2 * np.pi / angles)
+    for size in (1.0, 1e-3, 700.0, uneven):
+        band = difference_band(5.0 + size * values, np.zeros(angles))
+        assert band.factor == pytest.approx(due, rel=1e-3)
+        assert band.half_width == pytest.approx(due * size * np.ones(angles) / np.sqrt(cycles * free), rel=1e-3)

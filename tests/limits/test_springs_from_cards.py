@@ -188,3 +188,23 @@ def test_the_end_that_closes_first_is_a_choice_that_turns_the_spring_round(table
     other = vt.spring_from_tester(table, card, "upper", 47e-3)
     assert other.stations.pitch[::-1] == pytest.approx(tested.stations.pitch, abs=0.03e-3)
     assert other.preload[0] == pytest.approx(tested.preload[0], rel=2e-3)
+
+
+@pytest.mark.parametrize("told", [(), ("free_length",), ("total_coils",), ("solid_height", "mass")])
+def test_each_number_of_a_card_stands_beside_the_same_number_of_the_spring(plain, told):
+    """What the card asks, or that it is silent, and what the spring that was found has by its own wire."""
+    wire = plain.definition
+    own = {"free_length": wire.free_length, "total_coils": wire.total_coils, "solid_height": wire.solid_height, "mass": weight(wire)}
+    fit = vt.spring_from_card(vt.CatalogueCard(**SIZES, **{name: own[name] for name in told}))
+    rows = {one.quantity: one for one in fit.held}
+    asked = {
+        "installed_load": 350.0,
+        "open_load": 830.0,
+        "rate": pytest.approx(480 / 12e-3),
+        **{name: own[name] if name in told else None for name in own},
+    }
+    assert {name: one.asked for name, one in rows.items()} == asked
+    made = fit.definition
+    found = {"installed_load": 350.0, "open_load": 830.0, "rate": 480 / 12e-3, "free_length": made.free_length,
+             "total_coils": made.total_coils, "solid_height": made.solid_height, "mass": weight(made)}  # fmt: skip
+    assert {name: one.found for name, one in rows.items()} == pytest.approx(found, rel=1e-3)

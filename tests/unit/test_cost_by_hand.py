@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+import valvetrain as vt
 from valvetrain.errors import InputError
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.springs.spec import spring_model
 from valvetrain.studies.cost import COPIES, REDUCED, RUN, Cost, Limits, estimate, memory_words, refuse_cost, time_words
+from valvetrain.studies.planned import unknowns_of
 
 
 @pytest.mark.parametrize(
@@ -64,3 +69,24 @@ def test_a_request_at_its_bounds_passes():
     assert refuse_cost(Cost(600.0, 2e9), Limits()) == "about 10 min and 2 GB"
     with pytest.raises(InputError, match="limit='11 min'"):
         refuse_cost(Cost(601.0, 2e9), Limits(), "limit=")
+
+
+CARD = InstalledSpring(card=SpringCard(rate=30e3, preload=250.0, mass=0.04))
+WIRE = InstalledSpring(wire=vt.cylindrical("4 mm", "24 mm", "7 mm", 8), precompression=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("spring", "word", "options", "ratio", "unknowns"),
+    [
+        (WIRE, "finite-element", {}, 1.0, 24 * 8.0), (WIRE, "finite-element", {"elements_per_coil": 72}, 3.0, 72 * 8.0),
+        (WIRE, "finite-element", {"elements_per_coil": 12}, 0.5, 12 * 8.0),
+        (WIRE, "multi-mass", {}, 1.0, 12 * 8.0), (WIRE, "multi-mass", {"masses_per_coil": 30}, 2.5, 30 * 8.0),
+        (CARD, "multi-mass", {}, 5 / 96, 5.0), (CARD, "multi-mass", {"elements": 2}, 5 / 96, 5.0),
+        (CARD, "multi-mass", {"elements": 48}, 0.5, 48.0), (CARD, "multi-mass", {"elements": 192}, 2.0, 192.0),
+        (WIRE, "modal-uniform", {}, 1.0, 5.0), (WIRE, "modal-uniform", {"modes": 20}, 4.0, 20.0), (WIRE, "massless", {}, 1.0, 1.0),
+    ],
+)  # fmt: skip
+def test_unknowns_are_those_of_the_finest_option_and_a_card_is_a_chain_of_five(spring, word, options, ratio, unknowns):
+    """Over the 24 elements a coil, 12 masses a coil and 5 modes of the defaults; a chain of a card over the 96 masses of eight coils."""
+    found = unknowns_of(spring_model(word), spring.with_options(word, **options) if options else spring)
+    assert found == (pytest.approx(ratio), pytest.approx(unknowns))

@@ -37,6 +37,13 @@ def test_derivative_and_integral_belong_to_the_value(name):
     assert np.shape(curve.value(coil.reshape(7, 1))) == np.shape(curve.integral(coil.reshape(7, 1))) == (7, 1)
 
 
+def test_at_a_knot_of_lines_the_slope_is_that_of_the_line_which_begins_there():
+    """Held constant before the first knot and from the last one on."""
+    assert LINES.derivative(KNOTS).tolist() == pytest.approx([0.0, 2.0, 1 / 3, -1.25, 0.0])
+    assert PiecewiseLinear(KNOTS, (1.0, 3.0, 3.0, 0.0, 4.0)).derivative(KNOTS).tolist() == pytest.approx([2.0, 0.0, -2.0, 2.0, 0.0])
+    assert LINES.derivative([-1.0, 7.0]).tolist() == [0.0, 0.0]
+
+
 def test_sums_stay_simple_where_they_can():
     coil = np.linspace(0, 6, 37)
     assert add_curves(Constant(4.0), Constant(1.0), -1.0) == Constant(3.0)

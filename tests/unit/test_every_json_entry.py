@@ -11,7 +11,7 @@ import pytest
 from known_figures import STUDIES
 from synthetic_study import CITED, at_rest, modal_run, own_study, published_study, rod_run, sweep_study, train_run
 from unit.test_every_table import COMPARED
-from valvetrain.report.json import study_json
+from valvetrain.report.json import status_object, study_json
 from valvetrain.report.quick import plot_modes, plot_solution, plot_static_curve, plot_study
 from valvetrain.report.write import write_study
 from valvetrain.solution.event import Event
@@ -23,6 +23,20 @@ RPM = np.pi / 30
 
 def known(value: float | None, unit: str) -> dict:
     return {"value": None if value is None else pytest.approx(value), "unit": unit}
+
+
+@pytest.mark.parametrize(
+    ("status", "told"),
+    [
+        (Status(), {"code": "completed"}), (Status("completed", "twice"), {"code": "completed", "message": "twice"}),
+        (Status("completed", "", 0.5, "coil 2", "do it once"), {"code": "completed"}),
+        (Status("not-converged", "too few turns", 0.25, "cam", "allow more"),
+         {"code": "not-converged", "time": known(0.25, "s"), "message": "too few turns", "where": "cam", "remedy": "allow more"}),
+        (Status("refused", "no wire"), {"code": "refused", "time": known(0.0, "s"), "message": "no wire", "where": "", "remedy": ""}),
+    ],
+)  # fmt: skip
+def test_a_status_keeps_its_message_and_what_was_not_reached_its_place_too(status, told):
+    assert status_object(status) == told
 
 
 def test_a_study_is_told_entry_by_entry():

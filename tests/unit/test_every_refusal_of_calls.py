@@ -105,6 +105,7 @@ CALLS = {
                        "must have 'sample' as its first"),
     "channel without unit": (lambda: channels(mine=Variable(("sample",), RUN.time, {"long_name": ""})), "lacks the attribute 'units'"),
     "channel without words": (lambda: channels(mine=Variable(("sample",), RUN.time, {"units": ""})), "lacks the attribute 'long_name'"),
+    "channel without either": (lambda: channels(mine=Variable(("sample",), RUN.time, {})), "lacks the attribute 'units'"),
 }  # fmt: skip
 
 

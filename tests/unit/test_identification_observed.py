@@ -95,7 +95,12 @@ def test_springs_of_a_pair_are_named(tmp_path) -> None:
         ({"quantities": {"wire": {"key": "spring.wire_diameter", "prior": "uniform", "low": "3", "high": "4"}}},
          {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"}, "unit"),
         ({"quantities": {"wire": {"key": "spring.wire_diameter", "prior": "uniform", "low": "7.5 mm", "high": "8 mm"}}},
-         {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"}, "none of .* points of the priors can be computed"),
+         {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
+         "none of .* points of the priors can be computed, at their middle because: .*the coil overlaps the one below it"),
+        ({"quantities": {"turns": {"key": "spring.total_coils", "prior": "uniform", "low": "0.1", "high": "0.3"}}},
+         {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"}, "at their middle because: .* has 0.2 turns"),
+        ({"quantities": {"turns": {"key": "spring.total_coils", "prior": "uniform", "low": "0.1", "high": "0.5"}}},
+         {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"}, "at their middle because: .* has 0.3 turns"),
     ],
 )  # fmt: skip
 def test_what_no_point_can_tell_is_refused_before_the_search(tmp_path, more, measured, words) -> None:

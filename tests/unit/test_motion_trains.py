@@ -157,6 +157,22 @@ def test_the_pushrod_keeps_its_length_and_its_gap():
     np.testing.assert_allclose(found, 1e3 * cycle.channel("rocker_gap")[sample], atol=1e-3)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_spring_stands_about_the_stem_between_its_seat_and_the_retainer(kind):
+    """Its foot lies on the axis of the stem, its installed height and the 4 mm from the tip to the retainer away from the closed tip."""
+    _, data, _, train = drawn(kind)
+    opening = np.array([np.cos(train.valve.opening_direction), np.sin(train.valve.opening_direction)])
+    closed = body(data, "valve seat")[1][0][:2]  # drawn about the tip of the closed valve
+    travel = (body(data, "valve stem")[1][:, :2] - closed) @ opening
+    (spring,) = data["springs"]
+    height = numbers(spring["retainer"]) + travel
+    assert height == pytest.approx(np.full(len(height), height[0]), abs=1e-3)
+    assert spring["seat"] == pytest.approx(closed + (4.0 + height[0]) * opening, abs=1e-3)
+    if kind != "pushrod":  # its card does not tell the coils, which are drawn of usual size
+        assert height[0] == pytest.approx(1e3 * next(iter(train.springs.values()))[0].installed_height, abs=1e-3)
+    assert [np.cos(spring["direction"]), np.sin(spring["direction"])] == pytest.approx(-opening, abs=1e-9)
+
+
 def test_reduced_trains_and_older_runs_are_drawn_by_rigid_parts_and_it_is_said():
     _, data, _, _ = drawn("finger", "single-mass")
     assert any("single-mass train knows no geometry" in note for note in data["notes"])

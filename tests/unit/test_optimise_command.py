@@ -10,6 +10,7 @@ import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
 from valvetrain.report.optimum_page import optimum_page
 from valvetrain.studies.optimum.run_search import SearchInterrupted
-from valvetrain.studies.optimum.words import sentences
+from valvetrain.studies.optimum.words import _seeds, sentences
 
 #: Short runs of the chain: a limit speed, a bound at rest that is a share of the case, one trial in a few that cannot be built.
 SEARCH = """
@@ -268,3 +269,19 @@ def test_the_page_names_eight_trials_that_failed_and_counts_the_others(failures,
     assert len(blocks) == told
     assert blocks[:8] == [f"Trial {number}: {reason}" for number, reason in list(reasons.items())[:8]]
     assert blocks[8:] == ([f"And {failures - 8} more; trials.csv has them all."] if failures > 8 else [])
+
+
+@pytest.mark.parametrize(
+    ("values", "unit", "words"),
+    [
+        ((0.04,), "g", None), ((0.04, 0.043), "g", "2 searches from different seeds end at 40, 43 g: the search itself is worth ±1.5 g."),
+        ((0.05, 0.04, 0.047), "g", "3 searches from different seeds end at 50, 40, 47 g: the search itself is worth ±5 g."),
+        ((0.04, 0.04), "g", "2 searches from different seeds end at 40, 40 g: the search itself is worth ±0 g."),
+        ((0.005, 0.0061), "", "2 searches from different seeds end at 5, 6.1: the search itself is worth ±0.55."),
+    ],
+)  # fmt: skip
+def test_the_worth_of_a_search_is_half_the_range_of_its_seeds_in_the_unit_of_tables(values, unit, words):
+    measure = SimpleNamespace(unit=unit, shown=lambda value: 1e3 * value)
+    plan = SimpleNamespace(objectives=(SimpleNamespace(measure=measure),))
+    found = _seeds(SimpleNamespace(best_by_seed=dict(enumerate(values, start=1)), plan=plan))
+    assert found == ([] if words is None else [words])

@@ -54,6 +54,22 @@ def test_the_springs_press_what_they_press_at_rest(lift):
     assert system.spring_force(lift) == pytest.approx(by_hand, rel=1e-6)
 
 
+@pytest.mark.parametrize("sets", ["nested-cards", "nested"])
+def test_the_static_curve_goes_by_32_even_steps_to_a_little_above_the_largest_lift(sets):
+    """Level of judgement: four times the force at the largest lift. Between the points straight, beyond them on as at the ends."""
+    problem = build(vt.load_case("vaz-ohc"), spring_models=("massless",), spring_sets=(sets,))
+    system = problem.members[0].system({}, problem.built)
+    rest, top = train_rest.rest_of(system), system.mechanism.kinematics.maximum_lift
+    assert 5e-3 < top < 15e-3 and rest.lifts == pytest.approx(1.05 * top * np.arange(33) / 32, abs=1e-12)
+    forces = np.array([system.spring_force(lift) for lift in rest.lifts])
+    assert rest.spring_forces == pytest.approx(forces, rel=1e-9)
+    assert rest.reference_force == pytest.approx(4 * system.spring_force(float(top)), rel=1e-12)
+    step = rest.lifts[1]
+    asked = np.array([-step, 0.0, 1.25 * step, 32 * step, 34 * step])
+    by_hand = [2 * forces[0] - forces[1], forces[0], 0.75 * forces[1] + 0.25 * forces[2], forces[32], 3 * forces[32] - 2 * forces[31]]
+    assert rest.static_spring_force(asked) == pytest.approx(by_hand, rel=1e-9)
+
+
 def test_a_train_that_comes_to_no_rest_has_no_modes():
     """Its modes were those of a place where 418 N pushed it on, told without a word."""
     key = "train.contacts.cam.contact_stiffness"

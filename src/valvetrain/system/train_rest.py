@@ -27,7 +27,7 @@ class TrainRest:
 
     ``equilibrium`` (N,): positions at rest at cam angle zero. ``reference_force`` (N): level at which contact stiffnesses are judged.
     ``own_time_step`` (s): stable step of the train's own masses. ``lifts`` (p,) m and ``spring_forces`` (p,) N: static spring curve
-    from a little below zero to a little above the largest lift.
+    from zero to a little above the largest lift.
     """
 
     equilibrium: Array
