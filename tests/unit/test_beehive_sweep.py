@@ -86,3 +86,14 @@ def test_draws_are_taken_by_weight_and_each_point_is_the_case_at_its_values(tmp_
     wanted = Wanted(("peak_spring_force", "clash_energy"))
     alone = evaluate_case(case, Point(case, (), 5000 * np.pi / 30, "finite-element", "", wanted)).values
     assert (force[0, 0], energy[0, 0]) == (alone["peak_spring_force"], alone["clash_energy"])
+
+
+def test_the_page_of_the_beehive_says_what_is_kept_of_the_sweep(tmp_path):
+    docs = ROOT / "docs"
+    for name in (script.DATA, script.PAGE):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text((docs / name).read_text(encoding="utf-8"), encoding="utf-8")
+    (tmp_path / "pictures").mkdir()
+    script.main([], tmp_path)
+    for name in (script.PAGE, script.PICTURE):
+        assert (tmp_path / name).read_text(encoding="utf-8") == (docs / name).read_text(encoding="utf-8")
