@@ -28,6 +28,8 @@ DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE, PICTURE, KEPT = "beehive.md", "beehive-studies.svg", Path("data") / "beehive" / "studies.json"
 STUDIES = ("blind", "joint", "without 4200 rpm", "without 5600 rpm", "without 8000 rpm")
 BEGIN, END = "<!-- three studies -->\n", "<!-- end of three studies -->"
+#: Computed over published value at which the picture ends.
+EDGE = 2.0
 #: What the joint study aims at: words, quantities, share of the published value.
 TARGETS = (
     ("Stage II peaks", ("stage_2_peak_force", "stage_2_first_peak_force", "stage_2_second_peak_force"), 0.05),
@@ -108,10 +110,19 @@ def chart(studies: Sequence[Beside], measured: Mapping[str, tuple[float, float]]
     y = np.stack([scatter[:, 0] + 0.4, scatter[:, 0] + 0.4, gap], 1).ravel()
     layers.append(Line(x, y, "scatter that was allowed", theme.RULE, 5.0))
     panel = Panel(
-        "computed / published", "", tuple(layers), rules=(Rule("x", 1.0),), x_range=(0.0, 2.0), y_range=(0.3, len(measured) + 0.7),
+        "computed / published", "", tuple(layers), rules=(Rule("x", 1.0),), x_range=(0.0, EDGE), y_range=(0.3, len(measured) + 0.7),
         y_words=tuple((height[key], words_of(key)) for key in measured),
     )  # fmt: skip
     return Chart("beehive-studies", "The beehive by three identifications", "", (panel,), 1, 110 + 34 * len(measured))
+
+
+def beyond(studies: Sequence[Beside], measured: Mapping[str, tuple[float, float]]) -> str:
+    """A sentence on medians that lie beyond the edge of the picture, empty where there are none."""
+    found = [
+        f"{words_of(key)} ({study.words}, {row.middle / measured[key][0]:.1f} times the published value)"
+        for study in studies for key, row in study.rows.items() if row.middle / measured[key][0] > EDGE
+    ]  # fmt: skip
+    return f"\n\nBeyond the right edge of the picture: {_list(found)}." if found else ""
 
 
 def table(studies: Sequence[Beside], measured: Mapping[str, tuple[float, float]]) -> str:
@@ -292,7 +303,8 @@ def main(folders: Sequence[str], docs: Path = DOCS) -> None:
     before, begin, rest = page.partition(BEGIN)
     if not begin or END not in rest:
         raise SystemExit(f"docs/{PAGE} lacks the marks {BEGIN.strip()} and {END}; put them where the table belongs")
-    write_text(docs / PAGE, f"{before}{begin}{said}\n\n{table(studies, measured)}\n\n{searches(kept)}\n{END}{rest.partition(END)[2]}")
+    told = f"{said}\n\n{table(studies, measured)}\n\n{searches(kept)}{beyond(studies, measured)}\n"
+    write_text(docs / PAGE, f"{before}{begin}{told}{END}{rest.partition(END)[2]}")
     write_text(docs / "pictures" / PICTURE, svg(chart(studies, measured)))
 
 

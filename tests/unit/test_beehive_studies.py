@@ -154,6 +154,13 @@ def test_a_search_that_ends_above_one_with_more_data_is_told_as_not_at_its_end()
     assert ["not at its end: the joint study meets these data and more at 7.5" in row for row in rows] == [False, False, True]
 
 
+def test_medians_beyond_the_picture_are_named():
+    studies = three_studies(BLIND, answer(2.1, (REST, SLOW, FAST)), WITHOUT)
+    told = script.beyond(studies, measured_of(BLIND))
+    assert told.count("2.1 times the published value") == 3 and "at rest: preload (joint, 2.1 times" in told
+    assert script.beyond(three_studies(BLIND, JOINT, WITHOUT), measured_of(BLIND)) == ""
+
+
 def test_the_page_of_the_beehive_says_what_is_kept_of_its_searches(tmp_path):
     """Written anew from the kept numbers, page and picture are those of the repository."""
     docs = ROOT / "docs"

@@ -54,14 +54,15 @@ def test_table_and_picture_carry_each_study_under_its_name(tmp_path):
     lines = script.table(kept).splitlines()
     assert lines[0] == "| engine speed | blind, peak spring force | joint, peak spring force |"
     assert lines[2] == "| 4000 rpm | 800 (728 to 872) N | 1600 (1456 to 1744) N |"
-    assert len(lines) == 3 + len(script.SHOWN) and lines[-1].startswith("| passes 1200 N at | 8000 (")
-    assert lines[-1].endswith("| 4000 (4000 to 4000) rpm |")
+    assert len(lines) == 5 + len(script.SHOWN) and lines[-3].startswith("| passes 1200 N at | 8000 (")
+    assert lines[-3].endswith("| 4000 (4000 to 4000) rpm |")
+    assert lines[-1].startswith("1 of 147 runs of the blind study and 1 of 147 runs of the joint study did not come")
     (panel,) = script.chart(kept).panels
     (middle,) = [one for one in panel.layers if one.name == "joint, median"]
     assert middle.y[0] == 1600.0 and middle.x.tolist() == kept["engine_speed_rpm"]
     assert [one.y[0] for one in panel.layers if one.name == "blind, 5 and 95 %"] == pytest.approx([728.0, 872.0])
     never = kept | {"joint": script.summary(np.full((3, len(script.SPEEDS)), 900.0), np.zeros((3, len(script.SPEEDS))))}
-    assert script.table(never).splitlines()[-1].endswith("| never (never to never) rpm |")
+    assert script.table(never).splitlines()[-3].endswith("| never (never to never) rpm |")
     (tmp_path / "data" / "beehive").mkdir(parents=True)
     (tmp_path / "pictures").mkdir()
     (tmp_path / script.DATA).write_text(json.dumps(kept))
