@@ -36,6 +36,8 @@ LAWS = {
     "flores": ContactParameters("flores", POINT),
     "impact": ContactParameters("impact", {"contact_stiffness": 3e9, "exponent": 1.5, "damping": 4992.0, "full_damping_depth": 2e-5}),
 }
+#: What a rattle leaves of rounding, which differs from processor to processor: ends of keys and the share they may move by.
+ROOMS = {"largest_gap_cam_angle": 3e-3, "work": 3e-4, "bodies": 3e-4, "at the end, q": 3e-4, "at the end, v": 3e-4}
 RUBS = {"direct": ("cam",), "finger": ("cam", "valve_tip"), "rocker": ("valve_tip",), "pushrod": ("cam", "valve_tip")}
 
 
@@ -115,7 +117,7 @@ def told(name: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_motion_is_what_it_was(name):
-    assert not same(told(name), read(KEPT)[name], 1e-5)
+    assert not same(told(name), read(KEPT)[name], 1e-5, rooms=ROOMS)
 
 
 if __name__ == "__main__":
