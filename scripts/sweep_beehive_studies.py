@@ -116,7 +116,14 @@ def table(kept: Mapping[str, Any]) -> str:
     runs = len(kept["engine_speed_rpm"])
     failed = " and ".join(f"{kept[n]['failed_runs']} of {kept[n]['draws'] * runs} runs of the {n} study" for n in STUDIES)
     left = f"{failed} did not come to their end, by a stress that no steel carries, and are left out: the highest speeds show what remains."
-    return "\n".join([*lines, f"| passes {AFTER:.0f} N at | {jump} |", "", left])
+    said = "; ".join(f"the {n} study {_where(kept[n]['jump_rpm'])}" for n in STUDIES)
+    told = f"The sequel's {JUMP:.0f} rpm beside the 5 to 95 % of the speed at which the draws pass {AFTER:.0f} N: {said}."
+    return "\n".join([*lines, f"| passes {AFTER:.0f} N at | {jump} |", "", told, "", left])
+
+
+def _where(jump: Mapping[str, float | None]) -> str:
+    low, high = (np.inf if (one := jump[f"{p:g} %"]) is None else one for p in (PERCENTILES[0], PERCENTILES[-1]))
+    return "jumps earlier" if high < JUMP else "jumps later" if low > JUMP else "holds it"
 
 
 def _cell(rows: Mapping[str, Sequence[float | None]], place: int, unit: str) -> str:

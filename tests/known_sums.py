@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,6 @@ import pytest
 
 #: Below this nothing is told from rounding.
 NOISE = 1e-13
-NO_ROOMS: Mapping[str, float] = MappingProxyType({})
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?", re.IGNORECASE)
 
 
@@ -36,22 +33,21 @@ def deck_sums(text: str) -> dict[str, list[float]]:
     return found
 
 
-def same(told: dict[str, Any], kept: dict[str, Any], room: float, where: str = "", rooms: Mapping[str, float] = NO_ROOMS) -> list[str]:
-    """What differs between two trees of sums, by their places; ``rooms``: end of a key -> its own room, as a share."""
+def same(told: dict[str, Any], kept: dict[str, Any], room: float, where: str = "") -> list[str]:
+    """What differs between two trees of sums, by their places."""
     if told.keys() != kept.keys():
         return [f"{where}: {sorted(told.keys() ^ kept.keys())}"]
     wrong = []
     for key, value in told.items():
         place = f"{where}/{key}"
-        own = next((one for end, one in rooms.items() if key.endswith(end)), room)
         if isinstance(value, dict):
-            wrong += same(value, kept[key], room, place, rooms)
+            wrong += same(value, kept[key], room, place)
         elif isinstance(value, list):
-            allowed = own * max(abs(value[-1]), abs(kept[key][-1])) + NOISE
+            allowed = room * max(abs(value[-1]), abs(kept[key][-1])) + NOISE
             if value[:2] != kept[key][:2] or any(abs(a - b) > allowed for a, b in zip(value[2:], kept[key][2:], strict=True)):
                 wrong.append(f"{place}: {value} for {kept[key]}")
         elif isinstance(value, float):
-            if value != pytest.approx(kept[key], rel=own, abs=NOISE, nan_ok=True):
+            if value != pytest.approx(kept[key], rel=room, abs=NOISE, nan_ok=True):
                 wrong.append(f"{place}: {value} for {kept[key]}")
         elif value != kept[key]:
             wrong.append(f"{place}: {value!r} for {kept[key]!r}")

@@ -36,8 +36,8 @@ LAWS = {
     "flores": ContactParameters("flores", POINT),
     "impact": ContactParameters("impact", {"contact_stiffness": 3e9, "exponent": 1.5, "damping": 4992.0, "full_damping_depth": 2e-5}),
 }
-#: What a rattle leaves of rounding, which differs from processor to processor: ends of keys and the share they may move by.
-ROOMS = {"largest_gap_cam_angle": 3e-3, "work": 3e-4, "bodies": 3e-4, "at the end, q": 3e-4, "at the end, v": 3e-4}
+#: Laws whose train goes through its lash: the others rattle there, which leaves of rounding what differs from processor to processor.
+LASHED = ("linear", "hunt-crossley", "lankarani-nikravesh")
 RUBS = {"direct": ("cam",), "finger": ("cam", "valve_tip"), "rocker": ("valve_tip",), "pushrod": ("cam", "valve_tip")}
 
 
@@ -86,7 +86,7 @@ def train(kind: str, law: str) -> dict[str, Any]:
     """A cycle of every model of one kind of train, its law at every place, and its rigid table."""
     told: dict[str, Any] = {}
     for model in ("planar", "lumped", "single-mass"):
-        changes: dict[str, Any] = {"model": model, "contacts": contacts(LAWS[law]), "lash": 5e-5}
+        changes: dict[str, Any] = {"model": model, "contacts": contacts(LAWS[law]), "lash": 5e-5 if law in LASHED else 0.0}
         if model == "planar":
             changes["valve"] = ValveParameters(0.1, stem_stiffness=1e8, stem_damping=100.0, damping=3.0, friction=2.0)
             changes["support"] = None if kind == "direct" else SupportParameters(5e7, 0.1, 200.0)
@@ -117,7 +117,7 @@ def told(name: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_motion_is_what_it_was(name):
-    assert not same(told(name), read(KEPT)[name], 1e-5, rooms=ROOMS)
+    assert not same(told(name), read(KEPT)[name], 1e-5)
 
 
 if __name__ == "__main__":

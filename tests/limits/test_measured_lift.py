@@ -117,7 +117,7 @@ def test_draws_are_the_spread():
     lift = smooth_lift(STATIONS, noisy(3e-6, 2))
     drawn = np.array([lift.evaluated(row, STATIONS[40:-40], 2) for row in lift.draws(400, 5)])
     np.testing.assert_allclose(drawn.std(axis=0), lift.spread(STATIONS[40:-40], 2), rtol=0.2)
-    np.testing.assert_allclose(lift.draws(3, 5), lift.draws(400, 5)[:3], rtol=1e-12, atol=1e-15)
+    np.testing.assert_array_equal(lift.draws(3, 5), lift.draws(400, 5)[:3])
 
 
 def test_a_band_is_kept_and_said_to_be_too_tight():

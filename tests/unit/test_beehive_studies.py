@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from architecture.layout import ROOT
+from beehive_parts import assert_written_anew
 
 sys.path.insert(0, str(ROOT / "scripts"))
 import write_beehive_studies as script
@@ -162,13 +164,4 @@ def test_medians_beyond_the_picture_are_named():
 
 
 def test_the_page_of_the_beehive_says_what_is_kept_of_its_searches(tmp_path):
-    """Written anew from the kept numbers, page and picture are those of the repository."""
-    docs = ROOT / "docs"
-    for name in (script.KEPT, script.PAGE):
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text((docs / name).read_text(encoding="utf-8"), encoding="utf-8")
-    (tmp_path / "pictures").mkdir()
-    main([], tmp_path)
-    assert (tmp_path / script.PAGE).read_text(encoding="utf-8") == (docs / script.PAGE).read_text(encoding="utf-8")
-    picture = f"pictures/{script.PICTURE}"
-    assert (tmp_path / picture).read_text(encoding="utf-8") == (docs / picture).read_text(encoding="utf-8")
+    assert_written_anew(main, tmp_path, script.KEPT, Path(script.PAGE), Path("pictures") / script.PICTURE)

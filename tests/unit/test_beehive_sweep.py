@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 from architecture.layout import ROOT
+from beehive_parts import assert_written_anew
 
 sys.path.insert(0, str(ROOT / "scripts"))
 import sweep_beehive_studies as script
@@ -54,15 +55,17 @@ def test_table_and_picture_carry_each_study_under_its_name(tmp_path):
     lines = script.table(kept).splitlines()
     assert lines[0] == "| engine speed | blind, peak spring force | joint, peak spring force |"
     assert lines[2] == "| 4000 rpm | 800 (728 to 872) N | 1600 (1456 to 1744) N |"
-    assert len(lines) == 5 + len(script.SHOWN) and lines[-3].startswith("| passes 1200 N at | 8000 (")
-    assert lines[-3].endswith("| 4000 (4000 to 4000) rpm |")
+    assert len(lines) == 7 + len(script.SHOWN) and lines[-5].startswith("| passes 1200 N at | 8000 (")
+    assert lines[-5].endswith("| 4000 (4000 to 4000) rpm |")
+    assert lines[-3].endswith("pass 1200 N: the blind study holds it; the joint study jumps earlier.")
     assert lines[-1].startswith("1 of 147 runs of the blind study and 1 of 147 runs of the joint study did not come")
     (panel,) = script.chart(kept).panels
     (middle,) = [one for one in panel.layers if one.name == "joint, median"]
     assert middle.y[0] == 1600.0 and middle.x.tolist() == kept["engine_speed_rpm"]
     assert [one.y[0] for one in panel.layers if one.name == "blind, 5 and 95 %"] == pytest.approx([728.0, 872.0])
     never = kept | {"joint": script.summary(np.full((3, len(script.SPEEDS)), 900.0), np.zeros((3, len(script.SPEEDS))))}
-    assert script.table(never).splitlines()[-3].endswith("| never (never to never) rpm |")
+    assert script.table(never).splitlines()[-5].endswith("| never (never to never) rpm |")
+    assert script.table(never).splitlines()[-3].endswith("the joint study jumps later.")
     (tmp_path / "data" / "beehive").mkdir(parents=True)
     (tmp_path / "pictures").mkdir()
     (tmp_path / script.DATA).write_text(json.dumps(kept))
@@ -90,11 +93,4 @@ def test_draws_are_taken_by_weight_and_each_point_is_the_case_at_its_values(tmp_
 
 
 def test_the_page_of_the_beehive_says_what_is_kept_of_the_sweep(tmp_path):
-    docs = ROOT / "docs"
-    for name in (script.DATA, script.PAGE):
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text((docs / name).read_text(encoding="utf-8"), encoding="utf-8")
-    (tmp_path / "pictures").mkdir()
-    script.main([], tmp_path)
-    for name in (script.PAGE, script.PICTURE):
-        assert (tmp_path / name).read_text(encoding="utf-8") == (docs / name).read_text(encoding="utf-8")
+    assert_written_anew(script.main, tmp_path, script.DATA, script.PAGE, script.PICTURE)

@@ -62,21 +62,27 @@ def ends_of(posterior: Posterior, peaks: list[Peak]) -> Ends:
     return Ends(tuple(kept[place] for place in order), shares[order] / shares[order].sum(), total)
 
 
+def places_of(posterior: Posterior, ends: Ends, count: int, seed: int) -> tuple[Array, NDArray[np.int64], Array]:
+    """About ``count`` draws (working coordinates) of the linearised posteriors within the bounds by probability, the branch of each, and
+    the logarithm of its density above that of its peak; nothing is computed."""
+    random = np.random.default_rng(seed)
+    found = [
+        (at, number, height)
+        for number, (peak, share) in enumerate(zip(ends.peaks, ends.shares, strict=True))
+        for at, height in _inside(posterior, peak, max(round(float(share) * count), 1), random)
+    ]
+    work, labels, density = zip(*found, strict=True)
+    return np.array(work), np.array(labels, dtype=np.int64), np.array(density)
+
+
 def linear_draws(posterior: Posterior, ends: Ends, count: int, seed: int) -> tuple[Draws, NDArray[np.int64]]:
     """Draws of the linearised posteriors within the bounds, all of one weight, and the branch of each; how far they hold is noted."""
-    random = np.random.default_rng(seed)
-    work, labels, density = [], [], []
-    for number, (peak, share) in enumerate(zip(ends.peaks, ends.shares, strict=True)):
-        for at, height in _inside(posterior, peak, max(round(float(share) * count), 1), random):
-            work.append(at)
-            labels.append(number)
-            density.append(height)
-    places, numbers = np.array(work), np.array(labels, dtype=np.int64)
+    places, numbers, density = places_of(posterior, ends, count, seed)
     at = posterior.at(places).log_posterior
     notes = []
     for number in range(len(ends.peaks)):
         here = numbers == number
-        off = np.where(np.isfinite(at[here]), at[here] - np.array(density)[here], -np.inf)
+        off = np.where(np.isfinite(at[here]), at[here] - density[here], -np.inf)
         weights = np.exp(off - off.max()) if np.isfinite(off.max()) else np.zeros(len(off))
         holds = weights.sum() ** 2 / max(np.sum(weights**2), 1e-300) / max(len(off), 1)
         if len(off) > 20 and holds < HOLDS:

@@ -17,7 +17,7 @@ from valvetrain.identification.evolution import evolution
 from valvetrain.identification.information import information_of
 from valvetrain.identification.journal import Journal, finite
 from valvetrain.identification.least_squares import Peak, covariance_of, least_squares
-from valvetrain.identification.multistart import Ends, best_starts, ends_of, linear_draws, starts
+from valvetrain.identification.multistart import Ends, best_starts, ends_of, linear_draws, places_of, starts
 from valvetrain.identification.nested import nested
 from valvetrain.identification.posterior import Evaluate, Outcome, Posterior
 from valvetrain.identification.profiles import profile
@@ -83,7 +83,7 @@ def _around(posterior: Posterior, search: Search, given: Array, report: Report) 
     """Draws of the linearised posterior about what least squares reach from ``given``: walkers that begin there are spread already."""
     step = search.difference_step or None
     peaks = [least_squares(posterior, one, iterations=search.iterations, step=step, report=lambda text: report(0.0, text)) for one in given]
-    return linear_draws(posterior, ends_of(posterior, peaks), search.draws, search.seed)[0].work
+    return places_of(posterior, ends_of(posterior, peaks), search.draws, search.seed)[0]
 
 
 def _ends(posterior: Posterior, search: Search, given: Array | None, report: Report) -> tuple[Ends, bool]:

@@ -77,7 +77,8 @@ class SmoothedLift:
         """Coefficients (count, coefficients) of laws that the stations allow; the same ``seed`` gives the same laws."""
         numbers = np.random.default_rng(seed).standard_normal((count, self.factor.shape[1]))
         found = np.tile(self.coefficients, (count, 1))
-        found[:, _free(len(self.coefficients))] += numbers @ self.factor.T
+        # one by one: the bits of a draw do not depend on how many there are
+        found[:, _free(len(self.coefficients))] += np.array([self.factor @ row for row in numbers]).reshape(count, -1)
         return found
 
     def evaluated(self, coefficients: Array, cam_angle: ArrayLike, derivative: int = 0) -> Array:
