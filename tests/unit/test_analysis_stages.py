@@ -76,6 +76,22 @@ def test_an_empty_stage_is_left_out():
     assert "stage_2_peak_force" in found and not [name for name in found if name.startswith("stage_1")]
 
 
+@pytest.mark.parametrize("ripple", [60, 120])
+def test_a_ripple_on_the_rising_flank_is_no_maximum_of_stage_2(ripple):
+    """Below the middle of the forces, however far it stands out: the two maxima and the valley stay those of the lifted valve."""
+
+    def two_maxima(degrees):
+        return 300 + 400 * bump(degrees, 180, 90) + 100 * bump(degrees, 163, 25) + 120 * bump(degrees, 197, 25)
+
+    names = [f"stage_2_{word}_{what}" for word in ("first_peak", "valley", "second_peak") for what in ("force", "cam_angle")]
+    smooth, rippled = (
+        stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG, EVENT)
+        for force in (two_maxima, lambda degrees: two_maxima(degrees) + ripple * bump(degrees, 143, 6))
+    )
+    assert {name: rippled[name] for name in names} == {name: smooth[name] for name in names}
+    assert np.degrees(smooth["stage_2_first_peak_cam_angle"]) == pytest.approx(165, abs=5)
+
+
 def test_highest_instant_stands_beside_the_sampled_spike():
     made = clashing_run()
     cycle = reported_cycle(made)

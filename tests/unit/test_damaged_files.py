@@ -281,7 +281,7 @@ def test_a_file_that_the_library_has_no_room_for_is_not_read_a_second_time(tmp_p
     here = os.getpid()
     monkeypatch.setattr(netcdf, "tried_apart", tried)
     monkeypatch.setattr(netcdf, "dataset_of", no_room)
-    monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: None)
+    monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: "not here")
     monkeypatch.setattr(threading, "active_count", lambda: 1)
     refused(load_static_curve, path, "cannot be read as NetCDF")
     assert read.read_text() == "False ", "once, and not in this process"

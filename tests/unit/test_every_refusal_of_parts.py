@@ -161,6 +161,8 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("shaped", {"flank_shape": (1.0, -1.0, 1.0, -1.0)}, "first positive"),
     ("shaped", {"flank_shape": (0.0, 0.0, -1.0, -1.0)}, "first positive"),
     ("shaped", {"maximum_lift": 4e-4}, "cannot reach maximum_lift"),
+    ("shaped", {"event_end": 1.8}, "must follow the nose"), ("shaped", {"event_end": 4.9}, "must follow the nose within half"),
+    ("shaped", {"event_end": 4.2}, "cannot close by event_end"),
     ("sine power", {"closing_end": 0.5}, "must follow opening_start"), ("sine power", {"closing_end": 7.0}, "must follow opening_start"),
     ("sine power", {"power": 1}, "power be 2 or more"),
     ("spline", {"lifts": (0.0, 0.0)}, "each with one lift"),

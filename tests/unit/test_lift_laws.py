@@ -66,6 +66,7 @@ CASES = {
     "ramped throughout": RAMPS | {"event_end": 4.0, "ramp_end": 4.7, "ramp_blend": 1.0},
     "ramped by pulses": RAMPS | {"event_end": 4.0, "ramp_end": 4.9, "flank": "pulses"},
     "shaped": RAMPS | {"nose": 3.14, "flank_shape": (1.0, 0.8, -0.7, -0.5, -1.0)},
+    "shaped to an end of its own": RAMPS | {"nose": 3.1, "event_end": 4.1, "flank_shape": (1.0, 0.8, -0.7, -0.5, -1.0)},
     "three-arc": LOBE | {"opening_start": 2.0},
     "three-arc under a roller": LOBE | {"opening_start": 2.0, "follower_radius": 9e-3},
     "tangent": LOBE | {"follower_radius": 9e-3},
@@ -317,3 +318,20 @@ def test_stations_of_a_case_file_are_as_many_as_their_angles(name):
         return
     law = build_lift_law(parse_case(text).lift_law)
     np.testing.assert_allclose(1e3 * law.lift(np.radians([140.0, 180.0, 220.0])), [4.0, 9.0, 4.0], atol=1e-9)
+
+
+def test_a_shaped_law_closes_where_it_is_told_as_it_opens():
+    """``event_end`` at the mirror of ``event_start`` changes nothing; elsewhere height and slope of the ramp are met there."""
+    shape = {"nose": 3.1, "flank_shape": (1.0, 0.8, -0.7, -0.5, -1.0)}
+    mirrored, told, late = (
+        build_lift_law(LiftLawParameters("shaped", RAMPS | shape | end)) for end in ({}, {"event_end": 4.0}, {"event_end": 4.1})
+    )
+    angle = np.linspace(1.5, 4.8, 3001)
+    for order in (0, 1, 2):
+        scale = np.abs(mirrored.lift(angle, order)).max()
+        np.testing.assert_allclose(told.lift(angle, order), mirrored.lift(angle, order), atol=1e-12 * scale, rtol=0)
+    before = angle[angle <= 3.1]
+    assert np.array_equal(late.lift(before, 2), mirrored.lift(before, 2))
+    assert late.lift(np.array([4.1]))[0] == pytest.approx(4e-4, rel=1e-12)
+    assert late.lift(np.array([4.1]), 1)[0] == pytest.approx(-mirrored.lift(np.array([2.2]), 1)[0], rel=1e-9)
+    assert not np.any(late.lift(np.array([4.7, 4.75]))) and late.lift(np.array([4.69]))[0] > 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import itertools
 import subprocess
 import sys
@@ -46,7 +47,7 @@ BY_PROCESS = ("raise MemoryError", "os.kill(os.getpid(), 9)", "raise OSError('no
 def test_the_end_of_a_trial_is_told(reader_of_tests, monkeypatch, end, way):
     """Only a file at which the reader comes back, or has its own words, is read by the caller."""
     if way == "fork":
-        monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: None)
+        monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: "not here")
     with pytest.raises(InputError, match=ENDS[end]) if ENDS[end] else nullcontext():
         reader_of_tests(end)
 
@@ -57,7 +58,7 @@ def test_a_reader_that_waits_for_ever_is_ended_by_the_clock(reader_of_tests, mon
     monkeypatch.setattr(read_apart, "MOST_SECONDS", 1)
     monkeypatch.setattr(read_apart, "_PATIENCE", 1)
     if way == "fork":
-        monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: None)
+        monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: "not here")
     with pytest.raises(InputError, match="does not come back"):
         reader_of_tests("import time; time.sleep(60)")
 
@@ -69,13 +70,35 @@ def test_without_an_interpreter_a_file_is_tried_in_a_fork_and_no_damage_is_told(
     with pytest.raises(InputError, match="cannot be read"):
         reader_of_tests("raise OSError")
     monkeypatch.setattr(threading, "active_count", lambda: 2)
-    with pytest.raises(InputError, match=r"it: is not read, .* does not start as a Python that finds .*; set it"):
+    told = {"/bin/false": "ended with status 1", "/gone/bin/python": "No such file"}.get(interpreter or "", "")
+    with pytest.raises(InputError, match=rf"it: is not read, .* does not start as a Python that finds .*{told}.*; set it"):
         reader_of_tests("return 1")
 
 
 def test_a_reader_that_is_not_found_is_no_damage_of_the_file(reader_of_tests):
-    with pytest.raises(InputError, match="is not read"):
+    with pytest.raises(InputError, match=r"is not read.*No module named 'no_module_of_this_name'"):
         reader_of_tests("return 1\nimport no_module_of_this_name")
+
+
+@pytest.mark.parametrize("trouble", [OSError(errno.EAGAIN, "no room for a process"), OSError(errno.ENOMEM, "no memory"), "a signal"])
+@pytest.mark.parametrize("times", [1, 9])
+def test_a_process_that_a_full_machine_does_not_start_is_tried_again(reader_of_tests, monkeypatch, trouble, times):
+    """And where it never starts, the sentence says how it ended."""
+    run, left = subprocess.run, [trouble] * times
+    monkeypatch.setattr(read_apart, "_PAUSES", (0.0, 0.0))
+    monkeypatch.setattr(threading, "active_count", lambda: 2)
+
+    def full(command, **options):
+        if not left:
+            return run(command, **options)
+        if isinstance(found := left.pop(), OSError):
+            raise found
+        return run([sys.executable, "-c", "import os; os.kill(os.getpid(), 9)"], **options)
+
+    monkeypatch.setattr(read_apart.subprocess, "run", full)
+    with nullcontext() if times == 1 else pytest.raises(InputError, match=r"no room|no memory|signal 9"):
+        reader_of_tests("return 1")
+    assert len(left) == (0 if times == 1 else times - 3)
 
 
 def test_the_folder_of_a_session_is_searched_for_the_reader_too(reader_of_tests, tmp_path, monkeypatch):

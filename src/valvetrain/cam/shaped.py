@@ -1,4 +1,4 @@
-"""A symmetric event whose flank acceleration is drawn by a few control values, between constant-velocity ramps."""
+"""An event whose flank acceleration is drawn by a few control values, between constant-velocity ramps."""
 
 from __future__ import annotations
 
@@ -21,13 +21,14 @@ from valvetrain.parameters.schema_types import Angle, Numbers, PositiveLength, q
 
 @dataclass(frozen=True, kw_only=True)
 class Shaped:
-    """Ramp, event and mirrored return about ``nose`` (angles in cam rad, lifts in m).
+    """Ramp, event and return about ``nose`` (angles in cam rad, lifts in m), mirrored unless ``event_end`` says otherwise.
 
     ``flank_shape``: control values of a cubic B-spline, evenly spaced from ``event_start`` to ``nose``, that draw the acceleration
     of the opening flank: first positive ones, then negative ones. Two scales, one for each sign, are found so that the flank takes over
     the velocity of the ramp without acceleration and comes to rest at ``maximum_lift``; only ratios within one sign matter. A
     B-spline turns no more often than its control values, so the acceleration cannot oscillate between them. ``ramp_blend``: share
-    of the ramp over which its velocity is built up.
+    of the ramp over which its velocity is built up. ``event_end``: end of the closing flank, which the same control values draw over its
+    own length: it keeps the acceleration at the nose, and two scales are found for the others; its ramp is as long as the opening one.
     """
 
     continuity: ClassVar[int] = 2
@@ -39,54 +40,87 @@ class Shaped:
     nose: float
     flank_shape: tuple[float, ...]
     ramp_blend: float = 0.3
+    event_end: float | None = None
 
     def __post_init__(self) -> None:
         if not self.ramp_start < self.event_start < self.nose or self.nose - self.ramp_start > TURN / 2 * (1 + 1e-12):
             raise InputError("ramp_start, event_start and nose must follow each other within half a cam revolution; reorder them")
+        last = self.closing_end + self.event_start - self.ramp_start
+        if not self.nose < self.closing_end or last - self.nose > TURN / 2 * (1 + 1e-12):
+            raise InputError("event_end and the ramp after it must follow the nose within half a cam revolution; move event_end")
         if not 0 < self.ramp_lift < self.maximum_lift or not 0 < self.ramp_blend < 1:
             raise InputError("ramp_lift must lie between zero and maximum_lift, and ramp_blend between 0 and 1; correct them")
         shape = np.asarray(self.flank_shape, dtype=float)
         first_falling = int(np.argmax(shape < 0))  # 0 where none is
         if len(shape) < 4 or first_falling < 1 or np.any(shape[first_falling:] > 0) or not np.any(shape[:first_falling] > 0):
             raise InputError("flank_shape needs four values or more, first positive, then negative ones; correct it")
-        if not np.all(self._scales > 0):
+        if not np.all(self._opening[2] > 0):
             raise InputError("this flank_shape cannot reach maximum_lift with rest at the nose; move the change of sign or lower ramp_lift")
+        if self.event_end is not None and not (np.any(shape[first_falling:-1] < 0) and np.all(self._closing[2] > 0)):
+            raise InputError("this flank_shape cannot close by event_end with the acceleration of the nose; move event_end towards the "
+                             "mirror of event_start")  # fmt: skip
+
+    @property
+    def closing_end(self) -> float:
+        """End of the event (rad)."""
+        return 2 * self.nose - self.event_start if self.event_end is None else self.event_end
 
     @cached_property
-    def _splines(self) -> list[Any]:
-        """Lift from the positive and from the negative control values, each with zero lift and velocity at ``event_start``."""
+    def _opening(self) -> tuple[Array, Array, Array]:
+        return self._flank(self.event_start, self.nose)
+
+    @cached_property
+    def _closing(self) -> tuple[Array, Array, Array]:
+        """As :attr:`_opening`, run backwards in negative cam angles."""
+        return self._flank(-self.closing_end, -self.nose, float(self._opening[1][-1, 2]))
+
+    def _flank(self, start: float, nose: float, nose_acceleration: float | None = None) -> tuple[Array, Array, Array]:
+        """Breaks (rad) from ``start`` to ``nose``, states (n, 3) there, and the scales of both signs of the control values.
+
+        ``nose_acceleration`` (m/rad2) is that of the last control values; None leaves it to the scale of the negative ones.
+        """
         from scipy.interpolate import BSpline
 
         controls = np.array([0.0, *self.flank_shape, self.flank_shape[-1]])
-        inner = np.linspace(self.event_start, self.nose, len(controls) - 2)
+        inner = np.linspace(start, nose, len(controls) - 2)
         knots = np.concatenate([np.full(3, inner[0]), inner, np.full(3, inner[-1])])
-        return [BSpline(knots, np.where(sign * controls > 0, controls, 0.0), 3).antiderivative(2) for sign in (1, -1)]
-
-    @cached_property
-    def _scales(self) -> Array:
+        given = np.zeros_like(controls)
+        if nose_acceleration is not None:
+            given[-2:], controls[-2:] = nose_acceleration, 0.0
+        # lifts from control values of one kind, each with zero lift and velocity at the end of the ramp
+        parts = (np.maximum(controls, 0.0), np.minimum(controls, 0.0), given)
+        splines = [BSpline(knots, part, 3).antiderivative(2) for part in parts]
         velocity, _ = ramp_states(self.ramp_lift, self.event_start - self.ramp_start, self.ramp_blend)
-        ends = np.array([[float(spline(self.nose, nu=order)) for spline in self._splines] for order in (0, 1)])
-        rise = self.maximum_lift - self.ramp_lift - velocity * (self.nose - self.event_start)
-        solved: Array = np.linalg.solve(ends, [rise, -velocity])
-        return solved
+        ends = np.array([[float(spline(nose, nu=order)) for spline in splines] for order in (0, 1)])
+        rise = self.maximum_lift - self.ramp_lift - velocity * (nose - start)
+        scales: Array = np.linalg.solve(ends[:, :2], np.array([rise, -velocity]) - ends[:, 2])
+        breaks = np.unique(splines[0].t)
+        states = np.zeros((len(breaks), 3))
+        for scale, spline in zip((*scales, 1.0), splines, strict=True):
+            states += scale * np.stack([spline(breaks), spline(breaks, nu=1), spline(breaks, nu=2)], axis=1)
+        states[:, 0] += self.ramp_lift + velocity * (breaks - start)
+        states[:, 1] += velocity
+        states[-1, :2] = self.maximum_lift, 0.0
+        return breaks, states, scales
 
     @cached_property
     def _pieces(self) -> PeriodicPieces:
+        breaks, states = self._with_ramp(self.ramp_start, self._opening)
+        if self.event_end is None:
+            back, mirrored = 2 * self.nose - breaks[-2::-1], states[-2::-1]
+        else:
+            back, mirrored = self._with_ramp(self.ramp_start - self.event_start - self.closing_end, self._closing)
+            back, mirrored = -back[-2::-1], mirrored[-2::-1]
+        breaks, states = np.concatenate([breaks, back]), np.vstack([states, mirrored * [1, -1, 1]])
+        return with_base_circle(breaks, quintic_pieces(breaks, states[:-1], states[1:]), self.continuity)
+
+    def _with_ramp(self, first: float, flank: tuple[Array, Array, Array]) -> tuple[Array, Array]:
+        """Breaks and states of a flank, those of the ramp from ``first`` (rad) before them."""
         length = self.event_start - self.ramp_start
         velocity, built = ramp_states(self.ramp_lift, length, self.ramp_blend)
-        breaks = np.unique(self._splines[0].t)
-        states = np.zeros((len(breaks), 3))
-        for scale, spline in zip(self._scales, self._splines, strict=True):
-            states += scale * np.stack([spline(breaks), spline(breaks, nu=1), spline(breaks, nu=2)], axis=1)
-        states[:, 0] += self.ramp_lift + velocity * (breaks - self.event_start)
-        states[:, 1] += velocity
-        states[-1, :2] = self.maximum_lift, 0.0
-        ramp = [self.ramp_start, self.ramp_start + self.ramp_blend * length]
-        breaks = np.concatenate([ramp, breaks])
-        states = np.vstack([[0.0, 0.0, 0.0], [built, velocity, 0.0], states])
-        mirrored = (states * [1, -1, 1])[-2::-1]
-        breaks, states = np.concatenate([breaks, 2 * self.nose - breaks[-2::-1]]), np.vstack([states, mirrored])
-        return with_base_circle(breaks, quintic_pieces(breaks, states[:-1], states[1:]), self.continuity)
+        return np.concatenate([[first, first + self.ramp_blend * length], flank[0]]), np.vstack(
+            [[0.0, 0.0, 0.0], [built, velocity, 0.0], flank[1]]
+        )
 
     @property
     def joints(self) -> tuple[float, ...]:
@@ -104,7 +138,7 @@ OpenRampBlend = Annotated[float, quantity("ratio", low=0.01, high=0.99)]
 
 
 class ShapedModel(LiftModel):
-    """Ramps and an event, symmetric about the nose, whose flank acceleration a few control values draw."""
+    """Ramps and an event whose flank acceleration a few control values draw, symmetric about the nose unless ``event_end`` is given."""
 
     maximum_lift: PositiveLength
     ramp_lift: PositiveLength
@@ -113,11 +147,13 @@ class ShapedModel(LiftModel):
     nose: Angle
     flank_shape: Numbers
     ramp_blend: OpenRampBlend = Field(default=0.3, description="share of the ramp over which its velocity is built up")
+    event_end: Angle | None = Field(default=None, description="without it the closing flank mirrors the opening one")
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses events out of order."""
-        self.in_order("ramp_start", "event_start", "nose")
-        return {name: getattr(self, name) for name in type(self).model_fields if name not in LiftModel.model_fields}
+        self.in_order("ramp_start", "event_start", "nose", *(("event_end",) if self.event_end is not None else ()))
+        given = {name: getattr(self, name) for name in type(self).model_fields if name not in LiftModel.model_fields}
+        return {name: value for name, value in given.items() if value is not None}
 
 
 SPEC = LiftSpec(Shaped, ShapedModel)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -20,6 +21,8 @@ from valvetrain.errors import InputError
 MOST_MEMORY, MOST_SECONDS, BYTES_A_SECOND = 4_000_000_000, 10, 50_000_000
 #: Seconds of the clock for each of the processor: the machine may be busy.
 _PATIENCE = 6
+#: Seconds before a process that a full machine did not start is tried again.
+_PAUSES = (0.5, 3.0)
 #: How a trial ends: the reader came back, or has its own words for the file; it asked for too much; it raised anything else; it was ended.
 _READ, _TOO_LARGE, _UNREADABLE, _ENDED = 0, 3, 4, -1
 #: What a trial says once the reader is there: what ends it from then on is the file's doing.
@@ -34,11 +37,10 @@ def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
     ``unreadable`` for those at which the reader raises anything else, and where no such process can be started.
     """
     seconds = MOST_SECONDS + path.stat().st_size // BYTES_A_SECOND
-    end = in_a_new_process(reader, path, seconds)
+    tried = in_a_new_process(reader, path, seconds)
+    end = tried if isinstance(tried, int) else in_a_fork(reader, path, seconds)
     if end is None:
-        end = in_a_fork(reader, path, seconds)
-    if end is None:
-        raise InputError(f"is not read, for files of others are tried in a process of their own, and {no_interpreter()}", where)
+        raise InputError(f"is not read, for files of others are tried in a process of their own, and {no_interpreter(str(tried))}", where)
     if end == _TOO_LARGE:
         raise InputError(f"is damaged: reading it asks for more than {MOST_MEMORY / 1e9:g} GB; write it again", where)
     if end == _UNREADABLE:
@@ -47,25 +49,49 @@ def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
         raise InputError("is damaged: the library of the format does not come back from reading it; write it again", where)
 
 
-def no_interpreter() -> str:
-    """Why no process of Python can be started here, and what to do."""
-    python = str(sys.executable)[-80:]
-    return f"'{python}' (sys.executable) does not start as a Python that finds the reader; set it to one, or use the command line"
+def no_interpreter(reason: str = "") -> str:
+    """Why no process of Python can be started here, and what to do; ``reason``: how the one that was tried ended."""
+    python, told = str(sys.executable)[-80:], f" ({reason})" if reason else ""
+    return f"'{python}' (sys.executable) does not start as a Python that finds the reader{told}; set it to one, or use the command line"
 
 
-def in_a_new_process(reader: str, path: Path, seconds: int) -> int | None:
-    """How the trial ended; None where it did not begin: no interpreter, or one that does not find the reader."""
+def in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
+    """How the trial ended; in words where it did not begin: no interpreter, or one that does not find the reader.
+
+    A process that the system could not start or ended before it began, as a full machine does, is tried again a moment later.
+    """
+    end = _in_a_new_process(reader, path, seconds)
+    for pause in _PAUSES:
+        if not isinstance(end, _Passing):
+            break
+        time.sleep(pause)
+        end = _in_a_new_process(reader, path, seconds)
+    return end
+
+
+class _Passing(str):
+    """Why a trial did not begin, where that may be another a moment later."""
+
+
+def _in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
     command = [sys.executable, "-P", "-c", f"from {__name__} import serve; serve()", reader, str(path.absolute()), str(seconds)]
-    silent: dict[str, Any] = dict.fromkeys(("stdin", "stderr"), subprocess.DEVNULL)
     try:
         done = subprocess.run(
-            command, timeout=_PATIENCE * seconds, env=apart_environment(), check=False, stdout=subprocess.PIPE, **silent
+            command, timeout=_PATIENCE * seconds, env=apart_environment(), check=False, stdin=subprocess.DEVNULL, capture_output=True
         )  # fmt: skip
     except subprocess.TimeoutExpired as late:
-        return _ENDED if late.stdout == _BEGUN else None
-    except (OSError, TypeError):
-        return None
-    return done.returncode if done.stdout == _BEGUN else None
+        return _ENDED if late.stdout == _BEGUN else _Passing(f"not ready after {_PATIENCE * seconds} s")
+    except OSError as error:
+        passing = error.errno in (errno.EAGAIN, errno.ENOMEM)
+        return (_Passing if passing else str)(error.strerror or "the system does not start it")
+    except TypeError:
+        return "there is none"
+    if done.stdout == _BEGUN:
+        return int(done.returncode)
+    if done.returncode < 0:
+        return _Passing(f"ended by signal {-done.returncode} before it began")
+    last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
+    return last[0][:120] if last else f"ended with status {done.returncode}"
 
 
 def in_a_fork(reader: str, path: Path, seconds: int) -> int | None:
@@ -104,7 +130,8 @@ def serve() -> None:
     reader, path, seconds = sys.argv[1:4]
     function = _function(reader)
     os.write(1, _BEGUN)
-    os.dup2(2, 1)  # whatever a library prints is no word of ours
+    for stream in (1, 2):  # whatever a library prints is no word of ours
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
     _try(function, Path(path), int(seconds))
 
 

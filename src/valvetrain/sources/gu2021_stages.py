@@ -19,6 +19,8 @@ from valvetrain.solution.study import LiftEvent
 STAGE_1_SHARE = 0.25
 #: The two maxima of Stage II stand out by this share of the stage's force range; ripples of coil contact stay below a third of it.
 STAGE_2_SHARE = 0.02
+#: Both lie above this share of the stage's force range: a ripple on its rising or falling flank is no maximum of the lifted valve.
+STAGE_2_HEIGHT = 0.5
 #: The spike of Stage III stands out by this share of the cycle's force range, so a ripple on the falling flank is none.
 STAGE_3_SHARE = 0.01
 #: A second spike stands out by this share of the main one's height over the median force after it.
@@ -88,8 +90,10 @@ def stage_2(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
 
 
 def _two_peaks(part: Array) -> tuple[int, int] | None:
-    """The two most prominent maxima in order of angle, or None where only one stands out."""
-    peaks = prominent_peaks(part, max(STAGE_2_SHARE * float(np.ptp(part)), 1e-12))
+    """The two most prominent maxima in order of angle, or None where only one stands out in the upper half of the forces."""
+    spread = float(np.ptp(part))
+    peaks = prominent_peaks(part, max(STAGE_2_SHARE * spread, 1e-12))
+    peaks = peaks[part[peaks] > float(part.min()) + STAGE_2_HEIGHT * spread]
     if len(peaks) < 2:
         return None
     strongest = peaks[np.argsort(-prominences(part, peaks))[:2]]
