@@ -131,7 +131,17 @@ def _keep(request: Request, kept: Kept, points: Path, found: Identified, data: d
 
 def _show(console: Console, found: Identified, folder: Path) -> None:
     from valvetrain.cli.tables import plain_table
-    from valvetrain.report.identification_words import FOUND, MEASURED, PREDICTED, facts, found_rows, measured_words, prediction_words
+    from valvetrain.report.identification_words import (
+        CONFLICTS,
+        FOUND,
+        MEASURED,
+        PREDICTED,
+        conflict_words,
+        facts,
+        found_rows,
+        measured_words,
+        prediction_words,
+    )  # fmt: skip
 
     for number, branch in enumerate(found.branches, start=1):
         if len(found.branches) > 1:
@@ -140,6 +150,9 @@ def _show(console: Console, found: Identified, folder: Path) -> None:
         console.print()
     console.print(plain_table(MEASURED, [measured_words(one) for one in found.predicted], right=(1, 2, 3, 4, 5, 7)))
     console.print()
+    if found.conflicts:
+        console.print(plain_table(CONFLICTS, [conflict_words(one) for one in found.conflicts], right=(1, 2, 3)))
+        console.print()
     if found.predictions:
         console.print(plain_table(PREDICTED, [prediction_words(one) for one in found.predictions], right=(1, 2, 3, 4)))
         console.print()

@@ -84,6 +84,11 @@ class Journal:
 
         return recorded
 
+    def points(self, quantities: int) -> list[tuple[Array, Outcome]]:
+        """Every known point (values of so many ``quantities``) and its outcome, without those of a part."""
+        known = [(key, outcome) for key, outcome in self._known.items() if len(key) == 8 * quantities]
+        return [(np.frombuffer(key, dtype=float), outcome) for key, outcome in known]
+
     def outcome(self, point: Array) -> Outcome:
         """What is known of a point; None also of one that was never computed."""
         return self._known.get(np.ascontiguousarray(point, dtype=float).tobytes())

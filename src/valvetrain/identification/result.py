@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.identification.conflicts import Conflict
 from valvetrain.identification.datum import Datum
 from valvetrain.identification.information import Information
 from valvetrain.identification.posterior import Unknown
@@ -72,9 +73,10 @@ class Identified:
     """The answer of :func:`valvetrain.identify`. SI throughout.
 
     ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and ``branch_of`` (draw); ``predicted``:
-    every measurement beside its prediction; ``predictions`` of what was not measured; ``computed``: each computed quantity over the
-    draws; ``log_evidence`` with its error (NaN where it was not found); ``notes`` on the search; ``evaluations``: points that were
-    computed, beside those ``kept`` of an earlier start; ``whole``: False where it was cut short.
+    every measurement beside its prediction; ``predictions`` of what was not measured; ``conflicts``: what meeting a missed measurement
+    costs the others; ``computed``: each computed quantity over the draws; ``log_evidence`` with its error (NaN where it was not found);
+    ``notes`` on the search; ``evaluations``: points that were computed, beside those ``kept`` of an earlier start; ``whole``: False where
+    it was cut short.
 
     >>> import valvetrain as vt
     >>> found = vt.identify({"rate": vt.Prior("uniform", 20e3, 60e3)}, [vt.Datum("force", 280.0, 2.0)],
@@ -105,6 +107,7 @@ class Identified:
     whole: bool = True
     wall_time: float = field(default=0.0, compare=False)
     name: str = ""
+    conflicts: tuple[Conflict, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.identification.branches import branches_of_draws, even_draws
+from valvetrain.identification.conflicts import conflicts_of
 from valvetrain.identification.draws import Draws, Report, silent
 from valvetrain.identification.ensemble import ensemble
 from valvetrain.identification.evolution import evolution
@@ -76,6 +77,7 @@ def solve(
         search.method, posterior.unknowns, branches, posterior.values(draws.work), draws.weights, labels,
         _predicted(posterior, tables), _predictions(posterior, tables, units), computed, draws.log_evidence, draws.evidence_error,
         draws.evidence_kind, found, draws.notes, journal.computed, journal.before, draws.whole, time.perf_counter() - began, name,
+        conflicts_of(posterior, journal.points(len(posterior.unknowns))),
     )  # fmt: skip
 
 

@@ -47,12 +47,19 @@ def identification_json(found: Identified) -> dict[str, Any]:
         }
         for one in found.predicted
     ]  # fmt: skip
+    conflicts = [
+        {
+            "measurement": one.datum.name, "key": one.datum.key, "scatters": one.off, "points_that_meet_it": one.meeting, "cost": one.cost,
+            "missed_instead": {datum.key: off for datum, off in one.instead},
+        }
+        for one in found.conflicts
+    ]  # fmt: skip
     evidence = {"log": found.log_evidence, "error": found.evidence_error, "kind": found.evidence_kind}
     profiles = {
         one.name: {"values": [measured(value, units[one.name]) for value in one.values], "misfit": one.misfit} for one in found.profiles
     }
     return {
-        "method": found.method, "whole": found.whole, "branches": quantities, "measurements": measurements,
+        "method": found.method, "whole": found.whole, "branches": quantities, "measurements": measurements, "conflicts": conflicts,
         "predictions": {one.key: _each(one, computed, si_unit(one.unit)) for one in found.predictions},
         "evidence": evidence, "profiles": profiles, "warnings": list(found.warnings),
         "evaluations": found.evaluations, "kept_from_before": found.kept,

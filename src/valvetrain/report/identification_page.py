@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from valvetrain.identification.conflicts import MET
 from valvetrain.identification.result import Branch, Identified
 from valvetrain.report.identification_charts import dots_chart, marginals_chart, pairs_chart, profiles_chart
 from valvetrain.report.identification_words import (
+    CONFLICTS,
     FOUND,
     MEASURED,
     ODD,
     PREDICTED,
+    conflict_words,
     datum_words,
     facts,
     found_rows,
@@ -22,6 +25,10 @@ from valvetrain.report.page import Block, Cell, Details, Grid, Page, Section, fi
 from valvetrain.report.words import unit_words
 
 _BROUGHT = "Share of each measurement in what the data say of a quantity, the other quantities known (%)."
+_CONFLICTS = (
+    f"Measurements that the likeliest point misses by more than {MET:g} scatters. Cost: by how much the likeliest computed point that "
+    "meets one has the larger misfit, as far as the search went; what it misses then contradicts it, under this model and these priors."
+)
 _LOST = "By how much less is left open of a quantity (its variance) than without the measurement (%)."
 
 
@@ -81,7 +88,14 @@ def _measured(found: Identified) -> tuple[Block, ...]:
         if far_off
         else ()
     )
-    return (*figure_or_gap("measured against predicted", dots_chart, found), *told, grid, *_predictions(found))
+    return (*figure_or_gap("measured against predicted", dots_chart, found), *told, grid, *_conflicts(found), *_predictions(found))
+
+
+def _conflicts(found: Identified) -> tuple[Block, ...]:
+    """What meeting a missed measurement costs the others."""
+    tones = ("", "number bad", "number", "number", "")
+    rows = tuple((tuple(map(Cell, conflict_words(one), tones)), ()) for one in found.conflicts)
+    return (Grid(CONFLICTS, rows, caption=_CONFLICTS),) if rows else ()
 
 
 def _predictions(found: Identified) -> tuple[Block, ...]:

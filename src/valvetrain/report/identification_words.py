@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.identification.conflicts import Conflict
 from valvetrain.identification.datum import Datum
 from valvetrain.identification.posterior import Unknown
 from valvetrain.identification.prior import Prior
@@ -15,6 +16,7 @@ from valvetrain.units import unit_factor
 #: Heads of the tables whose rows the functions below give.
 FOUND = ("quantity", "likeliest", "2.5 %", "97.5 %", "", "prior", "told")
 MEASURED = ("measurement", "measured", "±", "computed", "2.5 %", "97.5 %", "", "percentile")
+CONFLICTS = ("missed", "scatters", "points that meet it", "cost", "missed by the likeliest of them instead")
 PREDICTED = ("not measured", "likeliest", "2.5 %", "50 %", "97.5 %", "")
 #: Percentiles outside these are worth a look.
 ODD = (2.5, 97.5)
@@ -50,6 +52,12 @@ def measured_words(one: Predicted) -> tuple[str, ...]:
     datum = one.datum
     values = (shown(value, datum.unit) for value in (datum.value, datum.scatter, one.best, one.low, one.high))
     return datum_words(datum), *values, unit_words(datum.unit), "–" if np.isnan(one.percentile) else f"{one.percentile:.1f}"
+
+
+def conflict_words(one: Conflict) -> tuple[str, ...]:
+    """Cells under :data:`CONFLICTS`."""
+    instead = ", ".join(f"{datum_words(datum)} ({off:+.1f})" for datum, off in one.instead) or ("nothing more" if one.meeting else "–")
+    return datum_words(one.datum), f"{one.off:+.1f}", str(one.meeting), f"{one.cost:.3g}" if one.meeting else "–", instead
 
 
 def prediction_words(one: Prediction) -> tuple[str, ...]:

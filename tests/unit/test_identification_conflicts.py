@@ -1,0 +1,108 @@
+"""Unit: what meeting a missed measurement costs the others, from computed points of known misfits; told by answer, page and terminal."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from unit.cli_parts import call
+from valvetrain.identification.api import identify
+from valvetrain.identification.conflicts import conflicts_of
+from valvetrain.identification.datum import Datum
+from valvetrain.identification.posterior import Posterior, Unknown
+from valvetrain.identification.prior import Prior
+
+#: Three measurements of x itself: two at 10 and one at 20, each within 1; the prior is even.
+DATA = (Datum("a", 10.0, 1.0), Datum("b", 10.0, 1.0), Datum("c", 20.0, 1.0), Datum("compared", 99.0, 1.0, used=False))
+GRID = np.arange(0.0, 40.0, 0.5)
+
+
+def outcome(x):
+    return {one.key: x for one in DATA}
+
+
+def conflicts(points, prior=Prior("uniform", 0.0, 40.0)):
+    posterior = Posterior((Unknown("x", prior),), DATA, lambda points: [None] * len(points))
+    return conflicts_of(posterior, [(np.array([x]), told) for x, told in points])
+
+
+def test_cost_and_what_is_missed_instead_are_those_of_the_likeliest_point_that_meets_it():
+    """2 (x - 10)^2 + (x - 20)^2 is least at 13.5 of the grid (66.75), within 2 of 20 at 18 (132), within 2 of 10 at 12 (72)."""
+    found = conflicts([(x, outcome(x)) for x in GRID])
+    assert [(one.datum.key, one.off, one.meeting) for one in found] == [("c", -6.5, 9), ("a", 3.5, 9), ("b", 3.5, 9)]
+    assert found[0].cost == pytest.approx(132 - 66.75) and found[1].cost == pytest.approx(72 - 66.75)
+    assert [(datum.key, off) for datum, off in found[0].instead] == [("a", 8.0), ("b", 8.0)]
+    assert [(datum.key, off) for datum, off in found[1].instead] == [("c", -8.0)]
+
+
+def test_the_prior_counts_in_the_cost():
+    """With a prior of 10 +- 1 the least of 3 (x - 10)^2 + (x - 20)^2 on the grid is at 12.5 (75), within 2 of 20 at 18 (196)."""
+    (one,) = (one for one in conflicts([(x, outcome(x)) for x in GRID], Prior("normal", centre=10.0, spread=1.0)) if one.datum.key == "c")
+    assert one.cost == pytest.approx(196 - 75) and one.off == -7.5
+
+
+def test_what_no_computed_point_meets_has_no_cost():
+    found = conflicts([(x, outcome(x)) for x in GRID[GRID < 15]])
+    assert (
+        [one.datum.key for one in found] == ["c", "a", "b"] and found[0].meeting == 0 and np.isnan(found[0].cost) and not found[0].instead
+    )
+
+
+def test_impossible_points_and_those_that_lack_a_number_count_for_none():
+    assert conflicts([(13.5, None), (13.5, {"a": 13.5, "b": 13.5})]) == ()
+    assert len(conflicts([(1.0, None), (13.5, outcome(13.5)), (18.0, {"a": 18.0})])) == 3
+
+
+def test_without_a_missed_measurement_there_is_no_conflict():
+    data = [Datum("a", 10.0, 1.0), Datum("b", 11.0, 1.0)]
+    assert identify({"x": Prior("uniform", 0.0, 40.0)}, data, lambda points: [{"a": x, "b": x} for (x,) in points]).conflicts == ()
+
+
+CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
+FILE = """
+case = "card.toml"
+[quantities.rate]
+key = "spring.rate"
+prior = "uniform"
+low = "25 N/mm"
+high = "40 N/mm"
+[measurements.at_12]
+compressions = "12 mm"
+forces = "388 N"
+scatter = "4 N"
+spring_model = "massless"
+[measurements.at_10]
+compressions = "10 mm"
+forces = "380 N"
+scatter = "4 N"
+spring_model = "massless"
+"""
+
+
+def test_answer_page_and_terminal_tell_them(tmp_path):
+    """388 N at 12 mm ask for 32.3 N/mm, 380 N at 10 mm for 38: no rate meets both."""
+    (tmp_path / "card.toml").write_text(CARD)
+    (tmp_path / "two.toml").write_text(FILE)
+    done = call("identify", str(tmp_path / "two.toml"), "--json", "--workers", "1", "--output", str(tmp_path / "out"))
+    told = json.loads(done.stdout)["conflicts"]
+    (branch,) = json.loads(done.stdout)["branches"]
+    rate = branch["quantities"]["rate"]["best"]["value"]
+    off = {"at_12": (0.012 * rate - 388) / 4, "at_10": (0.010 * rate - 380) / 4}
+    assert {one["measurement"]: one["scatters"] for one in told} == pytest.approx(off)
+    assert abs(off["at_12"]) > 2 and abs(off["at_10"]) > 2 and off["at_12"] * off["at_10"] < 0
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "points that meet it" in page and f"{off['at_10']:+.1f}" in page
+    (tmp_path / "two.toml").write_text(FILE.replace("380 N", "800 N"))
+    (never,) = (
+        one
+        for one in json.loads(
+            call("identify", str(tmp_path / "two.toml"), "--json", "--workers", "1", "--output", str(tmp_path / "out3")).stdout
+        )["conflicts"]
+        if one["measurement"] == "at_10"
+    )
+    assert (never["points_that_meet_it"], never["cost"], never["missed_instead"]) == (0, None, {})
+    (tmp_path / "two.toml").write_text(FILE)
+    again = call("identify", str(tmp_path / "two.toml"), "--workers", "1", "--output", str(tmp_path / "out2"))
+    assert "points that meet it" in again.stdout and f"{off['at_12']:+.1f}" in again.stdout
