@@ -26,8 +26,9 @@ from valvetrain.report.words import unit_words
 
 _BROUGHT = "Share of each measurement in what the data say of a quantity, the other quantities known (%)."
 _CONFLICTS = (
-    f"Measurements that the likeliest point misses by more than {MET:g} scatters. Cost: by how much the likeliest computed point that "
-    "meets one has the larger misfit, as far as the search went; what it misses then contradicts it, under this model and these priors."
+    f"Measurements that the likeliest point misses by more than {MET:g} scatters, and how many computed points meet them. Cost: by how "
+    "much the likeliest of those has the larger misfit, as far as the search went; what it misses instead contradicts the measurement, "
+    "under this model and these priors."
 )
 _LOST = "By how much less is left open of a quantity (its variance) than without the measurement (%)."
 

@@ -16,7 +16,7 @@ from valvetrain.units import unit_factor
 #: Heads of the tables whose rows the functions below give.
 FOUND = ("quantity", "likeliest", "2.5 %", "97.5 %", "", "prior", "told")
 MEASURED = ("measurement", "measured", "±", "computed", "2.5 %", "97.5 %", "", "percentile")
-CONFLICTS = ("missed", "scatters", "points that meet it", "cost", "missed by the likeliest of them instead")
+CONFLICTS = ("missed", "scatters", "met by", "cost", "missed instead")
 PREDICTED = ("not measured", "likeliest", "2.5 %", "50 %", "97.5 %", "")
 #: Percentiles outside these are worth a look.
 ODD = (2.5, 97.5)
@@ -57,7 +57,7 @@ def measured_words(one: Predicted) -> tuple[str, ...]:
 def conflict_words(one: Conflict) -> tuple[str, ...]:
     """Cells under :data:`CONFLICTS`."""
     instead = ", ".join(f"{datum_words(datum)} ({off:+.1f})" for datum, off in one.instead) or ("nothing more" if one.meeting else "–")
-    return datum_words(one.datum), f"{one.off:+.1f}", str(one.meeting), f"{one.cost:.3g}" if one.meeting else "–", instead
+    return datum_words(one.datum), f"{one.off:+.1f}", f"{one.meeting} points", f"{one.cost:.3g}" if one.meeting else "–", instead
 
 
 def prediction_words(one: Prediction) -> tuple[str, ...]:
