@@ -12,6 +12,7 @@ import pytest
 
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.identification.datum import Datum
+from valvetrain.identification.evolution import evolution
 from valvetrain.identification.journal import Journal
 from valvetrain.identification.least_squares import least_squares
 from valvetrain.identification.multistart import ends_of, linear_draws
@@ -34,6 +35,15 @@ def spring_numbers(points: np.ndarray) -> list[dict[str, float] | None]:
 
 def data_of(rate: float, mass: float, scatter: float = 1.0) -> tuple[Datum, ...]:
     return Datum("force", rate * 7e-3, scatter), Datum("surge", 0.5 * math.sqrt(rate / mass), scatter)
+
+
+def test_an_evolution_strategy_ends_no_worse_than_where_it_began() -> None:
+    posterior = Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS, 1e-6), spring_numbers)
+    begin = posterior.work_of(np.array([[TRUE_RATE, TRUE_MASS]]))[0]
+    best, whole = evolution(posterior, begin, evaluations=6)
+    assert whole and np.array_equal(best, begin)
+    lost, _ = evolution(posterior, posterior.work_of(np.array([[59.5e3, 0.05]]))[0], evaluations=60)  # begins at an impossible spring
+    assert np.isfinite(posterior.at(lost[None, :]).log_posterior[0])
 
 
 def test_known_parameters_are_recovered_without_a_prior_that_pulls() -> None:

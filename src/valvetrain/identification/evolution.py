@@ -40,6 +40,8 @@ def evolution(
     strategy = cmaes.CMA(mean=start, sigma=FIRST_SPREAD, bounds=box, seed=seed, population_size=size)
     best, least, used = begin, np.inf, 0
     try:
+        first = float(posterior.at(np.clip(begin, low, high)[None, :]).log_posterior[0])
+        least = -first if np.isfinite(first) else np.inf  # a search ends no worse than where it began
         while used < evaluations and not strategy.should_stop():
             asked = [strategy.ask() for _ in range(size)]
             work = np.clip(posterior.centre + posterior.spread * np.array(asked)[:, :count], low, high)
