@@ -11,6 +11,7 @@ import pytest
 
 from architecture.layout import ROOT
 from beehive_parts import assert_written_anew
+from valvetrain.identification.journal import Journal
 
 sys.path.insert(0, str(ROOT / "scripts"))
 import write_beehive_studies as script
@@ -49,7 +50,67 @@ def answer(shift: float, fitted: tuple[str, ...], whole: bool = True) -> dict:
         "measurements": rows, "whole": whole, "method": "ensemble", "evaluations": 7, "kept_from_before": 5,
         "warnings": ["few", "the data hardly tell 'a'", *(f"the data cannot tell '{one}' and 'z' apart" for one in "ab")],
         "branches": [branch, branch],
+        "conflicts": [
+            {"key": SLOW, "scatters": -3.25, "points_that_meet_it": 7, "cost": 4.25, "missed_instead": {REST: 2.5, FAST: -2.75}},
+            {"key": FAST, "scatters": 5.0, "points_that_meet_it": 3, "cost": 0.5, "missed_instead": {}},
+            {"key": REST, "scatters": 2.1, "points_that_meet_it": 0, "cost": None, "missed_instead": {}},
+        ],
     }  # fmt: skip
+
+
+REQUEST = """
+case = "gu2021-beehive"
+[quantities.wire]
+key = "spring.wire_diameter"
+prior = "normal"
+mean = "3.8 mm"
+standard_deviation = "0.1 mm"
+[measurements.rest]
+quantity = "preload"
+value = "289 N"
+scatter = "1.5 N"
+[measurements.slow]
+quantity = "stage_2_peak_force"
+value = "812 N"
+scatter = "8 N"
+engine_speed = "4200 rpm"
+spring_model = "finite-element"
+[measurements.fast]
+quantity = "node_2_maximum_displacement"
+value = "0.68 mm"
+scatter = "0.068 mm"
+engine_speed = "8000 rpm"
+spring_model = "finite-element"
+"""
+
+
+def computed(force: float, displacement: float, preload: float = 1.0) -> dict:
+    """A computed point by its ratios to the published values."""
+    return {REST: 289.0 * preload, SLOW: 812.0 * force, FAST: 0.68e-3 * displacement}
+
+
+#: Points of the joint search: both aims met twice (the second farther inside, the first likelier), one each, none, two of no use.
+POINTS = [
+    ([3.8e-3], computed(1.001, 1.09)), ([3.9e-3], computed(0.96, 1.05)), ([3.7e-3], computed(1.06, 1.0)), ([3.71e-3], computed(1.0, 0.85)),
+    ([3.72e-3], computed(2.0, 2.0)), ([3.6e-3], None), ([3.5e-3], {REST: 289.0}),
+]  # fmt: skip
+
+
+def request_of(folder: Path) -> script.Request:
+    (folder / "identification.toml").write_text(REQUEST)
+    return script.read_request(folder / "identification.toml")
+
+
+def test_the_points_that_have_all_that_is_aimed_at_are_counted_and_the_one_farthest_inside_is_kept(tmp_path):
+    """0.96 of 5 % and 1.05 of 10 % lie 0.8 of the way to the edge, 1.09 of 10 % lies 0.9."""
+    points = [(np.array(values), outcome) for values, outcome in POINTS]
+    told = script.targets_of(points, request_of(tmp_path))
+    assert {name: told[name] for name in ("aims", "points", "meet_all")} == {"aims": 2, "points": 5, "meet_all": 2}
+    assert told["inside"]["quantities"] == {"wire": 3.9e-3} and told["inside"]["computed"] == computed(0.96, 1.05)
+    off = np.array([0.0, -0.04 * 812 / 8, 0.5, 1.0])  # rest, slow, fast, one deviation from the prior
+    assert told["inside"]["misfit"] == pytest.approx(off @ off)
+    none = script.targets_of(points[2:], request_of(tmp_path))
+    assert none == {"aims": 2, "points": 3, "meet_all": 0}
 
 
 BLIND, JOINT = answer(1.0, (REST, SLOW)), answer(1.2, (REST, SLOW, FAST))
@@ -96,6 +157,9 @@ def test_page_and_picture_are_written_and_what_is_cut_short_is_refused(tmp_path,
         folders.append(tmp_path / str(place))
         folders[-1].mkdir()
         (folders[-1] / "run.json").write_text(json.dumps(one))
+    request_of(folders[1])
+    with Journal(folders[1], "any") as journal:
+        journal.through(lambda points: [outcome for _, outcome in POINTS])(np.array([values for values, _ in POINTS]))
     (tmp_path / "docs" / "pictures").mkdir(parents=True)
     page = tmp_path / "docs" / script.PAGE
     page.write_text(f"before\n{BEGIN}old\n{END}\nafter\n")
@@ -105,6 +169,7 @@ def test_page_and_picture_are_written_and_what_is_cut_short_is_refused(tmp_path,
     assert (tmp_path / "docs" / "pictures" / script.PICTURE).read_text().startswith("<svg")
     assert "| blind | ensemble | 12 | 7.5 | few; 1 quantities are hardly told; 2 combinations are not told apart |" in text.splitlines()
     kept = json.loads((tmp_path / "docs" / script.KEPT).read_text())
+    assert kept["joint"]["targets"]["meet_all"] == 2
     assert list(kept) == list(script.STUDIES) and kept["blind"]["points"] == 12 and kept["blind"]["branches"] == 2
     assert kept["blind"]["quantities"] == {
         "wire": {k: {"value": v, "unit": "m"} for k, v in (("best", 3.9e-3), ("low", 3.7e-3), ("high", 4e-3))}
@@ -118,7 +183,9 @@ def test_page_and_picture_are_written_and_what_is_cut_short_is_refused(tmp_path,
 
 
 def kept(blind: dict, joint: dict, without: dict) -> dict:
-    return {name: script.kept_of(one) for name, one in {"blind": blind, "joint": joint, "without 8000 rpm": without}.items()}
+    found = {name: script.kept_of(one) for name, one in {"blind": blind, "joint": joint, "without 8000 rpm": without}.items()}
+    found["joint"]["targets"] = {"aims": 10, "points": 50, "meet_all": 3, "inside": {"misfit": 9.75}}
+    return found
 
 
 def test_five_sentences_follow_the_numbers_in_both_directions():
@@ -131,6 +198,12 @@ def test_five_sentences_follow_the_numbers_in_both_directions():
     missed = script.sentences(kept(answer(1.5, (REST, SLOW)), JOINT, answer(0.5, (REST, SLOW))))
     assert "0 of the 1 values" in missed[0]
     assert missed[0].endswith("; outside: at 8000 rpm largest displacement of node 2.")
+    assert missed[2].endswith(
+        "; outside: 4200 rpm: Stage II peak force (983, published 812 N) "
+        "and 8000 rpm: largest displacement of node 2 (0.823, published 0.68 mm)"
+        "; 3 of the 50 springs that the search computed have all 10 at once, the one farthest inside them "
+        "([beehive-joint.toml](../examples/beehive-joint.toml)) at a misfit 2.2 above the least."
+    )
     assert "0 of 1 Stage II peaks within 5 %" in missed[2] and "0 of 1 displacements" in missed[2]
     assert (
         "at rest: preload and 4200 rpm: Stage II peak force are met by no search that was fitted to them." in missed[3]
@@ -139,10 +212,24 @@ def test_five_sentences_follow_the_numbers_in_both_directions():
     )
     assert "0.68 mm" not in missed[3], "two scatters of 10 % reach the interval that begins 10 % above"
     assert "0 of 1" in missed[4] and missed[4].endswith("; outside: at 8000 rpm largest displacement of node 2.")
+    never = kept(BLIND, JOINT, answer(0.5, (REST, SLOW)))
+    never["joint"]["targets"] = {"aims": 10, "points": 50, "meet_all": 0}
+    assert script.sentences(never)[2].endswith("; none of the 50 springs that the search computed has all 10 at once.")
     freed = script.sentences(kept(BLIND, JOINT, answer(1.05, (REST, SLOW))))[3]
     assert freed.endswith("more than two scatters: at rest: preload and 4200 rpm: Stage II peak force are met without 8000 rpm.")
     parted = answer(1.05, (REST,))  # not fitted to the slow speed, so meeting it proves nothing
     assert "preload is met without 8000 rpm; 4200 rpm: Stage II peak force is met by no" in script.sentences(kept(BLIND, JOINT, parted))[3]
+
+
+def test_what_the_joint_study_misses_is_told_with_what_meeting_it_costs():
+    told = kept(BLIND, JOINT, answer(0.5, (REST, SLOW)))
+    assert script.conflicts(told).splitlines()[2:] == [
+        "| 4200 rpm: Stage II peak force | -3.2 | 7 | 4.2 | at rest: preload (+2.5) and 8000 rpm: largest displacement of node 2 (-2.8) |",
+        "| 8000 rpm: largest displacement of node 2 | +5.0 | 3 | 0.5 | nothing more |",
+        "| at rest: preload | +2.1 | 0 | – | – |",
+    ]
+    told["joint"]["conflicts"] = []
+    assert script.conflicts(told).endswith("miss no published value by more than two scatters.")
 
 
 def test_a_search_that_ends_above_one_with_more_data_is_told_as_not_at_its_end():

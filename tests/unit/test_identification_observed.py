@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -122,6 +123,21 @@ def test_the_case_s_own_values_are_a_start(tmp_path) -> None:
     request = request_of(measured, tmp_path, search={"from_case": True, "draws": 1})
     found = identify_request(request, workers=1)
     assert found.best["wire"] == pytest.approx(4e-3, rel=5e-3)
+
+
+def test_the_case_alone_is_searched_from_with_keep_0(tmp_path) -> None:
+    """No other start is computed, and the estimate counts the case among the starts."""
+    measured = {"one": {"quantity": "preload", "value": "212 N", "scatter": "1 N", "spring_model": "wave-rod"}}
+    both, alone = (
+        identify_request(request_of(measured, tmp_path, search={"from_case": True, "draws": 1, "starts": 30, "keep": keep}), workers=1)
+        for keep in (1, 0)
+    )
+    assert alone.best["wire"] == pytest.approx(4e-3, rel=5e-3) and both.evaluations - alone.evaluations >= 30
+    with pytest.raises(InputError, match="keep is 0, so that nothing is searched from; set from_case = true"):
+        identify_request(request_of(measured, tmp_path, search={"keep": 0}), workers=1)
+    search = Search("cma-es", evaluations=1000, starts=24, keep=1)
+    assert search.evaluations_of(3, given=1) - search.evaluations_of(3) == 1000 + 4 * (4 + 4)
+    assert replace(search, keep=0).evaluations_of(3, given=1) == search.evaluations_of(3) - 24
 
 
 def test_conditions_that_one_study_tells_are_computed_together_with_the_same_bits(tmp_path) -> None:

@@ -113,7 +113,7 @@ def identify_request(
         begin = np.array([values_of_case(request)]) if request.from_case else None
         seconds = _try(request, posterior, evaluate)
         journal.at_a_time = count * max(1, round(LOST_SECONDS / max(seconds, 1e-6)))
-        points = request.search.evaluations_of(len(request.unknowns), len(request.profiles))
+        points = request.search.evaluations_of(len(request.unknowns), len(request.profiles), int(request.from_case))
         left = max(points - len(journal), 0)
         later = 0.0 if compare is None else (request.search.draws + 1) * _timed(compare, posterior.values(posterior.centre[None, :]))
         told = refuse_cost(

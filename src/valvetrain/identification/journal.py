@@ -133,6 +133,23 @@ class Journal:
             self._file.flush()
 
 
+def read_points(path: Path, quantities: int) -> list[tuple[Array, Outcome]]:
+    """Every point of a file of computed points (values of so many ``quantities`` in SI) and its outcome, without those of a part.
+
+    Raises :class:`InputError` where the file cannot be read or holds none.
+    """
+    try:
+        with path.open("rb") as file:
+            records = [_content(line) for line in file]
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", str(path)) from None
+    whole = records[1 : records.index(None)] if None in records else records[1:]
+    found = [(np.frombuffer(bytes.fromhex(key), dtype=float), outcome) for key, outcome in whole if len(key) == 16 * quantities]
+    if not found:
+        raise InputError(f"holds no points of {quantities} quantities", str(path))
+    return found
+
+
 def _line(record: object) -> bytes:
     body = json.dumps(record, separators=(",", ":")).encode()
     return digest(body)[:_SUM].encode() + b" " + body + b"\n"

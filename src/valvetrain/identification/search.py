@@ -14,7 +14,7 @@ from valvetrain.identification.profiles import SIDE
 Method = Literal["least-squares", "cma-es", "nested", "ensemble"]
 METHODS: tuple[str, ...] = get_args(Method)
 #: Options that take a number of zero or more; all other numbers are positive.
-_FROM_ZERO = {"seed", "draws", "population", "walkers", "difference_step"}
+_FROM_ZERO = {"seed", "draws", "population", "walkers", "difference_step", "keep"}
 #: Most of anything that is counted.
 _MOST = 10_000_000
 
@@ -24,10 +24,11 @@ class Search:
     """Method and its options; those of other methods have no effect.
 
     ``seed`` of all random numbers. Searches for a point (``least-squares``, ``cma-es``): ``starts`` tried, of which the ``keep`` likeliest
-    are searched from for at most ``iterations`` (least squares) or ``evaluations`` each in generations of ``population`` (cma-es; 0: by the
-    number of quantities); ``difference_step`` in standard deviations of the priors (0: follows what the data leave open); ``draws`` of the
-    linearised posterior. ``nested``: ``live_points``, ``lanes`` asked for at once, ``precision`` of the log evidence. ``ensemble``:
-    ``walkers`` (0: by the number of quantities), ``steps``. Raises :class:`InputError` for an unknown method or a number out of range.
+    are searched from (0: none but those that are given) for at most ``iterations`` (least squares) or ``evaluations`` each in generations
+    of ``population`` (cma-es; 0: by the number of quantities); ``difference_step`` in standard deviations of the priors (0: follows what
+    the data leave open); ``draws`` of the linearised posterior. ``nested``: ``live_points``, ``lanes`` asked for at once, ``precision`` of
+    the log evidence. ``ensemble``: ``walkers`` (0: by the number of quantities), ``steps``. Raises :class:`InputError` for an unknown
+    method or a number out of range.
 
     >>> Search("nested", live_points=200).evaluations_of(2) > 1000
     True
@@ -59,9 +60,9 @@ class Search:
             if not (0 if one.name in _FROM_ZERO else 1e-9) <= value <= _MOST:
                 raise InputError(f"{one.name} is {value:g}; give a number above zero and below {_MOST:g}", one.name)
 
-    def evaluations_of(self, quantities: int, profiles: int = 0) -> int:
-        """About how many points will be computed for so many unknown quantities and profiles."""
-        slopes, kept = quantities + 1, min(self.keep, self.starts)
+    def evaluations_of(self, quantities: int, profiles: int = 0, given: int = 0) -> int:
+        """About how many points will be computed for so many unknown quantities, profiles and ``given`` starts beside those of its own."""
+        slopes, kept = quantities + 1, min(self.keep, self.starts) + given
         after = slopes + profiles * 2 * SIDE * 4 * (slopes + 4)
         if self.method == "nested":  # 2.5 nats a quantity to shrink by; chains of some 20 + quantities moves from ten on
             return (
@@ -70,4 +71,4 @@ class Search:
         if self.method == "ensemble":
             return (self.walkers or 4 * quantities + 8) * (self.steps + 2) + after
         each = min(self.iterations, 8) * (slopes + 4) if self.method == "least-squares" else self.evaluations + 4 * (slopes + 4)
-        return self.starts + kept * each + self.draws + after
+        return (self.starts if self.keep else 0) + kept * each + self.draws + after

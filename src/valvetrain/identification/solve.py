@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.errors import InputError
 from valvetrain.identification.branches import branches_of_draws, even_draws
 from valvetrain.identification.conflicts import conflicts_of
 from valvetrain.identification.draws import Draws, Report, silent
@@ -90,9 +91,11 @@ def _around(posterior: Posterior, search: Search, given: Array, report: Report) 
 
 def _ends(posterior: Posterior, search: Search, given: Array | None, report: Report) -> tuple[Ends, bool]:
     """Peaks of a search from several starts, and whether none was cut short."""
-    begins = best_starts(posterior, starts(posterior, search.starts, search.seed), search.keep)
-    if given is not None:
-        begins = np.vstack([given, begins])
+    begins = np.empty((0, len(posterior.unknowns))) if given is None else given
+    if search.keep:
+        begins = np.vstack([begins, best_starts(posterior, starts(posterior, search.starts, search.seed), search.keep)])
+    if not len(begins):
+        raise InputError("keep is 0, so that nothing is searched from; set from_case = true, or keep 1 or more", "search.keep")
     peaks: list[Peak] = []
     for number, begin in enumerate(begins):
 
