@@ -220,10 +220,10 @@ def conflicts(kept: Mapping[str, Any]) -> str:
         "|---|---|---|---|---|",
     ]
     for row in rows:
-        instead = _list([f"{words_of(key)} ({off:+.1f})" for key, off in row["missed_instead"].items()]) if row["missed_instead"] else ""
+        instead = [f"{words_of(one['key'])} ({one['scatters']:+.1f})" for one in row["missed_instead"]]
         lines.append(
             f"| {words_of(row['key'])} | {row['scatters']:+.1f} | {row['points_that_meet_it']} | "
-            + (f"{row['cost']:.1f} | {instead or 'nothing more'} |" if row["points_that_meet_it"] else "– | – |")
+            + (f"{row['cost']:.1f} | {_list(instead) if instead else 'nothing more'} |" if row["points_that_meet_it"] else "– | – |")
         )
     return "\n".join(lines)
 
@@ -335,6 +335,8 @@ def targets_of(points: Sequence[tuple[NDArray[np.float64], Outcome]], request: R
     """How many of the computed points of a search meet all of :data:`TARGETS` at once, and the one that lies farthest inside them."""
     posterior = Posterior(request.unknowns, request.data, lambda values: [None] * len(values))
     aims = [(one, share) for _, names, share in TARGETS for one in posterior.used if one.key.rpartition(": ")[2] in names]
+    if not aims:
+        raise SystemExit("the joint search was fitted to none of what it aims at; give the folders in the order of the use above")
     possible = [(values, outcome) for values, outcome in points if outcome is not None and posterior.residuals(outcome) is not None]
     worst = [max(abs(outcome[one.key] / one.value - 1) / share for one, share in aims) for _, outcome in possible]
     found: dict[str, Any] = {"aims": len(aims), "points": len(possible), "meet_all": int(np.sum(np.array(worst) <= 1))}

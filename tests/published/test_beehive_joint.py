@@ -29,6 +29,7 @@ SPEEDS = (4200, 5600, 8000)
 def found(request, tmp_path_factory):
     """Elements per coil, and each printed quantity as the rod computes it."""
     text = (ROOT / "examples" / "beehive-joint.toml").read_text(encoding="utf-8")
+    assert text.count("\n[lift_law]\n") == 1
     place = tmp_path_factory.mktemp("joint") / "joint.toml"
     place.write_text(text.replace("[lift_law]", f"[spring.options.finite-element]\nelements_per_coil = {request.param}\n\n[lift_law]"))
     study = vt.simulate(str(place), [f"{speed} rpm" for speed in SPEEDS], spring_models=["finite-element"], workers=1)

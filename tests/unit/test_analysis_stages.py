@@ -43,6 +43,13 @@ def test_ramped_law_gives_its_own_event():
     assert event_of(law) == LiftEvent(np.radians(100.0), np.radians(230.0))
 
 
+@pytest.mark.parametrize(("end", "expected"), [({}, 240.0), ({"event_end": None}, 240.0), ({"event_end": 233 * DEG}, 233.0)])
+def test_a_shaped_law_gives_its_own_event_mirrored_or_not(end, expected):
+    values = {"maximum_lift": 9e-3, "ramp_lift": 3e-4, "ramp_start": 80 * DEG, "event_start": 120 * DEG, "nose": 180 * DEG}
+    law = LiftLawParameters("shaped", values | {"flank_shape": (1.0, 1.0, -1.0, -1.0, -1.0)} | end)
+    assert event_of(law) == LiftEvent(np.radians(120.0), np.radians(expected))
+
+
 def test_other_laws_give_where_the_lift_passes_4_percent():
     event = event_of(_sine(100.0, 260.0))
     # sin^2 passes 4 % where the sine is 0.2

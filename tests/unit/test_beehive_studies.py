@@ -49,11 +49,12 @@ def answer(shift: float, fitted: tuple[str, ...], whole: bool = True) -> dict:
     return {
         "measurements": rows, "whole": whole, "method": "ensemble", "evaluations": 7, "kept_from_before": 5,
         "warnings": ["few", "the data hardly tell 'a'", *(f"the data cannot tell '{one}' and 'z' apart" for one in "ab")],
-        "branches": [branch, branch],
-        "conflicts": [
-            {"key": SLOW, "scatters": -3.25, "points_that_meet_it": 7, "cost": 4.25, "missed_instead": {REST: 2.5, FAST: -2.75}},
-            {"key": FAST, "scatters": 5.0, "points_that_meet_it": 3, "cost": 0.5, "missed_instead": {}},
-            {"key": REST, "scatters": 2.1, "points_that_meet_it": 0, "cost": None, "missed_instead": {}},
+        "branches": [branch, branch], "conflicts": [
+            {"key": SLOW, "scatters": -3.25, "points_that_meet_it": 7, "cost": 4.25, "missed_instead": [
+                {"key": REST, "scatters": 2.5}, {"key": FAST, "scatters": -2.75},
+            ]},
+            {"key": FAST, "scatters": 5.0, "points_that_meet_it": 3, "cost": 0.5, "missed_instead": []},
+            {"key": REST, "scatters": 2.1, "points_that_meet_it": 0, "cost": None, "missed_instead": []},
         ],
     }  # fmt: skip
 

@@ -163,6 +163,8 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("shaped", {"maximum_lift": 4e-4}, "cannot reach maximum_lift"),
     ("shaped", {"event_end": 1.8}, "must follow the nose"), ("shaped", {"event_end": 4.9}, "must follow the nose within half"),
     ("shaped", {"event_end": 4.2}, "cannot close by event_end"),
+    ("shaped", {"event_end": math.nextafter(1.8, 4.0)}, "cannot close by event_end"),
+    ("shaped", {"event_end": 2.9, "flank_shape": (1.0, 0.8, 0.5, -1.0)}, "needs a negative value before its last"),
     ("sine power", {"closing_end": 0.5}, "must follow opening_start"), ("sine power", {"closing_end": 7.0}, "must follow opening_start"),
     ("sine power", {"power": 1}, "power be 2 or more"),
     ("spline", {"lifts": (0.0, 0.0)}, "each with one lift"),

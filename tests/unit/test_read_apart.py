@@ -101,6 +101,23 @@ def test_a_process_that_a_full_machine_does_not_start_is_tried_again(reader_of_t
     assert len(left) == (0 if times == 1 else times - 3)
 
 
+def test_an_interpreter_that_never_gets_ready_is_waited_for_once(reader_of_tests, monkeypatch, tmp_path):
+    """Its patience is that of a whole trial; words of a foreign program are told without control characters."""
+    monkeypatch.setattr(threading, "active_count", lambda: 2)
+    slow = tmp_path / "python"
+    slow.write_text('#!/bin/sh\necho x >> "$0.begun"\nsleep 30\n')
+    slow.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(slow))
+    monkeypatch.setattr(read_apart, "MOST_SECONDS", 1)
+    monkeypatch.setattr(read_apart, "_PATIENCE", 1)
+    with pytest.raises(InputError, match="not ready after 1 s"):
+        reader_of_tests("return 1")
+    assert (tmp_path / "python.begun").read_text() == "x\n"
+    slow.write_text("#!/bin/sh\nprintf 'red \\033[31m' >&2\nexit 3\n")
+    with pytest.raises(InputError, match=r"red  \[31m"):
+        reader_of_tests("return 1")
+
+
 def test_the_folder_of_a_session_is_searched_for_the_reader_too(reader_of_tests, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", ["", *(part for part in sys.path if part != str(tmp_path))])

@@ -22,9 +22,10 @@ def find_lift_event(law: LiftLaw | None, parameters: LiftLawParameters | None = 
     from where the lift first passes 4 % of its largest value to where it last does.
     """
     values = {} if parameters is None else parameters.values
-    if "event_start" in values and ("event_end" in values or "nose" in values):
+    end = values.get("event_end")
+    if "event_start" in values and (end is not None or "nose" in values):
         start = float(values["event_start"])
-        found = start, float(values["event_end"]) if "event_end" in values else 2 * float(values["nose"]) - start
+        found = start, 2 * float(values["nose"]) - start if end is None else float(end)
     elif law is None or (passed := _passed(law)) is None:
         return None
     else:

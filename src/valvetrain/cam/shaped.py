@@ -56,7 +56,11 @@ class Shaped:
             raise InputError("flank_shape needs four values or more, first positive, then negative ones; correct it")
         if not np.all(self._opening[2] > 0):
             raise InputError("this flank_shape cannot reach maximum_lift with rest at the nose; move the change of sign or lower ramp_lift")
-        if self.event_end is not None and not (np.any(shape[first_falling:-1] < 0) and np.all(self._closing[2] > 0)):
+        if self.event_end is None:
+            return
+        if not np.any(shape[first_falling:-1] < 0):
+            raise InputError("with event_end flank_shape needs a negative value before its last, which the nose keeps; add one")
+        if not np.all(self._closing[2] > 0):
             raise InputError("this flank_shape cannot close by event_end with the acceleration of the nose; move event_end towards the "
                              "mirror of event_start")  # fmt: skip
 
@@ -93,7 +97,10 @@ class Shaped:
         velocity, _ = ramp_states(self.ramp_lift, self.event_start - self.ramp_start, self.ramp_blend)
         ends = np.array([[float(spline(nose, nu=order)) for spline in splines] for order in (0, 1)])
         rise = self.maximum_lift - self.ramp_lift - velocity * (nose - start)
-        scales: Array = np.linalg.solve(ends[:, :2], np.array([rise, -velocity]) - ends[:, 2])
+        try:
+            scales: Array = np.linalg.solve(ends[:, :2], np.array([rise, -velocity]) - ends[:, 2])
+        except np.linalg.LinAlgError:  # no length is left between start and nose
+            scales = np.zeros(2)
         breaks = np.unique(splines[0].t)
         states = np.zeros((len(breaks), 3))
         for scale, spline in zip((*scales, 1.0), splines, strict=True):

@@ -201,6 +201,8 @@ def _search(part: Part, names: tuple[str, ...]) -> tuple[Search, tuple[str, ...]
     unknown = next((one for one in profiles if one not in names), None)
     if unknown is not None:
         raise InputError(f"'{unknown[:40]}' is none of the quantities; name one of {', '.join(names)[:200]}", "search.profile")
+    if given.get("keep") == 0 and not from_case and given.get("method", "least-squares") in ("least-squares", "cma-es"):
+        raise InputError("is 0, so that nothing is searched from; set from_case = true, or keep 1 or more", "search.keep")
     try:
         return Search(**given), profiles, from_case
     except InputError as error:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.identification.branches import branches_of_draws, even_draws
-from valvetrain.identification.conflicts import conflicts_of
+from valvetrain.identification.conflicts import Conflict, conflicts_of
 from valvetrain.identification.draws import Draws, Report, silent
 from valvetrain.identification.ensemble import ensemble
 from valvetrain.identification.evolution import evolution
@@ -78,8 +78,13 @@ def solve(
         search.method, posterior.unknowns, branches, posterior.values(draws.work), draws.weights, labels,
         _predicted(posterior, tables), _predictions(posterior, tables, units), computed, draws.log_evidence, draws.evidence_error,
         draws.evidence_kind, found, draws.notes, journal.computed, journal.before, draws.whole, time.perf_counter() - began, name,
-        conflicts_of(posterior, journal.points(len(posterior.unknowns))),
+        _conflicts(posterior, peaks[0], journal),
     )  # fmt: skip
+
+
+def _conflicts(posterior: Posterior, peak: Peak, journal: Journal) -> tuple[Conflict, ...]:
+    """What meeting a datum that the likeliest point misses costs the others, over all points that were computed."""
+    return conflicts_of(posterior, (posterior.values(peak.work[None, :])[0], peak.outcome), journal.points(len(posterior.unknowns)))
 
 
 def _around(posterior: Posterior, search: Search, given: Array, report: Report) -> Array:
@@ -95,7 +100,7 @@ def _ends(posterior: Posterior, search: Search, given: Array | None, report: Rep
     if search.keep:
         begins = np.vstack([begins, best_starts(posterior, starts(posterior, search.starts, search.seed), search.keep)])
     if not len(begins):
-        raise InputError("keep is 0, so that nothing is searched from; set from_case = true, or keep 1 or more", "search.keep")
+        raise InputError("keep is 0, so that nothing is searched from; keep 1 or more")
     peaks: list[Peak] = []
     for number, begin in enumerate(begins):
 

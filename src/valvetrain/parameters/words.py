@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
-from typing import Any
+from functools import cache
+from typing import Any, get_args
 
 from valvetrain import registry
 from valvetrain.parameters.curves import Constant, PiecewiseLinear, Table
@@ -33,13 +34,44 @@ _UNITS = {
 _DIMENSIONS = {"youngs_modulus": "modulus", "shear_modulus": "modulus", "mass_damping": "damping rate"}
 
 
+#: Dimension of a lift law's number -> unit shown.
+_LIFT_UNITS = {
+    "angle": "deg", "length": "mm", "mass": "kg", "stiffness": "N/mm", "angular speed": "rpm", "cam velocity": "mm/deg",
+    "cam acceleration": "mm/deg^2",
+}  # fmt: skip
+
+
+def _unit_at(keys: list[str]) -> str:
+    """Unit that the value at the keys of a path is shown in; empty where none is known."""
+    if keys[-2:] == ["contact", "stiffness"]:
+        return "N/mm^2"
+    if keys[-1] not in _UNITS and "lift_law" in keys:
+        return _LIFT_UNITS.get(_lift_dimensions().get(keys[-1], ""), "")
+    return _UNITS.get(keys[-1], "")
+
+
+@cache
+def _lift_dimensions() -> Mapping[str, str]:
+    """Dimension of each number of any kind of lift law, by key."""
+    from valvetrain.parameters.schema_types import Quantity
+
+    found: dict[str, str] = {}
+    for word in registry.words("lifts"):
+        for name, one in registry.find("lifts", word).table.model_fields.items():
+            kinds = (*one.metadata, *(note for part in get_args(one.annotation) for note in getattr(part, "__metadata__", ())))
+            for kind in kinds:
+                if isinstance(kind, Quantity) and kind.dimension:
+                    found[name] = kind.dimension
+    return found
+
+
 def si_at(path: str, value: Any) -> Any:
     """A value for a key path as given, text with a unit or a pint quantity made SI; others, and those their part reads itself, as they are.
 
     Raises :class:`valvetrain.errors.InputError` for a wrong or missing unit.
     """
     keys = path.split(".")
-    unit = "N/mm^2" if keys[-2:] == ["contact", "stiffness"] else _UNITS.get(keys[-1], "turns")
+    unit = _unit_at(keys) or "turns"
     # speeds are read by Operation, a contact's numbers by their law
     if unit in ("turns", "rpm") or "contacts" in keys or not (isinstance(value, str) or hasattr(value, "to_base_units")):
         return value
@@ -57,7 +89,7 @@ def words_at(holder: Any, path: str) -> str:
         item = _part(item, key)
         if item is None:
             return ""
-    return _number(item, "N/mm^2") if keys[-2:] == ["contact", "stiffness"] else value_words(item, keys[-1])
+    return value_words(item, keys[-1], _unit_at(keys))
 
 
 def _part(item: Any, key: str) -> Any:
@@ -74,9 +106,9 @@ def _part(item: Any, key: str) -> Any:
     return values.get(key) if isinstance(values, Mapping) else None
 
 
-def value_words(item: Any, key: str) -> str:
-    """One value as text: numbers and curves in the unit its key is shown in, others in short words."""
-    unit = _UNITS.get(key, "")
+def value_words(item: Any, key: str, unit: str = "") -> str:
+    """One value as text: numbers and curves in ``unit``, by default the one its key is shown in, others in short words."""
+    unit = unit or _UNITS.get(key, "")
     if isinstance(item, bool) or item is None:
         return "" if item is None else str(item).lower()
     if isinstance(item, (int, float)):

@@ -50,7 +50,7 @@ def identification_json(found: Identified) -> dict[str, Any]:
     conflicts = [
         {
             "measurement": one.datum.name, "key": one.datum.key, "scatters": one.off, "points_that_meet_it": one.meeting, "cost": one.cost,
-            "missed_instead": {datum.key: off for datum, off in one.instead},
+            "missed_instead": [{"measurement": datum.name, "key": datum.key, "scatters": off} for datum, off in one.instead],
         }
         for one in found.conflicts
     ]  # fmt: skip

@@ -80,7 +80,7 @@ def _in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
             command, timeout=_PATIENCE * seconds, env=apart_environment(), check=False, stdin=subprocess.DEVNULL, capture_output=True
         )  # fmt: skip
     except subprocess.TimeoutExpired as late:
-        return _ENDED if late.stdout == _BEGUN else _Passing(f"not ready after {_PATIENCE * seconds} s")
+        return _ENDED if late.stdout == _BEGUN else f"not ready after {_PATIENCE * seconds} s"
     except OSError as error:
         passing = error.errno in (errno.EAGAIN, errno.ENOMEM)
         return (_Passing if passing else str)(error.strerror or "the system does not start it")
@@ -91,7 +91,7 @@ def _in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
     if done.returncode < 0:
         return _Passing(f"ended by signal {-done.returncode} before it began")
     last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
-    return last[0][:120] if last else f"ended with status {done.returncode}"
+    return "".join(char if char.isprintable() else " " for char in last[0][:120]) if last else f"ended with status {done.returncode}"
 
 
 def in_a_fork(reader: str, path: Path, seconds: int) -> int | None:

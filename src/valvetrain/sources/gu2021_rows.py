@@ -34,7 +34,7 @@ _STAGES = (
     _row("stage_1_peak_{n}_cam_angle", "Stage I peak {n}, cam angle",
          "Cam angle of local force maximum {n} in Stage I that stands out of the oscillation."),
     *_force("stage_2_peak", "Stage II peak", "Largest force in Stage II."),
-    *_force("stage_2_first_peak", "Stage II first peak", "First of the two force maxima in Stage II where there are two."),
+    *_force("stage_2_first_peak", "Stage II first peak", "First of two force maxima in the upper half of Stage II's forces."),
     *_force("stage_2_valley", "Stage II valley", "Smallest force between the two maxima of Stage II."),
     *_force("stage_2_second_peak", "Stage II second peak", "Second of the two force maxima in Stage II."),
     _row("stage_2_end_force", "Stage II end force", "Force at the end of Stage II."),
