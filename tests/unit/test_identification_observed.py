@@ -133,8 +133,10 @@ def test_the_case_alone_is_searched_from_with_keep_0(tmp_path) -> None:
         for keep in (1, 0)
     )
     assert alone.best["wire"] == pytest.approx(4e-3, rel=5e-3) and both.evaluations - alone.evaluations >= 30
-    with pytest.raises(InputError, match="keep is 0, so that nothing is searched from; set from_case = true"):
-        identify_request(request_of(measured, tmp_path, search={"keep": 0}), workers=1)
+    with pytest.raises(InputError, match=r"search.keep: is 0, so that nothing is searched from; set from_case = true"):
+        request_of(measured, tmp_path, search={"keep": 0})
+    with pytest.raises(InputError, match="keep is 0, so that nothing is searched from; keep 1"):
+        vt.identify({"x": Prior("uniform", 0.0, 1.0)}, [Datum("x", 0.5, 0.1)], lambda points: [], search=Search(keep=0))
     search = Search("cma-es", evaluations=1000, starts=24, keep=1)
     assert search.evaluations_of(3, given=1) - search.evaluations_of(3) == 1000 + 4 * (4 + 4)
     assert replace(search, keep=0).evaluations_of(3, given=1) == search.evaluations_of(3) - 24
