@@ -1,7 +1,7 @@
 """Puts the identifications of the beehive side by side: docs/pictures/beehive-studies.svg and the table of docs/beehive.md.
 
 valvetrain identify examples/identify-beehive-blind.toml --limit "5 d" --output BLIND        (and so on; 10 to 60 min each on two cores)
-python scripts/write_beehive_studies.py BLIND JOINT WITHOUT-4200 WITHOUT-5600 WITHOUT-8000
+python scripts/write_beehive_studies.py BLIND JOINT WITHOUT-4200 WITHOUT-5600 WITHOUT-8000      a dash keeps what is kept of a study
 python scripts/write_beehive_studies.py      picture and table anew from docs/data/beehive/studies.json
 """
 
@@ -31,6 +31,8 @@ from valvetrain.solution.definition import label_of, shown
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE, PICTURE, KEPT = "beehive.md", "beehive-studies.svg", Path("data") / "beehive" / "studies.json"
 STUDIES = ("blind", "joint", "without 4200 rpm", "without 5600 rpm", "without 8000 rpm")
+#: Stands for a folder of which what is kept stays.
+KEEP = "-"
 BEGIN, END = "<!-- three studies -->\n", "<!-- end of three studies -->"
 #: Computed over published value at which the picture ends.
 EDGE = 2.0
@@ -78,7 +80,7 @@ def measured_of(answer: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
 
 def three_studies(blind: Mapping[str, Any], joint: Mapping[str, Any], without: Mapping[str, Mapping[str, Any]]) -> tuple[Beside, ...]:
     """The three studies; ``without``: engine speed that was left out -> its answer, of which the rows of that speed alone are kept."""
-    left_out = {key: row for speed, answer in without.items() for key, row in rows_of(answer, speed).items()}
+    left_out = {key: row for speed, answer in without.items() for key, row in rows_of(answer, speed).items() if key in measured_of(joint)}
     fitted = [key for key, row in left_out.items() if row.fitted]
     if fitted:
         raise SystemExit(f"{fitted[0]} was fitted in the study that should leave it out; give the folders in the order of the use above")
@@ -115,7 +117,7 @@ def chart(studies: Sequence[Beside], measured: Mapping[str, tuple[float, float]]
     layers.append(Line(x, y, "scatter that was allowed", theme.RULE, 5.0))
     panel = Panel(
         "computed / published", "", tuple(layers), rules=(Rule("x", 1.0),), x_range=(0.0, EDGE), y_range=(0.3, len(measured) + 0.7),
-        y_words=tuple((height[key], words_of(key)) for key in measured),
+        y_words=tuple((height[key], words_of(key).replace("largest ", "")) for key in measured),  # the room on the left
     )  # fmt: skip
     return Chart("beehive-studies", "The beehive by three identifications", "", (panel,), 1, 110 + 34 * len(measured))
 
@@ -141,7 +143,8 @@ def table(studies: Sequence[Beside], measured: Mapping[str, tuple[float, float]]
 
 
 def _in(name: str, value: float) -> str:
-    return number(float(shown(name, value)[0]), 3)
+    told, unit = shown(name, value)
+    return number(float(told), 4 if unit == "deg" else 3)
 
 
 def _cell(row: Row | None, name: str) -> str:
@@ -155,10 +158,12 @@ def sentences(kept: Mapping[str, Any]) -> tuple[str, ...]:
     """What the data tell and what not, in five sentences, every number and verdict from what is kept."""
     blind, joint = kept["blind"], kept["joint"]
     ahead = [row for row in blind["measurements"] if not row["fitted"]]
+    told = measured_of(joint)
     without = [
         row for name, one in kept.items() if name.startswith("without ") for row in one["measurements"]
-        if row["key"].startswith(f"{name.removeprefix('without ')}, ")
+        if row["key"].startswith(f"{name.removeprefix('without ')}, ") and row["key"] in told
     ]  # fmt: skip
+    earlier = mirrored(kept)
     known = sorted((name for name, share in blind["told"].items() if share > 0.5), key=lambda name: -blind["told"][name])
     open_ = [name for name, share in blind["told"].items() if share < 0.1]
     short = unfinished(kept)
@@ -170,7 +175,8 @@ def sentences(kept: Mapping[str, Any]) -> tuple[str, ...]:
         f"{_named(open_)} (less than a tenth).",
         _fitted(joint),
         _contradictions(kept, never),
-        f"Each speed from the other two: {_inside(without)} of {len(without)} values lie within the central 95 %{_outside(without)}"
+        f"Each speed from the other two{earlier}: {_inside(without)} of {len(without)} values lie within the central 95 %"
+        + _outside(without)
         + (f". The searches {_list(short)} did not come to their end, so that their misses prove nothing." if short else "."),
     )  # fmt: skip
 
@@ -186,6 +192,9 @@ def _contradictions(kept: Mapping[str, Any], never: Sequence[Mapping[str, Any]])
     """Of what the joint study misses, what a search meets once a speed is left out, and what none meets that was fitted to it."""
     if not never:
         return "The central 95 % of the joint study come within two scatters of every published value: no contradiction is shown."
+    missed = f"The central 95 % of the joint study miss {_list([_missed(row) for row in never])} by more than two scatters"
+    if mirrored(kept):
+        return f"{missed}; what else is lost where they are met stands in the last table."
     freed: dict[str, list[str]] = {}
     for row in never:
         meets = [name for name, one in kept.items() if name.startswith("without ") and any(
@@ -196,9 +205,14 @@ def _contradictions(kept: Mapping[str, Any], never: Sequence[Mapping[str, Any]])
         f"{_list(words)} {'are' if len(words) > 1 else 'is'} " + (f"met {name}" if name else "met by no search that was fitted to them")
         for name, words in freed.items()
     ]  # fmt: skip
-    return (
-        f"The central 95 % of the joint study miss {_list([_missed(row) for row in never])} by more than two scatters: {'; '.join(told)}."
-    )
+    return f"{missed}: {'; '.join(told)}."
+
+
+def mirrored(kept: Mapping[str, Any]) -> str:
+    """Words where the searches that leave a speed out have lifts mirrored about their nose, which the joint one has not: they tell less."""
+    own = "event_end" in kept["joint"]["quantities"]
+    earlier = [name for name, one in kept.items() if name.startswith("without ") and own and "event_end" not in one["quantities"]]
+    return ", under lifts mirrored about their nose and fitted to heights alone" if earlier else ""
 
 
 def searches(kept: Mapping[str, Any]) -> str:
@@ -230,6 +244,8 @@ def conflicts(kept: Mapping[str, Any]) -> str:
 
 def unfinished(kept: Mapping[str, Any]) -> list[str]:
     """Searches that leave a speed out and end above the joint one, which meets their data and more: they have not come to their end."""
+    if mirrored(kept):  # other data, other quantities
+        return []
     return [name for name, one in kept.items() if name.startswith("without ") and one["misfit"] > kept["joint"]["misfit"]]
 
 
@@ -351,14 +367,18 @@ def targets_of(points: Sequence[tuple[NDArray[np.float64], Outcome]], request: R
     return found
 
 
-def read_folders(folders: Sequence[str]) -> dict[str, Any]:
-    """What is kept of five folders. Raises :class:`SystemExit` where one was cut short."""
-    answers = [json.loads((Path(folder) / "run.json").read_text(encoding="utf-8")) for folder in folders]
-    short = [folder for folder, answer in zip(folders, answers, strict=True) if not answer["whole"]]
-    if short:
-        raise SystemExit(f"the identification in '{short[0]}' was cut short; start it again, it goes on")
-    kept = dict(zip(STUDIES, map(kept_of, answers), strict=True))
+def read_folders(folders: Sequence[str], docs: Path) -> dict[str, Any]:
+    """What is kept of five folders, for :data:`KEEP` what was kept before. Raises :class:`SystemExit` where one was cut short."""
+    kept = json.loads((docs / KEPT).read_text(encoding="utf-8")) if KEEP in folders else dict.fromkeys(STUDIES)
+    for name, folder in zip(STUDIES, folders, strict=True):
+        if folder != KEEP:
+            answer = json.loads((Path(folder) / "run.json").read_text(encoding="utf-8"))
+            if not answer["whole"]:
+                raise SystemExit(f"the identification in '{folder}' was cut short; start it again, it goes on")
+            kept[name] = kept_of(answer)
     joint = Path(folders[STUDIES.index("joint")])
+    if str(joint) == KEEP:
+        return kept
     request = read_request(joint / "identification.toml")
     kept["joint"]["targets"] = targets_of(read_points(joint / "points.jsonl", len(request.unknowns)), request)
     return kept
@@ -376,7 +396,7 @@ def main(folders: Sequence[str], docs: Path = DOCS) -> None:
     if len(folders) not in (0, len(STUDIES)):
         raise SystemExit(__doc__)
     if folders:
-        found = read_folders(folders)
+        found = read_folders(folders, docs)
         (docs / KEPT).parent.mkdir(parents=True, exist_ok=True)
         write_text(docs / KEPT, json.dumps(found, indent=1) + "\n")
     studies, measured = read_kept(docs)

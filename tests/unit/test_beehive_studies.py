@@ -178,6 +178,8 @@ def test_page_and_picture_are_written_and_what_is_cut_short_is_refused(tmp_path,
     page.write_text(f"before\n{BEGIN}old\n{END}\nafter\n")
     main([], tmp_path / "docs")
     assert page.read_text() == text, "what is kept is enough"
+    main([str(folders[0]), str(folders[1]), "-", "-", "-"], tmp_path / "docs")
+    assert page.read_text() == text and list(json.loads((tmp_path / "docs" / script.KEPT).read_text())) == list(script.STUDIES)
     (folders[1] / "run.json").write_text(json.dumps(answer(1.0, (), whole=False)))
     with pytest.raises(SystemExit, match="cut short"):
         main([str(one) for one in folders], tmp_path / "docs")
@@ -220,6 +222,21 @@ def test_five_sentences_follow_the_numbers_in_both_directions():
     assert freed.endswith("more than two scatters: at rest: preload and 4200 rpm: Stage II peak force are met without 8000 rpm.")
     parted = answer(1.05, (REST,))  # not fitted to the slow speed, so meeting it proves nothing
     assert "preload is met without 8000 rpm; 4200 rpm: Stage II peak force is met by no" in script.sentences(kept(BLIND, JOINT, parted))[3]
+
+
+def test_searches_under_mirrored_lifts_are_not_taken_for_those_of_the_joint_study():
+    """Neither as not at their end, nor as what meets what the joint study misses; their lifts are named."""
+    told = kept(BLIND, JOINT, answer(1.05, (REST, SLOW)))
+    told["joint"]["quantities"]["event_end"] = {}
+    told["joint"]["misfit"] = 1.0
+    said = script.sentences(told)
+    assert said[3].endswith("by more than two scatters; what else is lost where they are met stands in the last table.")
+    assert said[4].startswith(
+        "Each speed from the other two, under lifts mirrored about their nose and fitted to heights alone: 1 of 1 values"
+    )
+    assert "prove nothing" not in said[4] and "not at its end" not in script.searches(told)
+    told["without 8000 rpm"]["quantities"]["event_end"] = {}
+    assert "mirrored" not in script.sentences(told)[4] and "prove nothing" in script.sentences(told)[4]
 
 
 def test_what_the_joint_study_misses_is_told_with_what_meeting_it_costs():
