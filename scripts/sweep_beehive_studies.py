@@ -81,11 +81,16 @@ def summary(force: Array, energy: Array, speeds: Array = SPEEDS) -> dict[str, An
     at = jumps(force, speeds)
     return {
         "draws": len(force), "failed_runs": int(np.isnan(force).sum()),
-        "peak_spring_force_N": {f"{p:g} %": np.round(np.nanpercentile(force, p, axis=0), 1).tolist() for p in PERCENTILES},
-        "clash_energy_mJ": {f"{p:g} %": np.round(1e3 * np.nanpercentile(energy, p, axis=0), 3).tolist() for p in PERCENTILES},
+        "peak_spring_force_N": {f"{p:g} %": _over_draws(force, p, 1) for p in PERCENTILES},
+        "clash_energy_mJ": {f"{p:g} %": _over_draws(1e3 * energy, p, 3) for p in PERCENTILES},
         "never_jumps": int(np.isnan(at).sum()),
         "jump_rpm": {f"{p:g} %": _rpm(float(np.percentile(np.where(np.isnan(at), np.inf, at), p, method="nearest"))) for p in PERCENTILES},
     }  # fmt: skip
+
+
+def _over_draws(values: Array, percentile: float, digits: int) -> list[float | None]:
+    """A percentile over the draws that came to their end, by speed; None where none did."""
+    return [round(float(np.percentile(known, percentile)), digits) if len(known := one[~np.isnan(one)]) else None for one in values.T]
 
 
 def _rpm(speed: float) -> int | None:
@@ -96,7 +101,7 @@ def chart(kept: Mapping[str, Any]) -> Chart:
     """Median and 5 to 95 % of the peak force over the engine speed, of both studies."""
     speeds, layers = np.array(kept["engine_speed_rpm"]), list[Layer]()
     for place, name in enumerate(STUDIES):
-        low, middle, high = (np.array(kept[name][FORCE + "_N"][f"{p:g} %"]) for p in PERCENTILES)
+        low, middle, high = (np.array(kept[name][FORCE + "_N"][f"{p:g} %"], dtype=float) for p in PERCENTILES)
         colour = theme.SERIES[place]
         layers.append(Line(speeds, middle, f"{name}, median", colour, 2.2))
         layers += [
@@ -127,7 +132,8 @@ def _where(jump: Mapping[str, float | None]) -> str:
 
 
 def _cell(rows: Mapping[str, Sequence[float | None]], place: int, unit: str) -> str:
-    low, middle, high = ("never" if (one := rows[f"{p:g} %"][place]) is None else f"{one:.0f}" for p in PERCENTILES)
+    none = "never" if unit == "rpm" else "–"
+    low, middle, high = (none if (one := rows[f"{p:g} %"][place]) is None else f"{one:.0f}" for p in PERCENTILES)
     return f"{middle} ({low} to {high}) {unit}"
 
 

@@ -46,6 +46,9 @@ def test_what_is_kept_holds_percentiles_by_speed_and_failed_runs():
     assert found["peak_spring_force_N"]["50 %"][0] == 800.0 and found["peak_spring_force_N"]["50 %"][-1] == pytest.approx(2100.0)
     assert found["peak_spring_force_N"]["95 %"][0] == pytest.approx(872.0) and found["clash_energy_mJ"]["50 %"][0] == pytest.approx(800.0)
     assert found["jump_rpm"]["50 %"] == pytest.approx(8000, abs=2)
+    gone = np.full((3, len(script.SPEEDS)), 900.0)
+    gone[:, -1] = np.nan
+    assert script.summary(gone, gone)["peak_spring_force_N"]["5 %"][-2:] == [900.0, None], "no draw came to its end at the highest speed"
     low = script.summary(np.full((3, len(script.SPEEDS)), 900.0), np.zeros((3, len(script.SPEEDS))))
     assert low["never_jumps"] == 3 and low["jump_rpm"]["50 %"] is None
 
