@@ -141,7 +141,7 @@ def _show(console: Console, found: Identified, folder: Path) -> None:
         found_rows,
         measured_words,
         prediction_words,
-    )  # fmt: skip
+    )
 
     for number, branch in enumerate(found.branches, start=1):
         if len(found.branches) > 1:
