@@ -8,6 +8,7 @@ import pytest
 from fuzz import files, runs, trees
 from fuzz.questions import KINDS, Finding
 from fuzz.worker import generator, write
+from package_watch import callables, replaced
 
 SLICE = {"cases": 80, "runs": 2, "files": 30}
 SEED = 20
@@ -64,6 +65,13 @@ def test_the_questions_notice_what_they_should(monkeypatch):
         from fuzz.questions import sentence
 
         sentence(error)
+
+
+def test_the_fuzzer_leaves_the_package_as_it_was():
+    """Where it replaced the process of a trial for good, tests of such processes that ran after it in one worker failed."""
+    before = callables()
+    assert files.ask(b"modes.nc damaged\n" + files.whole()["modes.nc"][:3000]) == "refused"
+    assert not replaced(before) and not replaced({})
 
 
 def test_a_finding_is_kept_with_what_reproduces_it(tmp_path):

@@ -1,0 +1,44 @@
+"""Functions and classes of the package that tests replace are put back: one left behind fails tests of other files, by their order."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).resolve().parent
+
+
+def callables() -> dict[tuple[str, str], object]:
+    """Functions and classes of the modules of the package that are imported by now, by module and name."""
+    return {
+        (name, attribute): value
+        for name, module in list(sys.modules.items())
+        if name.partition(".")[0] == "valvetrain" and module is not None
+        for attribute, value in list(vars(module).items())
+        if callable(value)
+    }  # fmt: skip
+
+
+def replaced(before: dict[tuple[str, str], object]) -> list[str]:
+    """What now is another, told as ``module.name``; of modules imported since, what a test put there."""
+    now = callables()
+    changed = {key for key, value in before.items() if now.get(key) is not value}
+    placed = {key for key in now.keys() - before.keys() if from_tests(now[key])}
+    return sorted(f"{module}.{name}" for module, name in changed | placed)
+
+
+def from_tests(value: object) -> bool:
+    """Whether a function is written in the tests or the fuzzer; watches that stay for the whole session are not meant."""
+    folder = Path(getattr(getattr(value, "__code__", None), "co_filename", "/")).parent
+    return HERE in folder.parents or folder == HERE.parent / "fuzz"
+
+
+@pytest.fixture(autouse=True, scope="module")
+def package_stays_whole() -> Iterator[None]:
+    """Fails the last test of a file that leaves a function or class of the package replaced."""
+    before = callables()
+    yield
+    assert not replaced(before), "left replaced by the tests of this file"
