@@ -13,8 +13,8 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 import chart_watch  # noqa: E402, F401
-from package_watch import package_stays_whole  # noqa: E402, F401
 import table_watch  # noqa: E402, F401  before any module takes the function that it watches
+from package_watch import package_stays_whole  # noqa: E402, F401
 
 #: Set to 1, the long tests run too; ``make test-long`` runs them alone.
 LONG = "VALVETRAIN_LONG"

@@ -8,6 +8,7 @@ import pytest
 from fuzz import files, runs, trees
 from fuzz.questions import KINDS, Finding
 from fuzz.worker import generator, write
+
 from package_watch import callables, replaced
 
 SLICE = {"cases": 80, "runs": 2, "files": 30}

@@ -54,6 +54,8 @@ TABLES: list[tuple[str, str, dict[str, Any]]] = [
      RAMP_SI | {"nose": 110 * DEG, "flank_shape": (1, 1, -1, -1, -1)}),
     ("shaped", RAMP + 'nose = "110 deg"\nevent_end = "172 deg"\nflank_shape = [1, 1, -1, -1, -1]\n',
      RAMP_SI | {"nose": 110 * DEG, "event_end": 172 * DEG, "flank_shape": (1, 1, -1, -1, -1)}),
+    ("shaped", RAMP + 'nose = "110 deg"\nflank_shape = [1, 1, -1, -1, -1]\nclosing_flank_shape = [2, 1, -1, -1]\n',
+     RAMP_SI | {"nose": 110 * DEG, "flank_shape": (1, 1, -1, -1, -1), "closing_flank_shape": (2, 1, -1, -1)}),
     ("three-arc", ARCS + 'opening_start = "45 deg"\n', ARCS_SI | {"opening_start": 45 * DEG, "follower_radius": 0.0}),
     ("three-arc", ARCS + 'opening_start = "45 deg"\nfollower_radius = "12 mm"\n',
      ARCS_SI | {"opening_start": 45 * DEG, "follower_radius": 0.012}),

@@ -67,6 +67,7 @@ CASES = {
     "ramped by pulses": RAMPS | {"event_end": 4.0, "ramp_end": 4.9, "flank": "pulses"},
     "shaped": RAMPS | {"nose": 3.14, "flank_shape": (1.0, 0.8, -0.7, -0.5, -1.0)},
     "shaped to an end of its own": RAMPS | {"nose": 3.1, "event_end": 4.1, "flank_shape": (1.0, 0.8, -0.7, -0.5, -1.0)},
+    "shaped by two flanks": RAMPS | {"nose": 3.1, "flank_shape": (1.0, 0.8, -0.7, -0.5, -1.0), "closing_flank_shape": (0.4, 1, -0.5, -1)},
     "three-arc": LOBE | {"opening_start": 2.0},
     "three-arc under a roller": LOBE | {"opening_start": 2.0, "follower_radius": 9e-3},
     "tangent": LOBE | {"follower_radius": 9e-3},
@@ -335,3 +336,26 @@ def test_a_shaped_law_closes_where_it_is_told_as_it_opens():
     assert late.lift(np.array([4.1]))[0] == pytest.approx(4e-4, rel=1e-12)
     assert late.lift(np.array([4.1]), 1)[0] == pytest.approx(-mirrored.lift(np.array([2.2]), 1)[0], rel=1e-9)
     assert not np.any(late.lift(np.array([4.7, 4.75]))) and late.lift(np.array([4.69]))[0] > 0
+
+
+def test_a_closing_flank_of_its_own_shape_meets_nose_and_ramp():
+    """The same control values change nothing; others keep the opening flank and the acceleration of the nose, and end in the ramp."""
+    opening = {"nose": 3.1, "flank_shape": (1.0, 0.8, -0.7, -0.5, -1.0)}
+    mirrored, same, other = (
+        build_lift_law(LiftLawParameters("shaped", RAMPS | opening | shape))
+        for shape in ({}, {"closing_flank_shape": opening["flank_shape"]}, {"closing_flank_shape": (0.3, 1.0, 1.0, -0.6, -0.6, -9.0)})
+    )
+    angle = np.linspace(1.5, 4.8, 3001)
+    for order in (0, 1, 2):
+        scale = np.abs(mirrored.lift(angle, order)).max()
+        np.testing.assert_allclose(same.lift(angle, order), mirrored.lift(angle, order), atol=1e-12 * scale, rtol=0)
+    before, after = angle[angle <= 3.1], angle[angle > 3.1]
+    assert np.array_equal(other.lift(before, 2), mirrored.lift(before, 2))
+    assert np.abs(other.lift(after) - mirrored.lift(after)).max() > 1e-4
+    assert other.lift(np.array([4.0]))[0] == pytest.approx(4e-4, rel=1e-12)
+    assert other.lift(np.array([3.1 + 1e-9]), 2)[0] == pytest.approx(mirrored.lift(np.array([3.1]), 2)[0], rel=1e-6)
+    # Two integrals of its acceleration, by the trapezoidal rule, are its own velocity and lift.
+    fine = np.linspace(3.1, 4.0, 20001)
+    velocity = np.cumsum(np.diff(fine) * (other.lift(fine, 2)[1:] + other.lift(fine, 2)[:-1]) / 2)
+    assert velocity[-1] == pytest.approx(-mirrored.lift(np.array([2.2]), 1)[0], rel=1e-5)
+    assert 9e-3 + np.sum(np.diff(fine)[1:] * (velocity[1:] + velocity[:-1]) / 2) == pytest.approx(4e-4, abs=1e-7)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from package_watch import callables, replaced
-
 from valvetrain.solution import read_apart
 
 

@@ -21,7 +21,7 @@ from valvetrain.parameters.schema_types import Angle, Numbers, PositiveLength, q
 
 @dataclass(frozen=True, kw_only=True)
 class Shaped:
-    """Ramp, event and return about ``nose`` (angles in cam rad, lifts in m), mirrored unless ``event_end`` says otherwise.
+    """Ramp, event and return about ``nose`` (angles in cam rad, lifts in m), mirrored unless a closing flank is told.
 
     ``flank_shape``: control values of a cubic B-spline, evenly spaced from ``event_start`` to ``nose``, that draw the acceleration
     of the opening flank: first positive ones, then negative ones. Two scales, one for each sign, are found so that the flank takes over
@@ -29,6 +29,8 @@ class Shaped:
     B-spline turns no more often than its control values, so the acceleration cannot oscillate between them. ``ramp_blend``: share
     of the ramp over which its velocity is built up. ``event_end``: end of the closing flank, which the same control values draw over its
     own length: it keeps the acceleration at the nose, and two scales are found for the others; its ramp is as long as the opening one.
+    ``closing_flank_shape``: control values of the closing flank, from ``event_end`` back to ``nose``, where they are others. The last
+    lends only its place, since the nose has one acceleration.
     """
 
     continuity: ClassVar[int] = 2
@@ -41,6 +43,7 @@ class Shaped:
     flank_shape: tuple[float, ...]
     ramp_blend: float = 0.3
     event_end: float | None = None
+    closing_flank_shape: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         if not self.ramp_start < self.event_start < self.nose or self.nose - self.ramp_start > TURN / 2 * (1 + 1e-12):
@@ -50,42 +53,52 @@ class Shaped:
             raise InputError("event_end and the ramp after it must follow the nose within half a cam revolution; move event_end")
         if not 0 < self.ramp_lift < self.maximum_lift or not 0 < self.ramp_blend < 1:
             raise InputError("ramp_lift must lie between zero and maximum_lift, and ramp_blend between 0 and 1; correct them")
-        shape = np.asarray(self.flank_shape, dtype=float)
-        first_falling = int(np.argmax(shape < 0))  # 0 where none is
-        if len(shape) < 4 or first_falling < 1 or np.any(shape[first_falling:] > 0) or not np.any(shape[:first_falling] > 0):
-            raise InputError("flank_shape needs four values or more, first positive, then negative ones; correct it")
+        for name in ("flank_shape", "closing_flank_shape"):
+            if getattr(self, name) is not None and not _rises_then_falls(getattr(self, name)):
+                raise InputError(f"{name} needs four values or more, first positive, then negative ones; correct it")
         if not np.all(self._opening[2] > 0):
             raise InputError("this flank_shape cannot reach maximum_lift with rest at the nose; move the change of sign or lower ramp_lift")
-        if self.event_end is None:
+        if self._mirrored:
             return
-        if not np.any(shape[first_falling:-1] < 0):
-            raise InputError("with event_end flank_shape needs a negative value before its last, which the nose keeps; add one")
+        name = "flank_shape" if self.closing_flank_shape is None else "closing_flank_shape"
+        if not min(self._closing_shape[:-1]) < 0:
+            raise InputError(f"{name} needs a negative value before its last, which a closing flank leaves to the nose; add one")
         if not np.all(self._closing[2] > 0):
-            raise InputError("this flank_shape cannot close by event_end with the acceleration of the nose; move event_end towards the "
-                             "mirror of event_start")  # fmt: skip
+            raise InputError(f"this {name} cannot close by event_end with the acceleration of the nose; move event_end towards the "
+                             "mirror of event_start, or its change of sign")  # fmt: skip
 
     @property
     def closing_end(self) -> float:
         """End of the event (rad)."""
         return 2 * self.nose - self.event_start if self.event_end is None else self.event_end
 
+    @property
+    def _mirrored(self) -> bool:
+        return self.event_end is None and self.closing_flank_shape is None
+
+    @property
+    def _closing_shape(self) -> tuple[float, ...]:
+        return self.flank_shape if self.closing_flank_shape is None else self.closing_flank_shape
+
     @cached_property
     def _opening(self) -> tuple[Array, Array, Array]:
-        return self._flank(self.event_start, self.nose)
+        return self._flank(self.event_start, self.nose, self.flank_shape)
 
     @cached_property
     def _closing(self) -> tuple[Array, Array, Array]:
         """As :attr:`_opening`, run backwards in negative cam angles."""
-        return self._flank(-self.closing_end, -self.nose, float(self._opening[1][-1, 2]))
+        return self._flank(-self.closing_end, -self.nose, self._closing_shape, float(self._opening[1][-1, 2]))
 
-    def _flank(self, start: float, nose: float, nose_acceleration: float | None = None) -> tuple[Array, Array, Array]:
+    def _flank(
+        self, start: float, nose: float, shape: tuple[float, ...], nose_acceleration: float | None = None
+    ) -> tuple[Array, Array, Array]:
         """Breaks (rad) from ``start`` to ``nose``, states (n, 3) there, and the scales of both signs of the control values.
 
         ``nose_acceleration`` (m/rad2) is that of the last control values; None leaves it to the scale of the negative ones.
         """
         from scipy.interpolate import BSpline
 
-        controls = np.array([0.0, *self.flank_shape, self.flank_shape[-1]])
+        controls = np.array([0.0, *shape, shape[-1]])
         inner = np.linspace(start, nose, len(controls) - 2)
         knots = np.concatenate([np.full(3, inner[0]), inner, np.full(3, inner[-1])])
         given = np.zeros_like(controls)
@@ -113,7 +126,7 @@ class Shaped:
     @cached_property
     def _pieces(self) -> PeriodicPieces:
         breaks, states = self._with_ramp(self.ramp_start, self._opening)
-        if self.event_end is None:
+        if self._mirrored:
             back, mirrored = 2 * self.nose - breaks[-2::-1], states[-2::-1]
         else:
             back, mirrored = self._with_ramp(self.ramp_start - self.event_start - self.closing_end, self._closing)
@@ -141,11 +154,18 @@ class Shaped:
         return self._pieces
 
 
+def _rises_then_falls(shape: tuple[float, ...]) -> bool:
+    """Whether there are four control values or more, first none below zero, then none above, and some of either sign."""
+    values = np.asarray(shape, dtype=float)
+    falling = int(np.argmax(values < 0))  # 0 where none is
+    return len(values) >= 4 and falling > 0 and not np.any(values[falling:] > 0) and bool(np.any(values[:falling] > 0))
+
+
 OpenRampBlend = Annotated[float, quantity("ratio", low=0.01, high=0.99)]
 
 
 class ShapedModel(LiftModel):
-    """Ramps and an event whose flank acceleration a few control values draw, symmetric about the nose unless ``event_end`` is given."""
+    """Ramps and an event whose flank acceleration a few control values draw, symmetric about the nose unless a closing flank is given."""
 
     maximum_lift: PositiveLength
     ramp_lift: PositiveLength
@@ -154,7 +174,8 @@ class ShapedModel(LiftModel):
     nose: Angle
     flank_shape: Numbers
     ramp_blend: OpenRampBlend = Field(default=0.3, description="share of the ramp over which its velocity is built up")
-    event_end: Angle | None = Field(default=None, description="without it the closing flank mirrors the opening one")
+    event_end: Angle | None = Field(default=None, description="without it the closing flank is as long as the opening one")
+    closing_flank_shape: Numbers | None = Field(default=None, description="without it that of the opening flank")
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses events out of order."""
