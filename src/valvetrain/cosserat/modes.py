@@ -47,7 +47,7 @@ class RodModes:
 
         Surge spreads over clusters of modes; each cluster is named by its strongest transmitter. Successive surge
         modes transmit with alternating sign, so neighbours of one sign are one cluster. A buckled spring transmits by its sway as well:
-        a mode that moves less along the axis than evenly in all directions is none of surge. Between held ends surge modes stand about
+        a mode that moves less along the axis than evenly in all directions is none of surge. Between fixed ends surge modes stand about
         the frequency of the first apart: a step of more than :data:`LONGEST_STEP` of it has passed over a weak one, as coils that lie
         closed make it, and weaker transmitters count then.
         """
