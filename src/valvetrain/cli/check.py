@@ -49,9 +49,10 @@ def put_together(case: Case, models: tuple[str, ...], implausible: bool = False)
     ``implausible``: values pass that no valvetrain can have.
     """
     from valvetrain.studies.before_run import refusals_before_run
-    from valvetrain.system.build import build
+    from valvetrain.system.build import build, lift_law_of
 
     if case.train is None and not case.springs:
+        lift_law_of(case)
         return None
     problem = build(case, spring_models=models)
     problem.must_run()

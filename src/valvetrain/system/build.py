@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,6 +16,7 @@ from valvetrain.mechanism.contour import monotone_table
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, binding_lift
 from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.parameters.toml_lines import find_line
 from valvetrain.parameters.train import TrainParameters, TrainVariant
 from valvetrain.springs.nested import RadialRubbing
 from valvetrain.springs.spec import SpringModelSpec, spring_model
@@ -55,8 +57,25 @@ def build(case: AnyCase, *, spring_models: Sequence[str] = (), spring_sets: Sequ
         raise InputError(f"the parts of case '{case.name}' cannot be built ({error}); check its numbers and their units") from error
 
 
+def lift_law_of(case: Case) -> LiftLaw:
+    """The lift law of a case, zero lift where it has none; what it refuses is told with its place in the case file.
+
+    Raises :class:`InputError` for numbers that make no law.
+    """
+    try:
+        return build_lift_law(case.lift_law)
+    except InputError as error:
+        if error.where or case.lift_law is None:
+            raise
+        values = case.lift_law.values
+        path = "lift_law", *[word for word in re.findall(r"\w+", error.reason) if word in values][:1]
+        line = None if case.changed else find_line(case.text, path)
+        place = f"case '{case.name}'" + (f", line {line}" if line else "")
+        raise InputError(error.reason, f"{place}, {'.'.join(path)}") from error
+
+
 def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str]) -> Problem:
-    law = build_lift_law(case.lift_law)
+    law = lift_law_of(case)
     specs = tuple(spring_model(word, "--spring") for word in dict.fromkeys(spring_models))
     if case.train is not None:
         members = _train_members(case, case.train, law, specs, tuple(dict.fromkeys(spring_sets)))
