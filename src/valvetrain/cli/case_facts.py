@@ -36,6 +36,8 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
         facts.append(("engine speeds", f"{', '.join(map(speed_words, case.operation.engine_speeds))} of the crank"))
     if case.springs:
         facts.append(("cam turns", f"{case.operation.cycles}, the last one reported"))
+    if case.points:
+        facts.append(("points on the wire", ", ".join(f"{name.replace('_', ' ')} at coil {coil:g}" for name, coil in case.points.items())))
     if case.published:
         roles = Counter(value.role for value in case.published)
         facts.append(("published values", ", ".join(f"{count} for {role}" for role, count in roles.items())))

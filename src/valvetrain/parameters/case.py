@@ -70,7 +70,8 @@ class Case:
     """Everything that defines a study; SI throughout.
 
     ``springs``: one or two, outer first, under prescribed motion of their retainer; a ``train`` holds its own. ``study``: word of the
-    published study that the case re-runs. ``text``: the case file as resolved, with what was changed from outside; read again it gives
+    published study that the case re-runs. ``points``: coil numbers at which its points on the wire are read, by their names, where they
+    are others than the study's. ``text``: the case file as resolved, with what was changed from outside; read again it gives
     an equal case. ``changed``: key paths that were set from outside the file. Text and changes take no part in comparisons.
 
     >>> import valvetrain as vt
@@ -93,11 +94,13 @@ class Case:
     sources: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
     study: str = ""
+    points: Mapping[str, float] = field(default_factory=FrozenMapping)
     text: str = field(default="", compare=False, repr=False)
     changed: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "notes", FrozenMapping(self.notes))
+        object.__setattr__(self, "points", FrozenMapping(self.points))
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **fields: Any) -> Case:
         """A copy with fields changed; ``changes`` takes dotted paths: ``case.replace({"springs.0.precompression": 0.006}, name="short")``.
@@ -159,4 +162,5 @@ class Case:
             zero_of_angle=self.lift_law.zero_of_angle if self.lift_law is not None else "",
             changed=self.changed,
             text=self.text,
+            points=tuple(self.points.items()),
         )

@@ -11,6 +11,7 @@ from pydantic import Field
 from valvetrain import registry
 from valvetrain.parameters.case import Case, Note, Operation
 from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.kept_tables import parameters_of
 from valvetrain.parameters.schema_installed import RubbingModel, SpringField
 from valvetrain.parameters.schema_lift import LiftField
@@ -24,6 +25,7 @@ from valvetrain.units import si
 _OPERATION = Operation()
 
 AngularSpeeds = Annotated[tuple[float, ...], quantities("angular speed")]
+CoilNumber = Annotated[float, quantity("ratio", low=0.0)]
 OutputStep = Annotated[float, quantity("angle", low=1e-4, high=0.5)]
 
 
@@ -63,6 +65,7 @@ class CaseModel(StrictModel):
     lift_law: LiftField | None = None
     operation: OperationModel = OperationModel()
     train: TrainModel | None = None
+    points: dict[str, CoilNumber] = Field(default_factory=dict)
     published: list[PublishedModel] = Field(default_factory=list)
 
     def build(self, name: str, folder: Path, notes: dict[str, Note], text: str = "", changed: tuple[str, ...] = ()) -> Case:
@@ -76,13 +79,15 @@ class CaseModel(StrictModel):
             raise problem(f"study '{self.study[:40]}' is unknown; {nearest(self.study, known)}", ("study",))
         if self.rubbing.model_fields_set and (self.spring is None or len(self.spring.blocks) < 2):
             raise problem("rubbing acts between two nested springs; remove it (a train has [train.rubbing])", ("rubbing",))
+        springs = placed("spring", self.spring.build, name) if self.spring else ()
+        self._refuse_points(springs)
         name = self.name or name
         published = (placed(("published", index), group.build) for index, group in enumerate(self.published))
         return Case(
             name=name,
             title=self.title,
             description=self.description,
-            springs=placed("spring", self.spring.build, name) if self.spring else (),
+            springs=springs,
             rubbing=self.rubbing.build(),
             lift_law=placed("lift_law", parameters_of, self.lift_law, folder) if self.lift_law else None,
             operation=placed("operation", self.operation.build),
@@ -92,6 +97,22 @@ class CaseModel(StrictModel):
             sources=tuple(self.sources),
             remarks=tuple(self.remarks),
             study=self.study,
+            points=self.points,
             text=text,
             changed=changed,
         )
+
+    def _refuse_points(self, springs: tuple[InstalledSpring, ...]) -> None:
+        """Refuse points on the wire that the case's study does not name, or that lie beyond the wire."""
+        if not self.points:
+            return
+        if not self.study:
+            raise problem("the points are those that a published study reads; name it in 'study', or remove them", ("points",))
+        names = tuple(word.replace(" ", "_") for word in registry.find("sources", self.study).point_names.values())
+        coils = min((spring.wire.total_coils for spring in springs if spring.wire is not None), default=math.inf)
+        for name, coil in self.points.items():
+            if name not in names:
+                told = nearest(name, names) if names else "it names none; remove them"
+                raise problem(f"study '{self.study}' reads no point '{name[:40]}'; {told}", ("points", name))
+            if coil > coils:
+                raise problem(f"coil {coil:g} lies beyond the wire of {coils:g} coils; give a smaller number", ("points", name))

@@ -22,7 +22,8 @@ class Frame:
 
     ``springs``: outer first. ``rest``: springs at rest. ``surge_frequencies`` (Hz): first axial natural frequency of each spring.
     ``lift_event``: main lift event. ``valve_lift``: lift (m) over cam angle (rad) as the cam asks for it. ``source``: word of the
-    published study whose own quantities are wanted. ``rigid``: rigid motion of a train at the run's speed.
+    published study whose own quantities are wanted. ``rigid``: rigid motion of a train at the run's speed. ``points``: coil numbers of the
+    study's points on the wire, where they are others than its own.
     """
 
     springs: tuple[InstalledSpring, ...] = ()
@@ -32,6 +33,7 @@ class Frame:
     valve_lift: Callable[[Array], Array] | None = None
     source: str = ""
     rigid: RigidTable | None = None
+    points: tuple[tuple[str, float], ...] = ()
 
     @property
     def surge_frequency(self) -> float | None:

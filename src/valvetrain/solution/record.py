@@ -51,7 +51,7 @@ class CaseRecord:
 
     ``study``: word of the published study the case re-runs (empty for a case of one's own). ``changed``: key paths that were set from
     outside the file; a changed case no longer speaks of published numbers. ``text``: the resolved case file (TOML), from which the case
-    is read again. ``citations``: whole references.
+    is read again. ``citations``: whole references. ``points``: coil numbers of the study's points on the wire, where the case tells them.
     """
 
     name: str
@@ -65,6 +65,7 @@ class CaseRecord:
     zero_of_angle: str = ""
     changed: tuple[str, ...] = ()
     text: str = ""
+    points: tuple[tuple[str, float], ...] = ()
 
     @property
     def digest(self) -> str:

@@ -16,7 +16,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.sources.contract import Origin, SourceStudy
 from valvetrain.sources.gu2021_collisions import collision_quantities, separation_angle
-from valvetrain.sources.gu2021_nodes import acceleration_quantities, displacement_quantities, velocity_quantities
+from valvetrain.sources.gu2021_nodes import acceleration_quantities, coils_of, displacement_quantities, velocity_quantities
 from valvetrain.sources.gu2021_stages import RATTLE, rattle, stage_quantities
 
 SOLID, MODAL, TEST = "solid finite elements", "analytical modal", "engine head test"
@@ -43,9 +43,10 @@ def quantities(solution: Solution, frame: Frame) -> dict[str, float]:
     surge_frequency, event = frame.surge_frequency, frame.lift_event
     separation = separation_angle(cycle, surge_frequency)
     found = stage_quantities(cycle, separation, event) if event is not None else {}
-    found |= displacement_quantities(cycle, event) | velocity_quantities(cycle, event)
+    coils = coils_of(frame.points)
+    found |= displacement_quantities(cycle, event, coils[2]) | velocity_quantities(cycle, event, coils[2])
     if cycle.whole:
-        found |= acceleration_quantities(cycle, separation) | collision_quantities(cycle, separation, surge_frequency, event)
+        found |= acceleration_quantities(cycle, separation, coils) | collision_quantities(cycle, separation, surge_frequency, event)
     return found
 
 

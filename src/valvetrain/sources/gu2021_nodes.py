@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
 from valvetrain.quantities.cycle import Array, Cycle
@@ -10,10 +12,16 @@ from valvetrain.solution.study import LiftEvent
 from valvetrain.sources.gu2021_stages import covers_stage, in_stage
 
 
-def displacement_quantities(cycle: Cycle, event: LiftEvent | None) -> dict[str, float]:
-    """Displacement of node 2, zero where coil 2 touches coil 1 (m), and the closing of these coils in Stage II."""
+def coils_of(points: Sequence[tuple[str, float]]) -> dict[int, float]:
+    """Coil numbers of nodes 1 and 2: the ends of coils 1 and 2, or where the case's ``points`` say."""
+    told = dict(points)
+    return {node: told.get(f"node_{node}", float(node)) for node in (1, 2)}
+
+
+def displacement_quantities(cycle: Cycle, event: LiftEvent | None, coil: float = 2.0) -> dict[str, float]:
+    """Displacement of node 2 (at ``coil``), zero where coil 2 touches coil 1 (m), and the closing of these coils in Stage II."""
     found: dict[str, float] = {}
-    lift_off = cycle.at_coil("coil_gap", 2.0)
+    lift_off = cycle.at_coil("coil_gap", coil)
     if lift_off is not None and np.all(np.isfinite(lift_off)):
         top = int(np.argmax(lift_off))
         found["node_2_maximum_displacement"] = float(lift_off[top])
@@ -22,7 +30,7 @@ def displacement_quantities(cycle: Cycle, event: LiftEvent | None) -> dict[str, 
             early = lift_off[in_stage(cycle, event, 1)]
             found["node_2_stage_1_maximum_displacement"] = float(np.max(early))
             found["node_2_stage_1_displacement_range"] = float(np.ptp(early))
-    moved, force = cycle.at_coil("axial_displacement", 2.0), cycle.at_coil("coil_contact_force", 2.0)
+    moved, force = cycle.at_coil("axial_displacement", coil), cycle.at_coil("coil_contact_force", coil)
     if event is not None and moved is not None and force is not None:
         closing = np.flatnonzero(in_stage(cycle, event, 2) & (force > 0))
         if len(closing):
@@ -30,9 +38,9 @@ def displacement_quantities(cycle: Cycle, event: LiftEvent | None) -> dict[str, 
     return found
 
 
-def velocity_quantities(cycle: Cycle, event: LiftEvent | None) -> dict[str, float]:
-    """Extremes of the velocity of node 2 (m/s) by stage, its rebound after the main collision and what follows."""
-    velocity = cycle.at_coil("axial_velocity", 2.0)
+def velocity_quantities(cycle: Cycle, event: LiftEvent | None, coil: float = 2.0) -> dict[str, float]:
+    """Extremes of the velocity of node 2 (at ``coil``; m/s) by stage, its rebound after the main collision and what follows."""
+    velocity = cycle.at_coil("axial_velocity", coil)
     if velocity is None or event is None:
         return {}
     found: dict[str, float] = {}
@@ -69,11 +77,11 @@ def _rebound(cycle: Cycle, velocity: Array, event: LiftEvent) -> dict[str, float
     }
 
 
-def acceleration_quantities(cycle: Cycle, separation: float) -> dict[str, float]:
-    """Largest accelerations of nodes 1 and 2 (m/s2), signed, of separate collisions, with their angles."""
+def acceleration_quantities(cycle: Cycle, separation: float, coils: Mapping[int, float]) -> dict[str, float]:
+    """Largest accelerations of nodes 1 and 2 (at ``coils``; m/s2), signed, of separate collisions, with their angles."""
     found: dict[str, float] = {}
-    for node in (1, 2):
-        values = cycle.at_coil("axial_acceleration", float(node))
+    for node, coil in coils.items():
+        values = cycle.at_coil("axial_acceleration", coil)
         if values is None:
             continue
         spikes = separate_spikes(cycle.cam_angle, np.abs(values), separation, 0.0)

@@ -85,7 +85,7 @@ def make_ready(problem: Problem, member: Member, rest: Rest, source: str) -> Rea
     # under prescribed motion the springs' states at rest are found beside the first runs, and judge() brings their frequencies
     told = () if member.gear is None else (surge_frequency(spring, rest.get(spring)) for spring in member.springs)
     frequencies = tuple(value for value in told if value is not None)
-    frame = Frame(member.springs, found, frequencies, problem.lift_event, problem.valve_lift.lift, source)
+    frame = Frame(member.springs, found, frequencies, problem.lift_event, problem.valve_lift.lift, source, points=problem.record.points)
     try:
         system = member.system(rest, problem.built)
         if isinstance(system, PrescribedSpring):

@@ -15,6 +15,7 @@ from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.record import PublishedValue
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
+from valvetrain.sources.gu2021_nodes import coils_of
 
 STUDY = "gu2021"
 SPIKE_BANDWIDTH = 10e3
@@ -146,16 +147,17 @@ def node_chart(study: Study, run: Solution, key: str) -> Chart | None:
     """Motion of the wire at the ends of coils 1 and 2, published extremes marked; None for a run without wire points."""
     cycle = reported_cycle(run)
     panels: list[Panel] = []
-    angle = np.degrees(cycle.cam_angle)
+    angle, coils = np.degrees(cycle.cam_angle), coils_of(study.record.points)
     for channel, (word, unit, factor) in MOTIONS.items():
         layers: list[Layer] = []
         for node, colour in _NODES.items():
-            values = cycle.at_coil(channel, float(node))
+            values = cycle.at_coil(channel, coils[node])
             # In the source the displacement of node 2 counts from where coil 2 touches coil 1.
-            gap = cycle.at_coil("coil_gap", 2.0) if (channel, node) == ("axial_displacement", 2) else None
+            gap = cycle.at_coil("coil_gap", coils[2]) if (channel, node) == ("axial_displacement", 2) else None
             values = gap if gap is not None and np.all(np.isfinite(gap)) else values
             if values is not None:
-                layers.append(Line(*thin(angle, values * factor), f"node {node} (end of coil {node})", colour, width=1.3))
+                place = f"end of coil {node}" if coils[node] == node else f"coil {coils[node]:g}"
+                layers.append(Line(*thin(angle, values * factor), f"node {node} ({place})", colour, width=1.3))
         if layers:
             layers += _marks(_published_motion(study, run.engine_speed, word), factor)
             bands = stage_bands(study, worded=not panels)

@@ -60,8 +60,10 @@ def vary(case: Case, values: Mapping[Varied, float]) -> Case:
 def _from_tree(case: Case, template: _Template, values: Mapping[Varied, float]) -> Case:
     tree = copy.deepcopy(template.bare)
     for varied, value in values.items():
-        if varied.key.partition(".")[0] not in ("spring", "lift_law", "operation", "train", "rubbing"):
-            raise InputError("is no quantity that moves anything; vary one of spring, lift_law, operation, train or rubbing", varied.key)
+        if varied.key.partition(".")[0] not in ("spring", "lift_law", "operation", "train", "rubbing", "points"):
+            raise InputError(
+                "is no quantity that moves anything; vary one of spring, lift_law, operation, train, rubbing or points", varied.key
+            )
         set_in_tree(tree, varied, value)
     return _read(case, tree, template.notes)
 

@@ -1,0 +1,86 @@
+"""Unit: a case says at which coils the points of its published study are read, and everything that speaks of them follows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from valvetrain.cli.case_facts import case_facts
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.report.sections.gu2021 import node_chart
+from valvetrain.sources.gu2021_nodes import coils_of
+from valvetrain.studies.points.varied import Varied
+from valvetrain.studies.points.vary import vary
+
+
+def beehive(**points):
+    return vt.load_case("gu2021-beehive", {f"points.{name}": coil for name, coil in points.items()})
+
+
+def test_points_are_told_by_file_program_and_varied_quantity_alike():
+    told = beehive(node_2=1.9)
+    assert dict(told.points) == {"node_2": 1.9} and told.record().points == (("node_2", 1.9),)
+    assert vary(vt.load_case("gu2021-beehive"), {Varied("points.node_2"): 1.9}).points == told.points
+    assert vary(told, {Varied("points.node_2", operation="offset"): 0.25}).points["node_2"] == pytest.approx(2.15)
+    assert told.replace({"points.node_2": 1.8}).points["node_2"] == 1.8
+    assert vt.load_case("gu2021-beehive").points == {} and told != vt.load_case("gu2021-beehive")
+    assert ("points on the wire", "node 1 at coil 1, node 2 at coil 1.9") in case_facts(beehive(node_1=1, node_2=1.9))
+
+
+def test_a_written_case_keeps_its_points(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text(beehive(node_2=1.9).text)
+    assert vt.load_case(path).points == {"node_2": 1.9}
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"points.node_3": 2.0}, "points.node_3: study 'gu2021' reads no point 'node_3'; .*node_2"),
+        ({"points.node_2": 7.5}, "points.node_2: coil 7.5 lies beyond the wire of 7 coils"),
+        ({"points.node_2": -0.1}, "points.node_2: '-0.1' is too small"),
+        ({"points.node_2": "2 mm"}, "points.node_2"),
+        ({"points.node_2": 2.0, "study": ""}, "points: the points are those that a published study reads"),
+        ({"points.node_2": 2.0, "study": "vasilyev2016"}, "reads no point 'node_2'; it names none"),
+    ],
+)
+def test_points_that_nobody_reads_are_refused(changes, words):
+    with pytest.raises(vt.InputError, match=words):
+        vt.load_case("gu2021-beehive", changes)
+
+
+def test_numbers_of_nodes_are_read_where_the_case_says():
+    """Of one run (same channels, same bits): node 2 is the channel at its coil, everything else is untouched."""
+    coarse = {"spring.options.finite-element.elements_per_coil": 8, "operation.engine_speeds": "8000 rpm"}
+    runs = {}
+    for coil, points in ((2.0, {}), (1.9, {"points.node_2": 1.9})):
+        case = vt.load_case("gu2021-beehive", coarse | points)
+        (runs[coil],) = vt.simulate(case, spring_models=["finite-element"], workers=1).solutions
+    for coil, run in runs.items():
+        cycle = reported_cycle(run)
+        gap, velocity = cycle.at_coil("coil_gap", coil), cycle.at_coil("axial_velocity", coil)
+        first = cycle.cam_angle < np.radians(127.0)
+        assert run.quantities["node_2_maximum_displacement"] == float(gap.max())
+        assert run.quantities["node_2_stage_1_minimum_velocity"] == float(velocity[first].min())
+    usual, moved = (dict(runs[coil].quantities) for coil in (2.0, 1.9))
+    assert usual["node_2_maximum_displacement"] > 1.2 * moved["node_2_maximum_displacement"]
+    untouched = {name for name in usual if not name.startswith("node_2")}
+    assert "node_1_peak_acceleration" in untouched
+    assert {name: usual[name] for name in untouched} == {name: moved[name] for name in untouched}
+
+
+def test_the_figure_of_the_nodes_is_drawn_where_the_case_says():
+    coarse = {"spring.options.finite-element.elements_per_coil": 8, "operation.engine_speeds": "8000 rpm"}
+    studies = [vt.simulate(vt.load_case("gu2021-beehive", coarse | more), spring_models=["finite-element"], workers=1)
+               for more in ({}, {"points.node_2": 1.9})]  # fmt: skip
+    for study, words, coil in zip(studies, ("node 2 (end of coil 2)", "node 2 (coil 1.9)"), (2.0, 1.9), strict=True):
+        chart = node_chart(study, study.solutions[0], "nodes")
+        velocity = next(panel for panel in chart.panels if "velocity" in panel.y_label)
+        line = next(one for one in velocity.layers if getattr(one, "name", "") == words)
+        drawn = reported_cycle(study.solutions[0]).at_coil("axial_velocity", coil)
+        assert np.abs(line.y).max() == pytest.approx(np.abs(drawn).max(), rel=1e-3)
+
+
+def test_coils_of_nodes_are_the_ends_of_coils_unless_told():
+    assert coils_of(()) == {1: 1.0, 2: 2.0} and coils_of((("node_2", 1.9),)) == {1: 1.0, 2: 1.9}
