@@ -80,21 +80,26 @@ def _with_angles(kept: Mapping[str, Any]) -> str:
 
 
 def _contradictions(kept: Mapping[str, Any], never: Sequence[Mapping[str, Any]]) -> str:
-    """Of what the study of all data misses, what a search meets that sees less of them, and what none meets that was fitted to it."""
+    """Of what the study of all data misses, what lies within reach of a search that sees less of them, or of none that was fitted to it.
+
+    A search that is told as not at its end proves nothing.
+    """
     if not never:
         return "the central 95 % of its draws come within two scatters of every published value: no contradiction is shown"
     missed = f"the central 95 % of its draws miss {listed([_missed(row) for row in never])} by more than two scatters"
     freed: dict[str, list[str]] = {}
-    less = {"without the angles": kept["joint"]} | {name: one for name, one in kept.items() if name.startswith("without ")}
+    less = {"without the angles": kept["joint"]} | {
+        name: one for name, one in kept.items() if name.startswith("without ") and name not in unfinished(kept)
+    }  # fmt: skip
     for row in never:
         meets = [name for name, one in less.items() if any(
             other["key"] == row["key"] and other["fitted"] and _apart(other) <= 0 for other in one["measurements"]
         )]  # fmt: skip
-        freed.setdefault(" or ".join(meets), []).append(words_of(row["key"]))
+        freed.setdefault(listed(meets, "or") if meets else "", []).append(words_of(row["key"]))
     told = []
     for name, words in freed.items():
         verb, these = ("are", "them") if len(words) > 1 else ("is", "it")
-        told.append(f"{listed(words)} {verb} met {name or f'by no search that was fitted to {these}'}")
+        told.append(f"{listed(words)} {verb} within reach {name or f'of no search that was fitted to {these}'}")
     return f"{missed}: {'; '.join(told)}"
 
 
@@ -125,7 +130,11 @@ def conflicts(kept: Mapping[str, Any]) -> str:
 
 def unfinished(kept: Mapping[str, Any]) -> list[str]:
     """Searches that leave a speed out and end above the joint one, which meets their data and more: they have not come to their end."""
-    return [name for name, one in kept.items() if name.startswith("without ") and one["misfit"] > kept["joint"]["misfit"]]
+    quantities, misfit = kept["joint"]["quantities"].keys(), kept["joint"]["misfit"]
+    return [
+        name for name, one in kept.items()
+        if name.startswith("without ") and one["quantities"].keys() == quantities and one["misfit"] > misfit
+    ]  # fmt: skip
 
 
 def _said(kept: Mapping[str, Any], name: str) -> str:
@@ -190,7 +199,8 @@ def _all_at_once(study: Mapping[str, Any], case: str = "") -> str:
         return f"; none of the {told['points']} springs that the search computed has all {told['aims']} at once"
     above = told["inside"]["misfit"] - study["misfit"]
     return (
-        f"; {told['meet_all']} of the {told['points']} springs that the search computed have all {told['aims']} at once, the one farthest "
+        f"; {told['meet_all']} of the {told['points']} springs that the search computed {'has' if told['meet_all'] == 1 else 'have'} "
+        f"all {told['aims']} at once, the one farthest "
         f"inside them{case and f' ({case})'} at a misfit {above:.1f} above the least"
     )
 
@@ -207,5 +217,5 @@ def _named(names: Sequence[str]) -> str:
     return listed([name.replace("_", " ") for name in names]) if names else "none of the quantities"
 
 
-def listed(words: Sequence[str]) -> str:
-    return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else words[0]
+def listed(words: Sequence[str], last: str = "and") -> str:
+    return f" {last} ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else words[0]

@@ -106,7 +106,7 @@ def chart(studies: Sequence[Beside], measured: Mapping[str, tuple[float, float]]
         "computed / published", "", tuple(layers), rules=(Rule("x", 1.0),), x_range=(0.0, EDGE), y_range=(0.3, len(measured) + 0.7),
         y_words=tuple((height[key], words_of(key).replace("largest ", "")) for key in measured),  # the room on the left
     )  # fmt: skip
-    return Chart("beehive-studies", "The beehive by three identifications", "", (panel,), 1, 110 + 34 * len(measured))
+    return Chart("beehive-studies", "The beehive by its identifications", "", (panel,), 1, 110 + 34 * len(measured))
 
 
 def beyond(studies: Sequence[Beside], measured: Mapping[str, tuple[float, float]]) -> str:
@@ -186,7 +186,7 @@ def read_folders(folders: Sequence[str], docs: Path) -> dict[str, Any]:
         if folder != KEEP:
             request = read_request(Path(folder) / "identification.toml")
             kept[name]["targets"] = targets_of(read_points(Path(folder) / "points.jsonl", len(request.unknowns)), request)
-    return kept
+    return {name: kept[name] for name in STUDIES}
 
 
 def read_kept(docs: Path = DOCS) -> tuple[tuple[Beside, ...], dict[str, tuple[float, float]]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from inspect import isfunction
 from pathlib import Path
 
 import pytest
@@ -12,14 +13,16 @@ HERE = Path(__file__).resolve().parent
 
 
 def callables() -> dict[tuple[str, str], object]:
-    """Functions and classes of the modules of the package that are imported by now, by module and name."""
-    return {
-        (name, attribute): value
-        for name, module in list(sys.modules.items())
-        if name.partition(".")[0] == "valvetrain" and module is not None
-        for attribute, value in list(vars(module).items())
-        if callable(value)
-    }  # fmt: skip
+    """Functions, classes and their methods, of the modules of the package that are imported by now, by module and name."""
+    found: dict[tuple[str, str], object] = {}
+    for name, module in list(sys.modules.items()):
+        if name.partition(".")[0] == "valvetrain" and module is not None:
+            for attribute, value in list(vars(module).items()):
+                if callable(value):
+                    found[name, attribute] = value
+                if isinstance(value, type) and value.__module__ == name:
+                    found |= {(name, f"{attribute}.{method}"): one for method, one in list(vars(value).items()) if isfunction(one)}
+    return found
 
 
 def replaced(before: dict[tuple[str, str], object]) -> list[str]:
@@ -32,13 +35,16 @@ def replaced(before: dict[tuple[str, str], object]) -> list[str]:
 
 def from_tests(value: object) -> bool:
     """Whether a function is written in the tests or the fuzzer; watches that stay for the whole session are not meant."""
+    value = getattr(value, "func", value)  # of a partial
+    if type(value).__module__ == "unittest.mock":
+        return True
     folder = Path(getattr(getattr(value, "__code__", None), "co_filename", "/")).parent
     return HERE in folder.parents or folder == HERE.parent / "fuzz"
 
 
 @pytest.fixture(autouse=True, scope="module")
 def package_stays_whole() -> Iterator[None]:
-    """Fails the last test of a file that leaves a function or class of the package replaced."""
+    """An error after the last test of a file that leaves a function, class or method of the package replaced."""
     before = callables()
     yield
     assert not replaced(before), "left replaced by the tests of this file"

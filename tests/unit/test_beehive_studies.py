@@ -232,13 +232,13 @@ def test_the_sentence_on_angles_says_what_they_cost_and_who_meets_what_is_missed
     missed = script.sentences(kept(BLIND, heights, without))[3]
     assert "0 of these within two scatters" in missed and "outside: 4200 rpm: Stage II peak force (1064, published 812 N)" in missed
     assert "miss at rest: preload (347 to 405, published 289 N) and 4200 rpm: Stage II peak force (974 to 1137, published 812 N)" in missed
-    assert "at rest: preload and 4200 rpm: Stage II peak force are met without the angles" in missed
+    assert "at rest: preload and 4200 rpm: Stage II peak force are within reach without the angles" in missed
     assert missed.count("largest displacement of node 2") == 1, "two scatters of 10 % reach the interval that begins 20 % above"
     both = script.sentences(kept(BLIND, heights, answer(1.05, (REST, SLOW))))[3]
-    assert both.endswith("are met without the angles or without 8000 rpm.")
+    assert both.endswith("are within reach without the angles or without 8000 rpm.")
     parted = script.sentences(kept(BLIND, answer(1.5, (REST, SLOW, FAST)), answer(1.05, (REST,))))[3]  # not fitted to the slow speed
     assert parted.endswith(
-        "at rest: preload is met without 8000 rpm; 4200 rpm: Stage II peak force is met by no search that was fitted to it."
+        "at rest: preload is within reach without 8000 rpm; 4200 rpm: Stage II peak force is within reach of no search that was fitted to it."
     )
 
 

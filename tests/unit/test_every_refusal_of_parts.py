@@ -167,6 +167,7 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("shaped", {"event_end": 2.9, "flank_shape": (1.0, 0.8, 0.5, -1.0)}, "flank_shape needs a negative value before its last"),
     ("shaped", {"closing_flank_shape": (1.0, 0.8, 0.5, -1.0)}, "closing_flank_shape needs a negative value before"),
     ("shaped", {"closing_flank_shape": (1.0, 0.8, -1.0)}, "closing_flank_shape needs four values or more"),
+    ("shaped", {"closing_flank_shape": (1.0, 0.8, -1.0, -1.0, math.nan)}, "closing_flank_shape needs four values or more"),
     ("shaped", {"closing_flank_shape": (1.0, -0.8, 1.0, -1.0)}, "closing_flank_shape needs four values or more"),
     ("shaped", {"event_end": 4.2, "closing_flank_shape": (1.0, 1.0, -1.0, -1.0, -1.0)}, "closing_flank_shape cannot close by event_end"),
     ("sine power", {"closing_end": 0.5}, "must follow opening_start"), ("sine power", {"closing_end": 7.0}, "must follow opening_start"),

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from package_watch import callables, replaced
+from functools import partial
+from unittest import mock
+
+from package_watch import callables, from_tests, replaced
+from valvetrain.cam.shaped import Shaped
 from valvetrain.solution import read_apart
 
 
@@ -12,3 +16,12 @@ def test_a_function_left_replaced_is_told(monkeypatch):
         inside.setattr(read_apart, "in_a_new_process", lambda *_: "not here")
         assert replaced(before) == replaced({}) == ["valvetrain.solution.read_apart.in_a_new_process"]
     assert not replaced(before) and not replaced({})
+
+
+def test_a_method_left_replaced_is_told_and_so_is_what_only_a_test_makes(monkeypatch):
+    before = callables()
+    with monkeypatch.context() as inside:
+        inside.setattr(Shaped, "lift", lambda *_: 0.0)
+        assert replaced(before) == ["valvetrain.cam.shaped.Shaped.lift"]
+    assert not replaced(before)
+    assert all(map(from_tests, (mock.Mock(), partial(lambda: 0), lambda: 0))) and not from_tests(Shaped) and not from_tests(partial(int))

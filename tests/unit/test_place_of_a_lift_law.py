@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from typer.testing import CliRunner
 
@@ -50,5 +52,30 @@ def test_values_changed_from_outside_have_no_line(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(LAW.replace("[1, 1, -1]", "[1, 1, -1, -1]") + SPRING)
     case = vt.load_case(path, {"lift_law.event_end": "350 deg"})
-    with pytest.raises(vt.InputError, match=r"^case 'own', lift_law.event_end: event_end and the ramp after it must follow the nose"):
+    with pytest.raises(vt.InputError, match=r"^case 'own', lift_law: event_end and the ramp after it must follow the nose"):
         vt.build(case)
+
+
+@pytest.mark.parametrize("shape", ["[]", "[1, -1]", "[1, 1, -1, -1, 1]"])
+def test_a_law_alone_of_an_odd_shape_is_refused_in_a_sentence(tmp_path, shape):
+    path = tmp_path / "own.toml"
+    path.write_text(LAW.replace("[1, 1, -1]", f"[1, 1, -1, -1]\nclosing_flank_shape = {shape}"))
+    told = CliRunner().invoke(app, ["check", str(path)])
+    assert told.exit_code == 2 and "case 'own', line 10, lift_law.closing_flank_shape: closing_flank_shape needs four" in told.stderr
+
+
+def test_a_sentence_of_several_keys_names_the_table(tmp_path):
+    """The first key that it holds need not be the wrong one."""
+    path = tmp_path / "own.toml"
+    path.write_text(LAW.replace("[1, 1, -1]", "[1, 1, -1, -1]").replace('ramp_lift = "0.3 mm"', 'ramp_lift = "9.5 mm"'))
+    told = CliRunner().invoke(app, ["check", str(path)])
+    assert told.exit_code == 2 and "case 'own', line 2, lift_law: ramp_lift must lie between zero and maximum_lift" in told.stderr
+
+
+def test_a_law_exchanged_in_a_program_has_no_line(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text(LAW.replace("[1, 1, -1]", "[1, 1, -1, -1]") + SPRING)
+    case = vt.load_case(path)
+    law = replace(case.lift_law, values=dict(case.lift_law.values) | {"flank_shape": (1.0, 1.0, -1.0)})
+    with pytest.raises(vt.InputError, match=rf"^case 'own', lift_law.flank_shape: {ROOM}"):
+        vt.build(replace(case, lift_law=law))

@@ -157,8 +157,10 @@ class Shaped:
 def _rises_then_falls(shape: tuple[float, ...]) -> bool:
     """Whether there are four control values or more, first none below zero, then none above, and some of either sign."""
     values = np.asarray(shape, dtype=float)
+    if len(values) < 4 or not np.all(np.isfinite(values)):
+        return False
     falling = int(np.argmax(values < 0))  # 0 where none is
-    return len(values) >= 4 and falling > 0 and not np.any(values[falling:] > 0) and bool(np.any(values[:falling] > 0))
+    return falling > 0 and not np.any(values[falling:] > 0) and bool(np.any(values[:falling] > 0))
 
 
 OpenRampBlend = Annotated[float, quantity("ratio", low=0.01, high=0.99)]

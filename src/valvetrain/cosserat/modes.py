@@ -19,8 +19,6 @@ Array = NDArray[np.float64]
 
 #: Axial share of the kinetic energy of a motion that is the same in all three directions.
 EVEN_SHARE = 1 / 3
-#: Transmission of a mode that counts as surge, and the longest step between surge modes in frequencies of the first.
-LEAST_TRANSMISSION, LONGEST_STEP = 0.12, 1.5
 
 
 @dataclass(frozen=True)
@@ -30,8 +28,7 @@ class RodModes:
     ``axial_transmission`` (nm,): residue of seat reaction x retainer reaction over 2 k omega^2, so that each surge mode
     of an ideal uniform spring has +1 or -1; ``axial_mass_share`` (nm,): effective axial mass over the mass that moves, 1 of all
     modes together;
-    ``axial_energy_share`` (nm,): share of the wire's kinetic energy that goes along the spring's axis. ``retainer_moves``: the modes of
-    a spring whose retainer is not held.
+    ``axial_energy_share`` (nm,): share of the wire's kinetic energy that goes along the spring's axis.
     """
 
     natural_frequency: Array
@@ -40,34 +37,22 @@ class RodModes:
     axial_mass_share: Array
     axial_energy_share: Array
     axial_stiffness: float
-    retainer_moves: bool = False
 
     def axial_modes(self, count: int = 3) -> NDArray[np.int64]:
         """Indices of the first ``count`` axial (surge) modes.
 
         Surge spreads over clusters of modes; each cluster is named by its strongest transmitter. Successive surge
         modes transmit with alternating sign, so neighbours of one sign are one cluster. A buckled spring transmits by its sway as well:
-        a mode that moves less along the axis than evenly in all directions is none of surge. Between fixed ends surge modes stand about
-        the frequency of the first apart: a step of more than :data:`LONGEST_STEP` of it has passed over a weak one, as coils that lie
-        closed make it, and weaker transmitters count then.
+        a mode that moves less along the axis than evenly in all directions is none of surge.
         """
-        whole = self._axial_modes(LEAST_TRANSMISSION)[:count]
-        for share in (1.0, 0.5, 0.25) if not self.retainer_moves else ():
-            found = self._axial_modes(share * LEAST_TRANSMISSION)[:count]
-            frequency = self.natural_frequency[found]
-            if np.all(np.diff(frequency) <= LONGEST_STEP * frequency[:1]):
-                return found
-        return whole
-
-    def _axial_modes(self, least: float) -> NDArray[np.int64]:
         size = np.abs(self.axial_transmission)
         found: list[int] = []
-        for index in np.flatnonzero((size > least) & (self.natural_frequency > 0) & (self.axial_energy_share > EVEN_SHARE)):
+        for index in np.flatnonzero((size > 0.12) & (self.natural_frequency > 0) & (self.axial_energy_share > EVEN_SHARE)):
             if not found or np.sign(self.axial_transmission[found[-1]]) != np.sign(self.axial_transmission[index]):
                 found.append(int(index))
             elif size[index] > size[found[-1]]:
                 found[-1] = int(index)
-        return np.array(found, dtype=np.int64)
+        return np.array(found[:count], dtype=np.int64)
 
 
 def natural_modes(statics: RodStatics, state: RodState, count: int = 24, end_mass: float | None = None) -> RodModes:
@@ -119,8 +104,8 @@ def natural_modes(statics: RodStatics, state: RodState, count: int = 24, end_mas
         axial_transmission=transmission,
         axial_mass_share=axial**2 / (np.sum(mass[moves]) + end),
         axial_energy_share=(mass @ full[2::6] ** 2) / sum(inertia[place::6] @ full[place::6] ** 2 for place in range(3)),
-        axial_stiffness=axial_stiffness, retainer_moves=end_mass is not None,
-    )  # fmt: skip
+        axial_stiffness=axial_stiffness,
+    )
 
 
 def _with_end(

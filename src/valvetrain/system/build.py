@@ -15,7 +15,7 @@ from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.contour import monotone_table
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, binding_lift
-from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.parameters.loading import AnyCase, case_of, parse_case
 from valvetrain.parameters.toml_lines import find_line
 from valvetrain.parameters.train import TrainParameters, TrainVariant
 from valvetrain.springs.nested import RadialRubbing
@@ -67,11 +67,19 @@ def lift_law_of(case: Case) -> LiftLaw:
     except InputError as error:
         if error.where or case.lift_law is None:
             raise
-        values = case.lift_law.values
-        path = "lift_law", *[word for word in re.findall(r"\w+", error.reason) if word in values][:1]
-        line = None if case.changed else find_line(case.text, path)
+        keys = {word for word in re.findall(r"\w+", error.reason) if word in case.lift_law.values}
+        path = ("lift_law", *keys) if len(keys) == 1 else ("lift_law",)
+        line = find_line(case.text, path) if _tells(case.text, case) else None
         place = f"case '{case.name}'" + (f", line {line}" if line else "")
         raise InputError(error.reason, f"{place}, {'.'.join(path)}") from error
+
+
+def _tells(text: str, case: Case) -> bool:
+    """Whether a case's text is the file that a user wrote and holds the lift law of the case."""
+    try:
+        return not case.changed and parse_case(text).lift_law == case.lift_law
+    except InputError:
+        return False
 
 
 def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str]) -> Problem:
