@@ -94,13 +94,14 @@ def covariance_of(posterior: Posterior, jacobian: Array) -> Array:
     return np.asarray(np.linalg.inv(information) * np.outer(posterior.spread, posterior.spread))
 
 
-def differences(posterior: Posterior, work: Array, outcome: Outcome, steps: Array, chosen: Array | None = None) -> Array:
+def differences(posterior: Posterior, work: Array, outcome: Outcome, steps: Array, chosen: Array) -> Array:
     """Slopes (data, quantities) of the scaled misses by quantities in standard deviations of their priors, from one-sided differences.
 
-    Backward where a step up leaves the bounds, and where what lies there cannot be computed; zero where neither side can.
+    Zero for quantities that are not ``chosen``. Backward where a step up leaves the bounds, and where what lies there cannot be computed;
+    zero where neither side can.
     """
     high = posterior.bounds[1]
-    free = np.flatnonzero(np.ones(len(work), dtype=bool) if chosen is None else chosen)
+    free = np.flatnonzero(chosen)
     base = posterior.residuals(outcome)
     assert base is not None
     jacobian = np.zeros((len(base), len(work)))
