@@ -1,6 +1,7 @@
 """Springs press or are loose: no spring model pulls on the retainer or lifts the cylinder head, unless its ends are held."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +11,13 @@ from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case
+from valvetrain.solution.channels import spring_channels
+from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.result import Solution
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
 from valvetrain.springs.wave_rod import WaveRod
+from valvetrain.studies.ready import bound
 from valvetrain.studies.run import run_study
 
 CARD = InstalledSpring(card=SpringCard(rate=30e3, preload=60.0, mass=0.05))
@@ -108,3 +113,24 @@ def test_a_run_that_passes_coil_bind_says_so(word):
 def test_a_spring_whose_card_does_not_tell_its_solid_height_is_not_judged():
     (solution,) = run_study(load_case("tdi-pushrod"), engine_speeds=(10000 * np.pi / 30,), spring_sets=["stock"], workers=1).solutions
     assert solution.status.code != "coil-bind" and "coil_bind_clearance" not in solution.quantities
+
+
+@pytest.mark.parametrize(("rooms", "named"), [
+    ({"one": 8e-3, "two": 7e-3}, "two"), ({"one": 7e-3, "two": 8e-3}, "one"), ({"one": 7e-3, "two": 7e-3}, "one"),
+    ({"one": None, "two": 7e-3}, "two"), ({"one": 7e-3, "two": None}, "one"), ({"one": None, "two": None}, None),
+    ({"one": 9.5e-3, "two": 12e-3}, None),
+])  # fmt: skip
+def test_of_several_springs_the_first_to_be_solid_is_named(rooms, named):
+    """A lift of 9 mm: a nested pair is solid where the one with less room is, the first of two that have the same."""
+    angle = np.radians(np.arange(0.0, 360.0, 2.0))
+    lift = 4.5e-3 * (1 - np.cos(angle))
+    run = Solution(spring_channels(angle / 300.0, angle, {"valve_lift": lift}), provenance=Provenance("own", "massless", 600.0))
+    found = bound(run, tuple(SimpleNamespace(name=name, room=room) for name, room in rooms.items())).status
+    if named is None:
+        assert found == run.status
+        return
+    first = angle[lift >= 7e-3][0]
+    assert (found.code, found.where, found.time) == ("coil-bind", named, pytest.approx(first / 300.0))
+    assert found.message == (
+        f"spring '{named}' is solid at 7 mm of lift, which the retainer passes at {np.degrees(first):.1f} cam degrees and exceeds to 9 mm"
+    )
