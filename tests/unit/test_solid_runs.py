@@ -18,7 +18,7 @@ from valvetrain.springs.solid.jobs import SolidSpring, axial_modes
 from valvetrain.springs.solid.layout import MeshOptions
 from valvetrain.springs.solid.printed import read_printed
 from valvetrain.springs.solid.steps import Printout, frequency_step, static_step
-from valvetrain.springs.solid.transient import TransientJob, transient_deck
+from valvetrain.springs.solid.transient import MOTION_CONTACT, TransientJob, transient_deck
 
 PRINTED = """
      E I G E N V A L U E   O U T P U T
@@ -166,6 +166,17 @@ def test_every_contact_pair_lies_one_turn_apart(model):
     for middle, above, below in pairs:
         assert abs(above.coil.mean() - middle) < 0.1 and abs(below.coil.mean() - (middle - 1)) < 0.2
         assert below.coil.min() <= above.coil.min() - 1 + 0.13 and below.coil.max() >= above.coil.max() - 1 - 0.13
+
+
+def test_what_nobody_states_of_a_solid_model_is_as_its_words_say(model):
+    """Two coils in contact approach by a micrometre per 20 N/mm, five times less stiffly at speed; the step is of 40 microseconds."""
+    job = TransientJob(None, 100.0, 5e-3, 0.0, 1.0)
+    assert (job.time_step, job.mass_damping, job.alpha) == (4e-5, 0.0, -0.05)
+    for contact, stiffness in ((SolidContact(), 5e13), (MOTION_CONTACT, 1e13)):
+        assert contact == SolidContact(stiffness=stiffness, wire_per_pair=0.5, seats=True)
+    assert MeshOptions() == MeshOptions(24, 2, 1, "C3D20R", 1.0, "sections")
+    plain = SolidSpring(model.spring)
+    assert (plain.time_limit, plain.threads, plain.name) == (300.0, 1, "solid")
 
 
 def test_transient_table_follows_the_lift(model):

@@ -147,6 +147,19 @@ def test_ends_and_constructors_refuse_what_cannot_be():
         hourglass(WIRE, DIAMETER, 26e-3, PITCH, TURNS)
 
 
+#: Young's and shear modulus (GPa) and density (kg/m3) at room temperature, put in by hand.
+PRINTED = {
+    "OTEVA 90 SC": (206, 79.6, 7850), "OTEVA 91 SC": (206, 79.5, 7850), "EN 10270-1 SH": (206, 81.5, 7850),
+    "EN 10270-2 VDC": (206, 79.5, 7850), "EN 10270-2 VDCrV": (206, 79.5, 7850), "EN 10270-2 VDSiCr": (206, 79.5, 7850),
+    "EN 10270-3 1.4310": (185, 70, 7900), "EN 10270-3 1.4568": (195, 73, 7800), "AISI 4340": (205, 80, 7850),
+}  # fmt: skip
+
+
+def test_every_material_of_the_library_has_its_own_numbers():
+    known = {name: (one.youngs_modulus / 1e9, one.shear_modulus / 1e9, one.density) for name, one in MATERIALS.items()}
+    assert known == PRINTED
+
+
 @pytest.mark.parametrize("name", MATERIALS)
 def test_a_material_is_known_however_its_name_is_spaced_and_capitalised(name):
     writings = {
