@@ -220,3 +220,22 @@ def test_the_figure_of_a_page_holds_its_layers_in_their_panels(name):
                 assert 0 <= left < right <= 1 and 0 <= low < high <= 1
                 for (left2, right2), (low2, high2) in places[place + 1 :]:
                     assert right <= left2 or right2 <= left or high2 <= low or high <= low2
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_panels_lie_within_the_picture_and_apart_from_each_other(name):
+    """Of as many rows and columns as the chart has: those of a row are alike high, those of a column alike wide."""
+    for chart in drawn(name):
+        tree = ElementTree.fromstring(svg(chart))
+        wide, high = (float(tree.get(key)) for key in ("width", "height"))
+        boxes = [box for box, _ in panels_of(tree)]
+        assert len(boxes) == len(chart.panels)
+        for box in boxes:
+            assert 0 < box.left < box.left + box.wide < wide and 0 < box.top < box.top + box.high < high, chart.key
+            assert (box.wide, box.high) == (boxes[0].wide, boxes[0].high) and min(box.wide, box.high) > 40, chart.key
+        for place, box in enumerate(boxes):
+            row, column = divmod(place, chart.columns)
+            for other in boxes[:place]:
+                beside, below = box.left >= other.left + other.wide, box.top >= other.top + other.high
+                assert beside or below or other.left >= box.left + box.wide, chart.key
+            assert (box.top == boxes[0].top) == (row == 0) and (box.left == boxes[0].left) == (column == 0), chart.key

@@ -157,6 +157,15 @@ def test_the_pushrod_keeps_its_length_and_its_gap():
     np.testing.assert_allclose(found, 1e3 * cycle.channel("rocker_gap")[sample], atol=1e-3)
 
 
+def test_the_pushrod_points_from_its_foot_at_the_ball_of_the_rocker():
+    """Its outline lies along its own y axis, which is turned to the line from the drawn foot to the ball at the end of the drive arm."""
+    _, data, _, train = drawn("pushrod")
+    rod, turn = body(data, "pushrod")[1], body(data, "lever")[1]
+    ball = 1e3 * train.lever.drive_arm * np.array([np.cos(train.lever.drive_angle), np.sin(train.lever.drive_angle)])
+    along = np.array([placed(ball[None], pose)[0] - foot[:2] for pose, foot in zip(turn, rod, strict=True)])
+    np.testing.assert_allclose(rod[:, 2], np.arctan2(along[:, 1], along[:, 0]) - np.pi / 2, atol=1e-4)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_spring_stands_about_the_stem_between_its_seat_and_the_retainer(kind):
     """Its foot lies on the axis of the stem, its installed height and the 4 mm from the tip to the retainer away from the closed tip."""
