@@ -15,6 +15,7 @@ from valvetrain.measurements.rig_formats import tdms
 from valvetrain.measurements.rig_result import student
 from valvetrain.measurements.shaft_angle import ShaftAngle
 from valvetrain.measurements.spring_scan import sections
+from valvetrain.measurements.spring_scan.trace import _rise
 from valvetrain.studies.seen import finest_trace
 
 TURN = 2 * np.pi
@@ -114,3 +115,13 @@ def test_the_finest_trace_holds_all_that_a_run_keeps_of_a_channel(known, parts, 
     even = 5.0 + 0.1 / parts * np.arange(8 * parts + 1)
     assert time == pytest.approx(np.sort(np.concatenate([even, extremes])), abs=1e-12)
     assert values == pytest.approx(time**2) and spacing == pytest.approx(0.1 / parts)
+
+
+@pytest.mark.parametrize("away", [1, 5, -1, -5])
+@pytest.mark.parametrize(("count", "rise", "slope"), [(1, 0.1, 0.0), (3, 0.1, 0.0), (4, 0.1, 0.1), (9, 0.1, 0.1), (9, -0.1, 0.0)])
+def test_a_wire_is_looked_for_where_four_sections_or_more_point_to_and_never_back(count, rise, slope, away):
+    """Sections on a straight line of ``rise`` mm a place, the last at place 10 and 40 mm up; of fewer than four, and falling, level."""
+    behind = [10 - place * int(np.sign(away)) for place in range(count)]
+    known = {place: index for index, place in enumerate(behind)}
+    plane = np.column_stack([np.full(count, 12.0), [40.0 + rise * (place - 10) for place in behind]])
+    assert _rise(behind, known, plane, away) == pytest.approx(40.0 + slope * away)

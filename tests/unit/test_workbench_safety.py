@@ -12,6 +12,7 @@ import re
 import socket
 import threading
 import time
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -322,3 +323,28 @@ def _other_address() -> str:
             return str(line.getsockname()[0])
         except OSError:
             return "240.0.0.1"
+
+
+def test_the_pages_are_served_behind_the_guard_with_its_settings(monkeypatch):
+    """Nothing is served here: what the web framework would be told is what is looked at."""
+    nicegui = pytest.importorskip("nicegui")
+    from valvetrain.workbench import pages
+    from valvetrain.workbench.pages import desk, routes
+
+    added, asked, begun = [], {}, []
+    monkeypatch.setattr(desk, "Desk", lambda *parts: SimpleNamespace(parts=parts, close=None))
+    monkeypatch.setattr(routes, "register", lambda one: begun.append(one.parts))
+    monkeypatch.setattr(nicegui.app, "add_middleware", lambda kind, **more: added.append((kind, more)))
+    for name in ("on_startup", "on_shutdown"):
+        monkeypatch.setattr(nicegui.app, name, lambda one: None)
+    monkeypatch.setattr(nicegui.ui, "run", lambda **more: asked.update(more))
+    settings = ServeSettings(host="127.0.0.1", port=8765, open_page=False)
+    pages.start("workspace", "jobs", settings)
+    assert added == [(Guard, {"settings": settings})] and begun == [("workspace", "jobs", settings)]
+    assert {key: asked[key] for key in ("host", "port", "show", "reload")} == {
+        "host": "127.0.0.1",
+        "port": 8765,
+        "show": False,
+        "reload": False,
+    }
+    assert uvicorn_options(settings).items() <= asked.items()
