@@ -14,7 +14,7 @@ from valvetrain.measurements.cycle_cutting import grid_of
 from valvetrain.measurements.rig_formats import tdms
 from valvetrain.measurements.rig_result import student
 from valvetrain.measurements.shaft_angle import ShaftAngle
-from valvetrain.measurements.spring_scan import sections
+from valvetrain.measurements.spring_scan import ends, sections
 from valvetrain.measurements.spring_scan.trace import _rise
 from valvetrain.studies.seen import finest_trace
 
@@ -125,3 +125,18 @@ def test_a_wire_is_looked_for_where_four_sections_or_more_point_to_and_never_bac
     known = {place: index for index, place in enumerate(behind)}
     plane = np.column_stack([np.full(count, 12.0), [40.0 + rise * (place - 10) for place in behind]])
     assert _rise(behind, known, plane, away) == pytest.approx(40.0 + slope * away)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("stray", [0, 80])
+def test_a_ground_face_is_laid_through_all_points_of_its_scatter_and_no_others(side, stray, monkeypatch):
+    """2000 points on a plane at 30 mm with a scatter of 0.03 mm, all amid the ground section; strays lie 0.4 mm inside the wire."""
+    draw = np.random.default_rng(7)
+    radius, angle = draw.uniform(8.0, 16.0, 2000 + stray), draw.uniform(0, 2 * np.pi, 2000 + stray)
+    height = 30.0 + draw.normal(0.0, 0.03, 2000 + stray) - 0.4 * side * (np.arange(2000 + stray) >= 2000)
+    points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
+    monkeypatch.setattr(ends, "place", lambda tube, points, reach: SimpleNamespace(distance=np.full(len(points), 0.5)))
+    monkeypatch.setattr(ends, "_amid", lambda tube, face, points, *more: np.ones(len(points), dtype=bool))
+    face = ends.find_face(SimpleNamespace(section=np.array([2.0]), noise=0.03), points, 0.0, side, (0.0, 6.0))
+    assert 1985 <= face.points <= 2000
+    assert face.height == pytest.approx(30.0, abs=4 * 0.03 / np.sqrt(2000)) and np.hypot(*face.lean) < 4e-4
