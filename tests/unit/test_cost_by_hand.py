@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import math
+from itertools import product
+
 import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.loading import load_case
 from valvetrain.springs.spec import spring_model
 from valvetrain.studies.cost import COPIES, REDUCED, RUN, Cost, Limits, estimate, memory_words, refuse_cost, time_words
-from valvetrain.studies.planned import unknowns_of
+from valvetrain.studies.planned import Asked, unknowns_of
+from valvetrain.studies.request_cost import request_cost
 
 
 @pytest.mark.parametrize(
@@ -90,3 +95,21 @@ def test_unknowns_are_those_of_the_finest_option_and_a_card_is_a_chain_of_five(s
     """Over the 24 elements a coil, 12 masses a coil and 5 modes of the defaults; a chain of a card over the 96 masses of eight coils."""
     found = unknowns_of(spring_model(word), spring.with_options(word, **options) if options else spring)
     assert found == (pytest.approx(ratio), pytest.approx(unknowns))
+
+
+#: Bytes of one record of 33 channels of 720 numbers, and of a run that is kept without its channels.
+RECORD, WITHOUT = 8 * 720 * 33, 40_000
+
+
+@pytest.mark.parametrize(("workers", "whole", "springs"), [*product((1, 2, 5), (True, False), (1, 2))])
+def test_a_spring_alone_costs_its_rest_its_runs_and_every_step_of_its_forces(workers, whole, springs):
+    """Cam turns of 0.02 and 0.04 s, two cycles of each, in steps of 2 µs: 10 000 and 20 000 a turn, 128 bytes while run and 16 kept."""
+    case = load_case("job-c")
+    case = case.replace(springs=case.springs * springs)
+    found = request_cost(Asked("run", case, (200 * math.pi, 100 * math.pi), ("massless",), (), workers), whole)
+    side = min(workers, 2)
+    refinement, channels = math.sqrt(springs), 30 + 3 * springs
+    record = RECORD * channels / 33
+    assert found.seconds == pytest.approx(0.3 * springs + (2 * 0.03 + 0.12 * 0.05 * refinement**2) / side, rel=1e-9)
+    steps = (128 * 20_000 * side + (16 * 30_000 if whole else 0)) * refinement
+    assert found.bytes == pytest.approx(steps + 2 * (record if whole else WITHOUT) + 2 * record * side, rel=1e-9)

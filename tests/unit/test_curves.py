@@ -53,6 +53,16 @@ def test_sums_stay_simple_where_they_can():
     assert isinstance(add_curves(TABLE, LINES), WeightedSum)
 
 
+@pytest.mark.parametrize("weight", [None, 1.0, -1.0, 0.25])
+@pytest.mark.parametrize(
+    ("first", "second"), [(Constant(3.0), Constant(5.0)), (LINES, Constant(3.0)), (Constant(3.0), LINES), (TABLE, LINES), (LINES, TABLE)]
+)
+def test_a_sum_without_a_weight_is_the_sum_of_both(first, second, weight):
+    coil, share = np.linspace(0, 6, 37), 1.0 if weight is None else weight
+    added = add_curves(first, second) if weight is None else add_curves(first, second, weight)
+    assert added.value(coil) == pytest.approx(first.value(coil) + share * second.value(coil), rel=1e-12)
+
+
 def test_a_height_gives_back_its_table():
     heights = (0.0, 4.0, 12.0, 22.0, 33.0)
     assert CURVES["slope"].integral(np.array(KNOTS)) == pytest.approx(heights, rel=1e-14)
