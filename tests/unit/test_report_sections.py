@@ -18,6 +18,7 @@ from valvetrain.report.json import unit_of_number
 from valvetrain.report.page import Details, Figure, Grid, Text, charts, render
 from valvetrain.report.sections import coils, published, stress, sweep
 from valvetrain.report.uncertainty_section import firmness, uncertainty_grid, uncertainty_table
+from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
@@ -309,6 +310,20 @@ def test_uncertainty_stands_beside_the_values_it_belongs_to():
     assert section.blocks(replace(study, record=replace(record, text=f"{record.text}# changed"))) == ()
     assert uncertainty_table(rows)["value"].tolist() == [row.value for row in rows]
     assert len(uncertainty_grid(rows).rows) > len(rows)
+
+
+@pytest.mark.parametrize("speed", [None, 400.0, 0.4])
+@pytest.mark.parametrize(("model", "bar"), [("finite-element", True), ("massless", False)])
+def test_a_ratio_carries_the_bar_of_its_own_number_and_speed_alone(monkeypatch, speed, model, bar):
+    """6 N of 300 N given are 2 % to either side; at rest as at any speed, however low, and of the finite elements only."""
+    others = {None, 400.0, 0.4} - {speed}
+    rows = [Uncertainty("preload", at, 310.0, 6.0 if at == speed else 90.0, 2.0, 310.0, 0.0, (310.0, 310.0), (310.0, 310.0)) for at in
+            (*others, speed)]  # fmt: skip
+    monkeypatch.setattr(published, "load_uncertainty", lambda record: tuple(rows))
+    row = Comparison("preload", speed, model, "engine head test", "N", 300.0, 315.0, 15.0, "check", None, "", "table 1")
+    chart = published.ratio_chart(replace(published_study(), comparisons=(row,)))
+    spans = [layer.x[:2] for layer in chart.panels[0].layers if layer.name == "numerical uncertainty"]
+    assert [list(one) for one in spans] == ([[pytest.approx(1.03), pytest.approx(1.07)]] if bar else [])
 
 
 def test_the_sentence_on_firmness_counts_and_names_what_is_loose():

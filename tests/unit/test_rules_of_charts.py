@@ -7,12 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from valvetrain.report.chart import Line
+from valvetrain.report.chart import Band, Chart, Line, Panel, Rule
 from valvetrain.report.identification_charts import _density
 from valvetrain.report.lift_page import derivatives_chart, residuals_chart
 from valvetrain.report.motion.parts import Colouring, SpringDrawing
 from valvetrain.report.motion.project import _wire
-from valvetrain.report.rig_page import raw_chart
+from valvetrain.report.plotly_chart import figure
+from valvetrain.report.rig_page import raw_chart, speed_chart
 
 #: Least and largest width of a curve (px); a band's edge is thinner than what it is about.
 THINNEST, WIDEST = 0.8, 2.4
@@ -101,3 +102,33 @@ def test_a_marginal_of_draws_is_the_same_curve_in_any_unit(scale):
     assert (edges[0] / scale, edges[-1] / scale) == pytest.approx((0.05 - 0.36, 0.95 + 0.36))
     assert np.sum(heights[1:-1:2] * np.diff(edges[::2])) == pytest.approx(1.0)
     assert np.median(heights[heights > 0]) * scale == pytest.approx(1.0, rel=0.02)
+
+
+def test_the_speed_of_a_recording_is_drawn_from_its_first_cut_to_its_last():
+    """A cam that gathers 50 rad/s each second from 100 rad/s on; a cycle of 0.2 s has its mean in the middle."""
+    cuts = 0.4 + 0.2 * np.arange(6)
+    shaft = SimpleNamespace(cam_speed=lambda time: 100 + 50 * time, told=60.0)
+    grid = SimpleNamespace(cut_times=cuts, cam_speeds=100 + 50 * (cuts[:-1] + 0.1))
+    (panel,) = speed_chart(SimpleNamespace(grid=grid, shaft=shaft)).panels
+    spline, mean = panel.layers
+    assert panel.x_range == pytest.approx((0.4, 1.4)) and panel.x_label == "time (s)" and panel.y_label == "cam speed (rpm)"
+    assert (spline.x[0], spline.x[-1]) == pytest.approx((0.4, 1.4)) and np.all(np.diff(spline.x) > 0)
+    assert spline.y == pytest.approx((100 + 50 * spline.x) * 30 / np.pi)
+    assert mean.x == pytest.approx([0.5, 0.7, 0.9, 1.1, 1.3]) and mean.y == pytest.approx((100 + 50 * mean.x) * 30 / np.pi)
+
+
+def test_rules_and_bands_lie_where_they_are_put_across_the_whole_panel():
+    """Upright and level lines with and without words; a band that is not shaded has its words alone."""
+    rules = (Rule("x", 3.0, "here"), Rule("y", -2.0, "level"), Rule("x", 5.0), Rule("y", 7.0))
+    bands = (Band(1.0, 2.0, "shaded", shaded=True), Band(4.0, 5.0, "bare", shaded=False))
+    drawn = Line(np.array([0.0, 10.0]), np.array([-5.0, 9.0]), "curve", "#000000")
+    layout = figure(Chart("key", "title", "caption", (Panel("x (m)", "y (N)", (drawn,), bands=bands, rules=rules),)))["layout"]
+    seen = [(one["type"], one["x0"], one["x1"], one["y0"], one["y1"], one["layer"]) for one in layout["shapes"]]
+    assert seen == [
+        ("rect", 1.0, 2.0, 0, 1, "below"), ("line", 3.0, 3.0, 0, 1, "below"), ("line", 0, 1, -2.0, -2.0, "below"),
+        ("line", 5.0, 5.0, 0, 1, "below"), ("line", 0, 1, 7.0, 7.0, "below"),
+    ]  # fmt: skip
+    whole = [("domain" in one["xref"], "domain" in one["yref"]) for one in layout["shapes"]]
+    assert whole == [(False, True), (False, True), (True, False), (False, True), (True, False)]
+    told = {one["text"]: (one["x"], one["y"]) for one in layout["annotations"] if one["text"] in {"shaded", "bare", "here", "level"}}
+    assert told == {"shaded": (1.5, 1), "bare": (4.5, 1), "here": (3.0, pytest.approx(0.98)), "level": (1, -2.0)}
