@@ -301,3 +301,22 @@ def test_derived_names_are_quantities_of_no_run():
     runs = nose("stock, as printed", 270.0), nose("performance, as printed", 405.0)
     derived = multibody4b17.study_quantities(pushrod(*runs, contact_force_rise_ratio=0.4))
     assert derived[Quantity("contact_force_rise_ratio", SPEED, "")] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(
+    ("before", "derived", "after"),
+    [
+        ({}, {}, {}),
+        ({"rod": {"rate": 4.0}}, {}, {"rod": {"rate": 4.0}}),
+        ({}, {Quantity("lead"): 2.0}, {"": {"lead": 2.0}}),
+        ({"": {"rate": 4.0}, "rod": {"rate": 5.0}}, {Quantity("lead"): 2.0}, {"": {"rate": 4.0, "lead": 2.0}, "rod": {"rate": 5.0}}),
+        ({"": {"lead": 1.0}}, {Quantity("lead"): 2.0}, {"": {"lead": 2.0}}),
+        ({"": {"rate": 4.0}}, {Quantity("lead", 400.0): 2.0, Quantity("lead", None, "rod"): 3.0}, {"": {"rate": 4.0}}),
+    ],
+)
+def test_numbers_of_a_source_that_belong_to_no_run_stand_with_those_at_rest(monkeypatch, before, derived, after):
+    """Those of a speed or of a label do not; without any, what is known at rest stays as it is."""
+    source = SourceStudy("made-up", study_quantities=lambda study: derived)
+    monkeypatch.setattr(registry, "find", lambda kind, key: source)
+    study = Study(CaseRecord("beehive", study="made-up"), solutions=(spring_run(),), still=before)
+    assert {label: dict(numbers) for label, numbers in against_source(study).still.items()} == after

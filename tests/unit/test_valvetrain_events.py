@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -217,3 +219,17 @@ def test_a_landing_is_as_hard_as_the_hardest_of_its_samples():
     (loft,) = of_kind(found(cam_gap=np.where(degrees(150, 165), 1e-4, -1e-5), cam_contact_force=force).events, "loft")
     assert loft.details["landing_force"] == 1234.0
     assert np.degrees(loft.details["landing_cam_angle"]) == pytest.approx(165, abs=0.3)
+
+
+def test_details_of_an_event_are_its_own_and_cannot_be_changed():
+    """Neither through the event nor through what it was made of; it travels between processes as it is."""
+    given = {"upper_coil": 2.0}
+    event = Event("clash", 1.0, 0.01, 1e-3, 310.0, "N", details=given)
+    given["upper_coil"] = 9.0
+    assert dict(event.details) == {"upper_coil": 2.0}
+    with pytest.raises(TypeError):
+        event.details["upper_coil"] = 3.0
+    again = pickle.loads(pickle.dumps(event))
+    assert again == event and dict(again.details) == {"upper_coil": 2.0} and dict(Event("rest", 0.0, 0.0, 0.0, 0.0, "m").details) == {}
+    with pytest.raises(TypeError):
+        again.details["upper_coil"] = 3.0
