@@ -12,6 +12,7 @@ import pytest
 import film_parts as made
 import valvetrain as vt
 from valvetrain.measurements.film.frames import open_film
+from valvetrain.measurements.film.motion import _line
 from valvetrain.measurements.film.phase import by_marker
 from valvetrain.measurements.film.sight_line import SightLine, find_line
 from valvetrain.measurements.film.space_time import read_space_time
@@ -64,6 +65,14 @@ def test_the_line_averages_what_lies_across_it():
     share = line.stations / line.length
     assert profile == pytest.approx(8 + 12 * share + 100 * (5 + 36 * share), rel=1e-12)
     assert line.along((20.0, 41.0)) == pytest.approx(line.length)
+
+
+@pytest.mark.parametrize(("width", "across"), [(4.0, 7), (2.5, 3), (9.0, 1)])
+def test_a_line_that_is_given_is_read_as_wide_and_as_finely_as_asked_for(width, across):
+    """Nothing is said of a line that was not chosen."""
+    setup = vt.FilmSetup(frame_rate="1 kHz", line=((8.0, 5.0), (20.0, 41.0)), line_width=width, samples_across=across)
+    line, said = _line(open_film(NOISE), setup)
+    assert (line.start, line.end, line.line_width, line.samples_across) == ((8.0, 5.0), (20.0, 41.0), width, across) and said == ()
 
 
 def test_the_line_is_found_across_the_coils_of_an_upright_or_lying_spring():
