@@ -18,6 +18,7 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
 from valvetrain.report.optimum_page import optimum_page
+from valvetrain.studies.optimum.kept import write_optuna
 from valvetrain.studies.optimum.run_search import SearchInterrupted
 from valvetrain.studies.optimum.words import _seeds, sentences
 
@@ -135,6 +136,20 @@ def test_optunas_own_reader_opens_the_study(kept):
     assert study.best_trial.params["wire [mm]"] == pytest.approx(1e3 * found.best.trial.values[0])
     states = {"feasible": "COMPLETE", "infeasible": "COMPLETE", "refused": "FAIL"}
     assert [one.state.name for one in study.trials] == [states[one.state] for one in found.trials]
+
+
+def test_the_optuna_study_names_what_is_searched_and_its_unit(tmp_path):
+    """Two objectives, one of them to be as large as can be; what has no unit is told without one."""
+    import optuna
+
+    both = 'direction = "minimise" }, { quantity = "smallest_index_ratio", direction = "maximise" }]'
+    text = LIGHT.replace('direction = "minimise" }]', both).replace("trials = 20, per_round = 5, seeds = 2", "trials = 2, per_round = 2")
+    path = write_optuna(vt.optimise(text, workers=1), tmp_path / "study.db")
+    (study,) = optuna.get_all_study_names(f"sqlite:///{path}")
+    kept = optuna.load_study(study_name=study, storage=f"sqlite:///{path}")
+    assert study == "Lightest" and kept.metric_names == ["wire mass [g]", "smallest spring index"]
+    assert [one.name for one in kept.directions] == ["MINIMIZE", "MAXIMIZE"]
+    assert kept.user_attrs["case"] == "job-c" and len(kept.user_attrs["constraints"]) == 3
 
 
 @pytest.fixture

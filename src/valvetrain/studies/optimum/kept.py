@@ -53,7 +53,7 @@ def write_optuna(found: Optimum, path: Path) -> Path:
         storage = optuna.storages.RDBStorage(f"sqlite:///{place}")
         directions = ["maximize" if one.maximise else "minimize" for one in plan.objectives]
         study = optuna.create_study(storage=storage, study_name=plan.title, directions=directions)
-        study.set_metric_names([f"{one.measure.label} [{one.measure.unit}]" for one in plan.objectives])
+        study.set_metric_names([_with_unit(one.measure.label, one.measure.unit) for one in plan.objectives])
         study.set_user_attr("case", plan.case.name)
         study.set_user_attr("constraints", [bound_words(plan, one) for one in range(len(plan.constraints))])
         axes = {_axis(one): _distribution(optuna, one) for one in plan.varied}
@@ -67,7 +67,11 @@ def write_optuna(found: Optimum, path: Path) -> Path:
 
 
 def _axis(one: Varied) -> str:
-    return f"{one.words} [{one.unit}]" if one.unit else one.words
+    return _with_unit(one.words, one.unit)
+
+
+def _with_unit(words: str, unit: str) -> str:
+    return f"{words} [{unit}]" if unit else words
 
 
 def _distribution(optuna: Any, one: Varied) -> Any:
