@@ -19,6 +19,7 @@ from valvetrain.report.build import study_page
 from valvetrain.report.comparison_grid import comparison_table
 from valvetrain.report.json import study_json
 from valvetrain.report.page import Page, Section, charts, render, text
+from valvetrain.report.read_page import PageSentence, sections_of
 from valvetrain.report.words import number, percent, speed_words, unit_words
 from valvetrain.report.write import write_study
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
@@ -196,6 +197,8 @@ def test_a_figure_that_cannot_be_rendered_is_a_named_gap(monkeypatch):
     monkeypatch.setattr(plotly_chart, "to_json", broken)
     html = render(study_page(own_study()))
     assert '{"gap": "The figure could not be drawn: ValueError: no such luck"}' in html and "data-force-retainer" in html
+    gaps = [part for section in sections_of(html, "report.html") for part in section.parts if isinstance(part, PageSentence)]
+    assert [part.words for part in gaps if "drawn" in part.words] == ["The figure could not be drawn: ValueError: no such luck"]
 
 
 def test_page_of_nothing_but_a_case(tmp_path):

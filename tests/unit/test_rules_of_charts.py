@@ -10,8 +10,8 @@ import pytest
 from valvetrain.report.chart import Band, Chart, Line, Panel, Rule
 from valvetrain.report.identification_charts import _density
 from valvetrain.report.lift_page import derivatives_chart, residuals_chart
-from valvetrain.report.motion.parts import Colouring, SpringDrawing
-from valvetrain.report.motion.project import _wire
+from valvetrain.report.motion.parts import Body, Colouring, Shape, SpringDrawing
+from valvetrain.report.motion.project import SLICES, _body, _wire
 from valvetrain.report.plotly_chart import figure
 from valvetrain.report.rig_page import raw_chart, speed_chart
 
@@ -132,3 +132,11 @@ def test_rules_and_bands_lie_where_they_are_put_across_the_whole_panel():
     assert whole == [(False, True), (False, True), (True, False), (False, True), (True, False)]
     told = {one["text"]: (one["x"], one["y"]) for one in layout["annotations"] if one["text"] in {"shaded", "bare", "here", "level"}}
     assert told == {"shaded": (1.5, 1), "bare": (4.5, 1), "here": (3.0, pytest.approx(0.98)), "level": (1, -2.0)}
+
+
+@pytest.mark.parametrize(("kind", "count"), [("lathe", 3), ("extrude", SLICES)])
+def test_a_turned_body_has_its_lit_end_and_its_rings_and_a_plate_its_slices(kind, count):
+    """A profile of three points has two bands and an end."""
+    points = np.array([[1.0, 0.0], [2.0, 1.0], [1.0, 3.0]])
+    shape = Shape(kind, points, (0.0, 1.0)) if kind == "extrude" else Shape(kind, points)
+    assert len(_body(Body("one", "seat", (shape,), np.zeros((1, 3))), 0, (0.3, 0.2))) == count
