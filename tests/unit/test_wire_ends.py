@@ -17,5 +17,5 @@ def test_ends_of_textbooks_have_their_turns(end, turns):
 
 
 def test_any_other_end_is_refused():
-    with pytest.raises(InputError, match="^ends: ends 'bent' are unknown; use closed-ground, closed, open, open-ground$"):
+    with pytest.raises(InputError, match=r"^ends: ends 'bent' are unknown; use closed-ground, closed, open, open-ground$"):
         _end("bent", 4e-3, 8e-3)
