@@ -16,9 +16,8 @@ from valvetrain.report.chart import Chart, HeatMap, Line, Marks
 from valvetrain.report.headlines import headline_columns, headline_rows
 from valvetrain.report.json import unit_of_number
 from valvetrain.report.page import Details, Figure, Grid, Text, charts, render
-from valvetrain.report.sections import coils, published, stress, sweep
+from valvetrain.report.sections import coils, published, sweep
 from valvetrain.report.uncertainty_section import firmness, uncertainty_grid, uncertainty_table
-from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.record import CaseRecord
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
@@ -312,20 +311,6 @@ def test_uncertainty_stands_beside_the_values_it_belongs_to():
     assert len(uncertainty_grid(rows).rows) > len(rows)
 
 
-@pytest.mark.parametrize("speed", [None, 400.0, 0.4])
-@pytest.mark.parametrize(("model", "bar"), [("finite-element", True), ("massless", False)])
-def test_a_ratio_carries_the_bar_of_its_own_number_and_speed_alone(monkeypatch, speed, model, bar):
-    """6 N of 300 N given are 2 % to either side; at rest as at any speed, however low, and of the finite elements only."""
-    others = {None, 400.0, 0.4} - {speed}
-    rows = [Uncertainty("preload", at, 310.0, 6.0 if at == speed else 90.0, 2.0, 310.0, 0.0, (310.0, 310.0), (310.0, 310.0)) for at in
-            (*others, speed)]  # fmt: skip
-    monkeypatch.setattr(published, "load_uncertainty", lambda record: tuple(rows))
-    row = Comparison("preload", speed, model, "engine head test", "N", 300.0, 315.0, 15.0, "check", None, "", "table 1")
-    chart = published.ratio_chart(replace(published_study(), comparisons=(row,)))
-    spans = [layer.x[:2] for layer in chart.panels[0].layers if layer.name == "numerical uncertainty"]
-    assert [list(one) for one in spans] == ([[pytest.approx(1.03), pytest.approx(1.07)]] if bar else [])
-
-
 def test_the_sentence_on_firmness_counts_and_names_what_is_loose():
     """Two of four are firm to a per cent; zeros and angles have no share; the loosest stand first. With one more firm, another sentence."""
 
@@ -405,24 +390,3 @@ def test_models_and_origins_look_as_their_own_entries_say():
         assert [style[0] for style in styles] == [one.sign for one in origins.values()]
         assert len({style[2:] for style in styles}) == len(styles)
     assert theme.origin_style("transfer matrix")[0] == "TR"
-
-
-@pytest.mark.parametrize(("before", "own", "found"), [
-    ((), True, True), ((("inner", 2.0),), True, True), ((("spring", None),), True, True), ((("inner", 2.0), ("spring", None)), True, True),
-    ((("inner", 2.0),), False, False), ((("spring", None),), False, False), ((), False, False),
-])  # fmt: skip
-def test_the_stress_of_a_run_stands_beside_the_static_curve_of_its_own_spring(before, own, found):
-    """Rows at rest of another spring (twice the stress), or of this one without stress, stand before it: 41 MPa per mm, from 7 mm on."""
-    first, *rest = at_rest()
-
-    def row(name: str, share: float | None):
-        return replace(first, spring=name, stress=None if share is None else replace(first.stress, shear=share * first.stress.shear))
-
-    study = replace(own_study(), rest=(*(row(*one) for one in before), *((first, *rest) if own else ())))
-    chart = stress.stress_chart(study, rod_run(), "spring", "stress", "Wire stress")
-    still = [lines(chart, panel).get("static curve at the same lift") for panel in (0, 1)]
-    if not found:
-        assert still == [None, None]
-        return
-    assert still[0].y == pytest.approx(np.full(len(still[0].x), 41.0 * 16), rel=1e-6)
-    assert [still[1].y.min(), still[1].y.max()] == pytest.approx([41.0 * 7, 41.0 * 16], rel=1e-6)

@@ -79,9 +79,9 @@ class CaseModel(StrictModel):
             raise problem(f"study '{self.study[:40]}' is unknown; {nearest(self.study, known)}", ("study",))
         if self.rubbing.model_fields_set and (self.spring is None or len(self.spring.blocks) < 2):
             raise problem("rubbing acts between two nested springs; remove it (a train has [train.rubbing])", ("rubbing",))
+        name = self.name or name
         springs = placed("spring", self.spring.build, name) if self.spring else ()
         self._refuse_points(springs)
-        name = self.name or name
         published = (placed(("published", index), group.build) for index, group in enumerate(self.published))
         return Case(
             name=name,
