@@ -145,8 +145,8 @@ def _said(kept: Mapping[str, Any], name: str) -> str:
     own += (
         [f"not at its end: the joint study meets these data and more at {kept['joint']['misfit']:.1f}"] if name in unfinished(kept) else []
     )
-    own += [f"{hardly} quantities are hardly told"] if hardly else []
-    own += [f"{apart} combinations are not told apart"] if apart else []
+    own += [f"{hardly} {'quantity is' if hardly == 1 else 'quantities are'} hardly told"] if hardly else []
+    own += [f"{apart} {'combination is' if apart == 1 else 'combinations are'} not told apart"] if apart else []
     return "; ".join(own) or "nothing"
 
 

@@ -171,7 +171,7 @@ def test_page_and_picture_are_written_and_what_is_cut_short_is_refused(tmp_path,
     text = page.read_text()
     assert text.startswith(f"before\n{BEGIN}1. From statics") and text.endswith(f"{END}\nafter\n") and "\nold\n" not in text
     assert (tmp_path / "docs" / "pictures" / script.PICTURE).read_text().startswith("<svg")
-    assert "| blind | ensemble | 12 | 7.5 | few; 1 quantities are hardly told; 2 combinations are not told apart |" in text.splitlines()
+    assert "| blind | ensemble | 12 | 7.5 | few; 1 quantity is hardly told; 2 combinations are not told apart |" in text.splitlines()
     kept = json.loads((tmp_path / "docs" / script.KEPT).read_text())
     assert kept["joint"]["targets"]["meet_all"] == 2 and kept[ANGLES]["targets"]["meet_all"] == 0
     assert list(kept) == list(script.STUDIES) and kept["blind"]["points"] == 12 and kept["blind"]["branches"] == 2

@@ -14,6 +14,7 @@ from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring,
 from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.train import TrainParameters
+from valvetrain.parameters.wire_points import point_problem
 from valvetrain.solution.record import CaseRecord, CaseValue, PublishedValue
 from valvetrain.units import keep_si, si_speeds
 
@@ -113,6 +114,9 @@ class Case:
         every = {path: si_at(path, value) for path, value in {**(changes or {}), **fields}.items()}
         result = changed(self, every)
         assert isinstance(result, Case)
+        refused = point_problem(result.study, result.points, result.springs)
+        if refused is not None:
+            raise InputError(refused[1], ".".join(filter(None, ("points", refused[0]))))
         told = [path for path in every if path.split(".")[0] not in ("name", "title", "description", "text", "changed")]
         remarks = "".join(f"# changed: {path} = {' '.join(repr(every[path]).split())}\n" for path in told)
         return replace(result, text=result.text + remarks, changed=tuple(dict.fromkeys((*result.changed, *told)))) if told else result

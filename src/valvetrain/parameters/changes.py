@@ -5,10 +5,12 @@ from __future__ import annotations
 import difflib
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
+from inspect import signature
 from typing import Any
 
+from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.parameters.lift_law import FrozenMapping
+from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
 
 
 def nearest(name: str, valid: list[str] | tuple[str, ...]) -> str:
@@ -57,14 +59,20 @@ def _check_name(target: Any, name: str, where: str) -> None:
     if isinstance(target, tuple):
         names = [str(place) for place in range(len(target))]
     elif isinstance(target, Mapping):
-        # Options that the case does not give may be set; InstalledSpring refuses those that no model has.
-        names = [*target, name] if "options." in where else list(target)
+        # Options and points that the case does not give may be set; those that nobody has are refused where the part is made.
+        names = [*target, name] if "options." in where or where == "points." else list(target)
     else:
         names = [field.name for field in fields(target)]
         values = getattr(target, "values", None)
         names += list(values) if isinstance(values, Mapping) else []
+        names += _numbers_of_law(target.kind) if isinstance(target, LiftLawParameters) else []
     if name not in names:
         raise InputError(f"there is no value '{where}{name}'; {nearest(name, names)}")
+
+
+def _numbers_of_law(kind: str) -> list[str]:
+    """Numbers that a lift law of the kind can be given, also those that it need not have."""
+    return list(signature(registry.find("lifts", kind).make).parameters)
 
 
 def differences(first: Any, second: Any, path: str = "") -> dict[str, tuple[Any, Any]]:

@@ -11,7 +11,6 @@ from pydantic import Field
 from valvetrain import registry
 from valvetrain.parameters.case import Case, Note, Operation
 from valvetrain.parameters.changes import nearest
-from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.kept_tables import parameters_of
 from valvetrain.parameters.schema_installed import RubbingModel, SpringField
 from valvetrain.parameters.schema_lift import LiftField
@@ -20,6 +19,7 @@ from valvetrain.parameters.schema_published import PublishedModel
 from valvetrain.parameters.schema_types import StrictModel, guarded, placed, problem, quantities, quantity
 from valvetrain.parameters.train_card import with_cam_card
 from valvetrain.parameters.train_schema import TrainModel
+from valvetrain.parameters.wire_points import point_problem
 from valvetrain.units import si
 
 _OPERATION = Operation()
@@ -81,7 +81,9 @@ class CaseModel(StrictModel):
             raise problem("rubbing acts between two nested springs; remove it (a train has [train.rubbing])", ("rubbing",))
         name = self.name or name
         springs = placed("spring", self.spring.build, name) if self.spring else ()
-        self._refuse_points(springs)
+        refused = point_problem(self.study, self.points, springs)
+        if refused is not None:
+            raise problem(refused[1], ("points", *filter(None, refused[:1])))
         published = (placed(("published", index), group.build) for index, group in enumerate(self.published))
         return Case(
             name=name,
@@ -101,18 +103,3 @@ class CaseModel(StrictModel):
             text=text,
             changed=changed,
         )
-
-    def _refuse_points(self, springs: tuple[InstalledSpring, ...]) -> None:
-        """Refuse points on the wire that the case's study does not name, or that lie beyond the wire."""
-        if not self.points:
-            return
-        if not self.study:
-            raise problem("the points are those that a published study reads; name it in 'study', or remove them", ("points",))
-        names = tuple(word.replace(" ", "_") for word in registry.find("sources", self.study).point_names.values())
-        coils = min((spring.wire.total_coils for spring in springs if spring.wire is not None), default=math.inf)
-        for name, coil in self.points.items():
-            if name not in names:
-                told = nearest(name, names) if names else "it names none; remove them"
-                raise problem(f"study '{self.study}' reads no point '{name[:40]}'; {told}", ("points", name))
-            if coil > coils:
-                raise problem(f"coil {coil:g} lies beyond the wire of {coils:g} coils; give a smaller number", ("points", name))
