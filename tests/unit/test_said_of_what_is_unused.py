@@ -8,11 +8,12 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical
+from valvetrain.parameters.damping import DampingParameters
 from valvetrain.parameters.guide import Guide
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.studies.api import static_curve
-from valvetrain.studies.notes import buckling_notes
+from valvetrain.studies.notes import buckling_notes, ringing_note
 from valvetrain.studies.run import run_study
 from valvetrain.system.build import build
 
@@ -48,6 +49,34 @@ def test_a_massless_spring_says_that_it_leaves_damping_out():
     assert not run_study(case, engine_speeds=[200.0], spring_models=["multi-mass"], workers=1).notes
     still = load_case("job-t", {"spring.damping.stiffness_damping": "0 s"})
     assert not run_study(still, engine_speeds=[200.0], spring_models=["massless"], workers=1).notes
+
+
+@pytest.mark.parametrize("model", ["multi-mass", "wave-rod", "modal-uniform"])
+def test_a_spring_without_any_damping_is_named_where_it_moves(model):
+    """Card values give none, and its surge then never fades; one number of any kind is enough."""
+
+    def notes(**damping):
+        case = load_case("job-t").replace({"springs.0.damping": DampingParameters(**damping)})
+        return run_study(case, engine_speeds=[200.0], spring_models=[model], workers=1).notes
+
+    (said,) = notes()
+    assert said.startswith(
+        "The case gives spring 'job-t' no damping, so that surge lives on from cycle to cycle: give its damping, such as "
+    )
+    assert not notes(mass_damping=20.0) and not notes(stiffness_damping=1e-6) and not notes(ratio=0.016, ratio_frequency=400.0)
+
+
+def test_every_spring_of_a_train_without_damping_is_named_once_and_others_are_not():
+    members = build(load_case("vaz-ohc"), spring_models=["multi-mass", "massless"]).members
+    assert ringing_note(members) == ""
+    bare = {name: f"train.springs.{name}.0.damping.mass_damping" for name in load_case("vaz-ohc").train.springs}
+    case = load_case("vaz-ohc").replace(dict.fromkeys(bare.values(), 0.0))
+    said = ringing_note(build(case, spring_models=["multi-mass", "massless"]).members)
+    assert said.startswith("The case gives spring 'outer' no damping, ") and "'inner'" not in said
+    assert ringing_note(build(case, spring_models=["massless"]).members) == ""
+    both = case.replace({path.replace(".0.", ".1."): 0.0 for path in bare.values()})
+    assert ringing_note(build(both).members).startswith("The case gives springs 'outer' and 'inner' no damping, ")
+    assert "give their damping" in ringing_note(build(both).members)
 
 
 def test_the_modal_model_presses_with_nothing_in_the_free_state():

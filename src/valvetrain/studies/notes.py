@@ -24,6 +24,24 @@ def undamped_notes(members: Iterable[Member]) -> tuple[str, ...]:
     )
 
 
+def ringing_note(members: Iterable[Member]) -> str:
+    """A sentence on the springs to which the case gives no damping although their models have inner motion; empty where there are none."""
+    names: dict[str, None] = {}
+    for member in members:
+        for spring in member.springs:
+            damping = spring.damping
+            if member.model.damped and not (damping.mass_damping or damping.stiffness_damping or damping.ratio):
+                names[repr(spring.name)] = None
+    if not names:
+        return ""
+    springs, its = ("springs", "their") if len(names) > 1 else ("spring", "its")
+    return (
+        f"The case gives {springs} {' and '.join(names)} no damping, so that surge lives on from cycle to cycle: give {its} "
+        "damping, such as 'damping = { ratio = 0.016, ratio_frequency = \"600 Hz\" }' at the first surge frequency (0.016: the beehive of "
+        "gu2021)."
+    )
+
+
 def buckling_notes(problem: Problem) -> tuple[str, ...]:
     """A sentence on each wire of a train that buckles by the formula before the largest lift and stands in no guide.
 

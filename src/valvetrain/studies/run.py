@@ -33,7 +33,7 @@ from valvetrain.studies.before_run import refuse_implausible, refuse_speeds
 from valvetrain.studies.cost import Limits
 from valvetrain.studies.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.studies.engine import LOST, LOST_REMEDY, Progress, map_points, threads
-from valvetrain.studies.notes import buckling_notes, undamped_notes
+from valvetrain.studies.notes import buckling_notes, ringing_note, undamped_notes
 from valvetrain.studies.ready import FAILURES, Plan, Ready, integrate_point, judge, make_ready, provenance_of, unfinished
 from valvetrain.studies.spread import spread_sentences
 from valvetrain.studies.stopping import PointsStopped, StudyStopped
@@ -132,6 +132,7 @@ def _notes(problem: Problem) -> tuple[str, ...]:
     made_up = any(m.model.word == "finite-element" and any(s.card for s in m.springs) for m in problem.members)
     notes: tuple[str, ...] = (CARD_WIRE_NOTE,) if made_up else ()
     notes += tuple(dict.fromkeys(said for m in problem.members if m.gear and (said := usual_contacts(m.gear.parameters.contacts))))
+    notes += (ringing,) if (ringing := ringing_note(problem.members)) else ()
     return (*notes, *undamped_notes(problem.members), *buckling_notes(problem))
 
 
