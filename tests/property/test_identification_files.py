@@ -71,7 +71,7 @@ def test_tables_beside_the_file_are_read_with_their_units(tmp_path: Path) -> Non
 
 
 REFUSED = [
-    (("predictions", "rate", "quantity"), "strength", "no named quantity"),
+    (("predictions", "rate", "quantity"), "strength", "is no quantity"),
     (("predictions", "rate", "value"), "3 N/mm", "unknown"),
     (("case",), "job-tt", "did you mean"),
     (("case",), None, "missing"),
@@ -95,7 +95,7 @@ REFUSED = [
     (("quantities", "wire", "center"), 1, "unknown"),
     (("measurements",), {}, "there is none"),
     (("measurements", "seat", "quantity"), None, "says nothing"),
-    (("measurements", "seat", "quantity"), "strength", "no named quantity"),
+    (("measurements", "seat", "quantity"), "strength", "is no quantity"),
     (("measurements", "seat", "value"), "212 mm", "force"),
     (("measurements", "seat", "scatter"), None, "standard deviation"),
     (("measurements", "seat", "scatter"), "0 %", "positive"),

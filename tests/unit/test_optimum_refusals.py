@@ -42,7 +42,7 @@ def plan_of(text: str):
     [
         ('direction = "minimise"', "", "line 4, objective.0.direction"),
         ('direction = "minimise"', 'direction = "down"', "objective.0.direction"),
-        ('quantity = "peak_spring_force"', 'quantity = "peak_force"', "'peak_force' is no quantity; see docs/quantities.md"),
+        ('quantity = "peak_spring_force"', 'quantity = "peak_force"', "'peak_force' is no quantity; did you mean peak_stem_force, "),
         ('quantity = "peak_spring_force"', "", "objective.0: names nothing; give one of the two"),
         ('at_least = "1.0 x case"', "", "has no bound; give at_most, at_least or both"),
         ('at_least = "1.0 x case"', 'at_least = "200 mm"', "constraint.0.at_least"),
@@ -81,7 +81,7 @@ def test_what_cannot_be_is_refused_where_it_stands(old, new, words):
         ('at_most = "5 mJ", ', 'at_most = "5 mJ", at_least = "1 mJ", ', "has one bound: give at_most or at_least"),
         ('at_most = "5 mJ"', 'at_most = "5 mm"', "objective.0.limit_speed"),
         ("clash_energy", "preload", "belongs to springs at rest, so it has no limit speed"),
-        ("clash_energy", "clash_energie", "is no quantity"),
+        ("clash_energy", "clash_energie", "is no quantity; did you mean clash_energy?"),
         ("5000:9000:500 rpm", "5000 rpm", "holds one speed; give a range"),
         ('"5000:9000:500 rpm"', '"5000:9000:500 rpm", resolution = "0 rpm"', "the resolution is not positive"),
         ('direction = "maximise"', 'direction = "maximise"\nengine_speeds = "4000 rpm"', "has engine_speeds of its own"),

@@ -15,7 +15,7 @@ from valvetrain.quantities.page import quantities_page
 from valvetrain.registry import BUILT_IN
 from valvetrain.report.words import quantity_words
 from valvetrain.solution import definition
-from valvetrain.solution.definition import definition_of, fixed_part, is_defined, label_of, pattern_of, row, shown, tables
+from valvetrain.solution.definition import definition_of, fixed_part, is_defined, label_of, no_quantity, pattern_of, row, shown, tables
 from valvetrain.solution.quantity import unit_of
 from valvetrain.units import DIMENSIONS, dimension_powers
 
@@ -154,3 +154,18 @@ def test_every_number_of_a_definition_is_defined(name):
 
     names = [key for spring in load_case(name).springs for key in design_quantities(spring)]
     assert names and not [one for one in names if not is_defined(one)]
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ("float_speed", "did you mean float_engine_speed?"),  # all its words
+        ("seat_velocity", "did you mean seating_velocity?"),  # letters
+        ("mode_1", "did you mean mode_{n}_frequency, moving_retainer_mode_{n}_frequency or"),  # a number of a template
+        ("coil_bind_clearence", "did you mean coil_bind_clearance?"),
+        ("valve_tip", "docs/quantities.md lists their names"),
+        ("", "docs/quantities.md lists their names"),
+    ],
+)
+def test_a_name_that_no_table_has_is_answered_with_the_nearest(asked, told):
+    assert not is_defined(asked) and no_quantity(asked).startswith(f"'{asked}' is no quantity; {told}")

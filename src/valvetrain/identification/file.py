@@ -20,7 +20,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import library_names, load_case, parse_toml
 from valvetrain.registry import find
 from valvetrain.solution.checksum import digest
-from valvetrain.solution.definition import definition_of
+from valvetrain.solution.definition import definition_of, no_quantity
 from valvetrain.studies.points.varied import Varied
 
 #: Words of a prior in a file: those of :class:`Prior`, and a normal one whose bounds are meant.
@@ -142,7 +142,7 @@ def _asked(part: Part) -> Sought:
     station, name = read_station(part), part.text("quantity")
     part.finish()
     if not definition_of(name).dimension:
-        raise InputError(f"'{name[:60]}' is no named quantity; docs/quantities.md lists them", part.place("quantity"))
+        raise InputError(no_quantity(name), part.place("quantity"))
     return Sought(station, "quantity", name)
 
 

@@ -14,7 +14,7 @@ from valvetrain.identification.sought import Sought, Station
 from valvetrain.measurements.content import read_content, text_of
 from valvetrain.measurements.text_table import read_text_table
 from valvetrain.parameters.bounded_file import MOST_BYTES
-from valvetrain.solution.definition import angle_name, definition_of
+from valvetrain.solution.definition import angle_name, definition_of, no_quantity
 from valvetrain.units import DIMENSIONS, parse_quantity, unit_factor
 from valvetrain.units.text import split_quantity
 
@@ -146,7 +146,7 @@ def _dimension(name: str, part: Part, own_names: bool) -> str | None:
     """Dimension of a quantity, None where its name does not tell. Raises :class:`InputError` for a name that is no quantity's."""
     row = definition_of(name)
     if not row.dimension and not own_names:
-        raise InputError(f"'{name[:60]}' is no named quantity; docs/quantities.md lists them", part.where)
+        raise InputError(no_quantity(name), part.where)
     return row.dimension or None
 
 

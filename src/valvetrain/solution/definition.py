@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from functools import cache
 from typing import Literal, TypeVar
 
@@ -110,6 +111,26 @@ def definition_of(name: str) -> QuantityRow:
 def is_defined(name: str) -> bool:
     """Whether a table has ``name``, itself or by a template."""
     return bool(definition_of(name).definition)
+
+
+def no_quantity(name: str) -> str:
+    """What is told of a name that no table has: the names nearest to it, those first that have all of its words.
+
+    >>> no_quantity("float_speed")
+    "'float_speed' is no quantity; did you mean float_engine_speed? All names: docs/quantities.md"
+    """
+    exact, templates = _index()
+    known = [*exact, *(one.name.replace("{place}", "cam") for one, _ in templates)]
+    asked = name[:60].split("_")
+    whole = [one for one in known if all(word in one.split("_") or (word.isdecimal() and re.search(r"\{\w\}", one)) for word in asked)]
+    whole.sort(key=lambda one: (one.count("_"), len(one), one))
+    near = list(dict.fromkeys([*whole[:3], *get_close_matches(name[:60], known, n=2, cutoff=0.75)]))[:3]
+    told = (
+        f"did you mean {' or '.join([', '.join(near[:-1]), near[-1]] if len(near) > 1 else near)}? All names: docs/quantities.md"
+        if near
+        else "docs/quantities.md lists their names"
+    )
+    return f"'{name[:60]}' is no quantity; {told}"
 
 
 def label_of(name: str) -> str:

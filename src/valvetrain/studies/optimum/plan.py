@@ -11,7 +11,7 @@ from typing import Any
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.registry import find
-from valvetrain.solution.definition import definition_of, is_defined
+from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.studies.optimum.limit_speed import LimitSearch
 from valvetrain.studies.optimum.measure import LIMIT, REST, RUNS, Constraint, Measure, Objective
 from valvetrain.studies.optimum.optimum_file import ConfirmModel, ConstraintModel, MeasureModel, OptimumText, SearchModel
@@ -167,7 +167,7 @@ def _measure(text: OptimumText, path: tuple[str | int, ...], one: MeasureModel, 
     words = one.quantity or (one.limit_speed.quantity if one.limit_speed else "")
     if not is_defined(words):
         key = (*path, "quantity") if one.quantity else (*path, "limit_speed", "quantity")
-        raise text.located(key, f"'{words[:60]}' is no quantity; see docs/quantities.md for their names")
+        raise text.located(key, no_quantity(words))
     kinds = itertools.product(dict.fromkeys(model.spring_models or ("",)), dict.fromkeys(model.spring_sets or ("",)))
     if one.limit_speed is not None:
         if one.engine_speeds is not None:

@@ -19,7 +19,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import library_names, load_case
 from valvetrain.parameters.overrides import REMOVED
 from valvetrain.registry import find
-from valvetrain.solution.definition import definition_of, is_defined
+from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.studies.points.distributions import SIGMAS, Distribution, LogNormal, Normal, Uniform, Values
 from valvetrain.studies.points.nominal import nominal
 from valvetrain.studies.points.point import Point, Wanted
@@ -88,7 +88,7 @@ def read_plan(text: StudyText) -> StudyPlan:
         raise text.located(("points", "sampler"), "a study of kind 'tolerance' stands on the sampler saltelli; choose it")
     for place, name in enumerate(model.outputs):
         if not is_defined(name):
-            raise text.located(("outputs", place), f"'{name[:60]}' is no quantity; see docs/quantities.md for their names")
+            raise text.located(("outputs", place), no_quantity(name))
     if not model.outputs:
         raise text.located(("outputs",), "names no quantity; name one or more of docs/quantities.md")
     wanted = Wanted(tuple(dict.fromkeys(model.outputs)), model.rest_model)
