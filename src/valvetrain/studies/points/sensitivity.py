@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 RESAMPLES, ENDS = 1000, (2.5, 97.5)
 #: Base rows below which no index is told; a spread (over the size of the mean) below which there is nothing to explain.
 LEAST_ROWS, NO_SPREAD = 8, 1e-9
+#: Base rows that are asked for where fewer cannot tell quantities apart.
+ENOUGH_ROWS = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +87,8 @@ def verdict(output: str, names: Sequence[str], total: Array, interval: Array, ba
 
     if rivals:
         told = ", ".join(share(place) for place in (leader, *rivals[:3]))
-        return f"No single quantity makes the spread of the {label}: the shares of {told} cannot be told apart."
+        rows = base.shape[1]
+        more = f" by {rows} base rows; count = {ENOUGH_ROWS * (len(names) + 2)} gives {ENOUGH_ROWS}" if rows < ENOUGH_ROWS else ""
+        return f"No single quantity makes the spread of the {label}: the shares of {told} cannot be told apart{more}."
     second = f"; next is {share(int(order[1]))}" if len(order) > 1 else ""
     return f"What makes the spread of the {label} is {share(leader)} of its variance{second}."
