@@ -204,6 +204,7 @@ REFUSED = [
     (SPRING + 'outer_diameter = "28 mm"', "mean_diameter and outer_diameter are both given"),
     (SPRING.replace('pitch = "7.5 mm"\n', ""), "neither pitch nor height nor free_length is given"),
     (SPRING.replace("total_coils = 6\n", ""), "'total_coils' is missing; add it"),
+    (SPRING.replace('material = "OTEVA 90 SC"\n', ""), "spring.material: 'material' is missing; add it, such as material ="),
     (SPRING.replace("= 6", "= 0"), "too small"),
     (SPRING.replace("= 6", "= 1e9"), "too large"),
     (SPRING.replace("OTEVA 90 SC", "OTEVA 90"), "did you mean OTEVA 90 SC"),

@@ -117,7 +117,7 @@ REFUSED = [
     ("cam-card", CARD.replace("lobe_lift", "valve_lift"), "", "needs lobe_lift, or valve_lift and rocker_ratio"),
     ("cam-card", CARD.replace('lobe_lift = "0.353 in"\n', "rocker_ratio = 1.6\n"), "", "needs lobe_lift, or valve_lift and rocker_ratio"),
     ("cam-card", CARD + 'valve_lift = "0.58 in"\nrocker_ratio = 1.6\n', "valve_lift", "correct one"),
-    ("cam-card", CARD + 'lash = "0.3 mm"\n', "lash", "needs rocker_ratio"),
+    ("cam-card", CARD + 'lash = "0.3 mm"\n', "lash", "add it, 1 where the cam moves the valve itself, or"),
 ]  # fmt: skip
 
 

@@ -81,6 +81,10 @@ class CamCardModel(LiftModel):
         if self.ramp_lift is not None:
             return self.ramp_lift
         if self.lash and self.rocker_ratio is None and self.lift_of == "tappet":
-            raise problem("the ramp over the lash needs rocker_ratio: lash is given at the valve; add it, or give ramp_lift", ("lash",))
+            raise problem(
+                "the ramp over the lash needs rocker_ratio: lash is given at the valve; add it, 1 where the cam moves the valve itself, "
+                "or give ramp_lift",
+                ("lash",),
+            )
         ratio = self.rocker_ratio if self.lift_of == "tappet" and self.rocker_ratio else 1.0
         return (self.lash or 0.0) / ratio + RAMP_ABOVE_LASH

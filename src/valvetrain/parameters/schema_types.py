@@ -65,6 +65,10 @@ def validate_as(model: type[Model], raw: Any, path: tuple[str | int, ...] = ()) 
         raise problem(reason, (*path, *inner)) from error
 
 
+#: What a missing key is answered with beside its name, where a newcomer cannot guess what stands there.
+SUCH_AS = {"material": ', such as material = "EN 10270-2 VDSiCr" (a name of the library) or its moduli and density'}
+
+
 def first_problem(error: ValidationError) -> tuple[tuple[str | int, ...], str]:
     """Path and one-sentence reason of the first problem pydantic found."""
     details = error.errors(include_url=False)[0]
@@ -73,7 +77,7 @@ def first_problem(error: ValidationError) -> tuple[tuple[str | int, ...], str]:
     if details["type"] == "input":
         return (*location, *context.get("path", ())), str(context["reason"])
     if details["type"] == "missing":
-        return location, f"'{location[-1]}' is missing; add it"
+        return location, f"'{location[-1]}' is missing; add it{SUCH_AS.get(str(location[-1]), '')}"
     if details["type"] == "literal_error":
         return location, f"{_show(details['input'])} is not among {context['expected']}; choose one of them"
     text = str(details["msg"]).rstrip(".")
