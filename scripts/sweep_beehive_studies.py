@@ -134,6 +134,8 @@ def _where(jump: Mapping[str, float | None]) -> str:
 def _cell(rows: Mapping[str, Sequence[float | None]], place: int, unit: str) -> str:
     none = "never" if unit == "rpm" else "–"
     low, middle, high = (none if (one := rows[f"{p:g} %"][place]) is None else f"{one:.0f}" for p in PERCENTILES)
+    if {low, middle, high} == {none}:
+        return none if unit == "rpm" else "no run to its end"
     return f"{middle} ({low} to {high}) {unit}"
 
 

@@ -67,8 +67,12 @@ def test_table_and_picture_carry_each_study_under_its_name(tmp_path):
     assert middle.y[0] == 1600.0 and middle.x.tolist() == kept["engine_speed_rpm"]
     assert [one.y[0] for one in panel.layers if one.name == "blind, 5 and 95 %"] == pytest.approx([728.0, 872.0])
     never = kept | {"joint": script.summary(np.full((3, len(script.SPEEDS)), 900.0), np.zeros((3, len(script.SPEEDS))))}
-    assert script.table(never).splitlines()[-5].endswith("| never (never to never) rpm |")
+    assert script.table(never).splitlines()[-5].endswith("| never |")
     assert script.table(never).splitlines()[-3].endswith("the joint study jumps later.")
+    gone = np.full((3, len(script.SPEEDS)), 900.0)
+    gone[:, -1] = np.nan
+    cells = script.table(kept | {"blind": script.summary(gone, gone)}).splitlines()[2 + len(script.SHOWN) - 1].split(" | ")
+    assert cells[0] == "| 16000 rpm" and cells[1] == "no run to its end" and cells[2] == "4200 (4020 to 4380) N |"
     (tmp_path / "data" / "beehive").mkdir(parents=True)
     (tmp_path / "pictures").mkdir()
     (tmp_path / script.DATA).write_text(json.dumps(kept))
