@@ -65,7 +65,7 @@ def test_tables_beside_the_file_are_read_with_their_units(tmp_path: Path) -> Non
     request = parse_request(toml_text(tree), "test", tmp_path)
     assert [one.at for one in request.sought if one.kind == "force"] == pytest.approx([2.54e-3, 5.08e-3])
     assert [datum.value for datum in request.data] == pytest.approx([88.96443, 177.92886])
-    (tmp_path / "curve.csv").write_text("1,20\n2,40\n")
+    (tmp_path / "curve.csv").write_text("compression,load\n1,20\n2,40\n")
     with pytest.raises(InputError, match="has no units"):
         parse_request(toml_text(tree), "test", tmp_path)
 

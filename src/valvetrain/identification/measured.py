@@ -9,13 +9,11 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.identification.datum import Datum
+from valvetrain.identification.measured_file import curve_file, trace_file
 from valvetrain.identification.part import Part
 from valvetrain.identification.sought import Sought, Station
-from valvetrain.measurements.content import read_content, text_of
-from valvetrain.measurements.text_table import read_text_table
-from valvetrain.parameters.bounded_file import MOST_BYTES
 from valvetrain.solution.definition import angle_name, definition_of, no_quantity
-from valvetrain.units import DIMENSIONS, parse_quantity, unit_factor
+from valvetrain.units import parse_quantity
 from valvetrain.units.text import split_quantity
 
 Array = NDArray[np.float64]
@@ -109,7 +107,7 @@ def _channel(part: Part, station: Station, folder: Path, own_names: bool) -> Row
     _moving(part, station)
     name = part.text("channel")
     if part.has("file"):
-        angles, values, unit = _from_file(part, folder, "angle")
+        angles, values, unit = trace_file(part, folder)
     else:
         angles, values = np.array(part.amounts("cam_angles", "angle")), np.array(part.amounts("values"))
         unit = str(part.table.get("values"))
@@ -123,15 +121,14 @@ def _channel(part: Part, station: Station, folder: Path, own_names: bool) -> Row
 def _curve(part: Part, station: Station, folder: Path, own_names: bool) -> Rows:
     spring = part.text("spring", "")
     if part.has("file"):
-        compressions, forces, unit = _from_file(part, folder, "length")
-        parse_quantity(f"1 {unit}", "force", part.place("file"))
+        along, places, forces = curve_file(part, folder)
     else:
-        given = "heights" if part.has("heights") else "compressions"
-        compressions, forces = np.array(part.amounts(given, "length")), np.array(part.amounts("forces", "force"))
-    at_rest, kind = Station(None, station.spring_model, station.spring_set), "load" if part.has("heights") else "force"
+        along = "height" if part.has("heights") else "compression"
+        places, forces = np.array(part.amounts(f"{along}s", "length")), np.array(part.amounts("forces", "force"))
+    at_rest = Station(None, station.spring_model, station.spring_set)
     return [
-        (Sought(at_rest, kind, spring, place), force, _scatter(part, "scatter", force, "force"))  # type: ignore[arg-type]
-        for place, force in _pairs(part, compressions, forces)
+        (Sought(at_rest, "load" if along == "height" else "force", spring, place), force, _scatter(part, "scatter", force, "force"))
+        for place, force in _pairs(part, places, forces)
     ]
 
 
@@ -176,24 +173,3 @@ def _pairs(part: Part, places: Array, values: Array) -> list[tuple[float, float]
     if len(set(places.tolist())) != len(places):
         raise InputError("names a place twice; give each once, with the mean of its values", part.where)
     return list(zip(places.tolist(), values.tolist(), strict=True))
-
-
-def _from_file(part: Part, folder: Path, dimension: str) -> tuple[Array, Array, str]:
-    """Places (SI, of the ``dimension``), values (SI) and their unit from two columns of a text file; units stand in its headings, or in
-    ``units``."""
-    name, where = part.text("file"), part.place("file")
-    given = part.texts("units")
-    try:
-        path = folder / name
-        table = read_text_table(text_of(read_content(path, MOST_BYTES, "table"), path.name), path.name)
-        if table.rows.shape[1] < 2:
-            raise InputError(f"'{path.name[:60]}' has one column; give places and values side by side")
-        units = given or table.units[:2]
-        if len(units) != 2 or not all(units):
-            raise InputError(
-                f"'{path.name[:60]}' has no units; write them in its headings, or units = [\"{DIMENSIONS[dimension].usual_unit}\", ...]"
-            )
-        parse_quantity(f"1 {units[0]}", dimension)
-        return table.rows[:, 0] * unit_factor(units[0]), table.rows[:, 1] * unit_factor(units[1]), units[1]
-    except InputError as error:
-        raise InputError(error.reason, where) from None

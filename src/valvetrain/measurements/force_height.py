@@ -89,11 +89,11 @@ def force_height_in(
 ) -> ForceHeight:  # fmt: skip
     """The stations in a table of numbers; as :func:`read_force_height`."""
     width, notes = table.rows.shape[1], []
-    known = columns or tuple(_meaning(word) for word in table.names)
+    known = columns or tuple(column_meaning(word) for word in table.names)
     _check_columns(known, width, name)
     along = known.index("height" if "height" in known else "compression")
-    length = _scale(length_unit or table.units[along], "length", "length_unit", name)
-    force = _scale(force_unit or table.units[known.index("force")], "force", "force_unit", name)
+    length = column_scale(length_unit or table.units[along], "length", "length_unit", name)
+    force = column_scale(force_unit or table.units[known.index("force")], "force", "force_unit", name)
     heights, forces = table.rows[:, along] * length, table.rows[:, known.index("force")] * force
     if known[along] == "compression":
         if free_length is None:
@@ -119,11 +119,17 @@ def _check_columns(known: tuple[str, ...], width: int, name: str) -> None:
         )
 
 
-def _meaning(name: str) -> str:
+def column_meaning(name: str) -> str:
+    """What a column is by its heading: ``height``, ``compression`` or ``force``; empty where the heading does not tell.
+
+    >>> column_meaning("Kraft"), column_meaning("deflection")
+    ('force', 'compression')
+    """
     return next((word for pattern, word in _MEANINGS if re.search(pattern, name.lower())), "")
 
 
-def _scale(unit: str, dimension: str, question: str, name: str) -> float:
+def column_scale(unit: str, dimension: str, question: str, name: str) -> float:
+    """SI value of a column's unit, as testers write it (in, kg, kp and lb too); :class:`InputError` at ``question`` where it is none."""
     usual = {"in": "inch", "kp": "kgf", "kg": "kgf", "lb": "lbf", "lbs": "lbf"}.get(unit.lower(), unit)
     if not usual:
         raise InputError(f"{name} does not say the unit of its {dimension} ({question}), such as {'mm' if dimension == 'length' else 'N'}; "
