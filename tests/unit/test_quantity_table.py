@@ -15,7 +15,19 @@ from valvetrain.quantities.page import quantities_page
 from valvetrain.registry import BUILT_IN
 from valvetrain.report.words import quantity_words
 from valvetrain.solution import definition
-from valvetrain.solution.definition import definition_of, fixed_part, is_defined, label_of, no_quantity, pattern_of, row, shown, tables
+from valvetrain.solution.definition import (
+    definition_of,
+    fixed_part,
+    is_defined,
+    label_of,
+    near_names,
+    no_quantity,
+    not_given,
+    pattern_of,
+    row,
+    shown,
+    tables,
+)
 from valvetrain.solution.quantity import unit_of
 from valvetrain.units import DIMENSIONS, dimension_powers
 
@@ -169,3 +181,12 @@ def test_every_number_of_a_definition_is_defined(name):
 )
 def test_a_name_that_no_table_has_is_answered_with_the_nearest(asked, told):
     assert not is_defined(asked) and no_quantity(asked).startswith(f"'{asked}' is no quantity; {told}")
+
+
+def test_a_quantity_that_no_run_gave_is_told_with_those_near_it_but_not_itself():
+    near = near_names("peak_shear_stress")
+    assert near[0] == "nominal_peak_shear_stress" and "peak_shear_stress" not in near and len(near) == 3
+    assert not_given("peak_shear_stress").startswith(
+        "no run gave the peak shear stress (peak_shear_stress); near it stands nominal_peak_shear_stress, "
+    )
+    assert near_names("xyzzy") == () and not_given("mode_7_frequency").startswith("no run gave the mode 7 frequency (mode_7_frequency)")

@@ -83,6 +83,18 @@ def test_a_page_stands_where_nothing_came_out():
     assert "256 of 256 points failed." in render(points_page(table)) and not charts(points_page(table))
 
 
+def test_an_output_that_no_completed_point_has_is_named_with_those_near_it():
+    """A row of dashes alone would leave its reader guessing; a point that has it, or none that came out, says nothing."""
+    table = made(failed=(3,))
+    assert table.not_given == ()
+    table.values[:, 0] = np.nan
+    (said,) = table.not_given
+    assert said.startswith("No run gave the peak spring force (peak_spring_force); near it stands ") and said in sentences(table)
+    assert said in points_json(table)["sentences"] and "(peak_spring_force)" in render(points_page(table))
+    table.values[5, 0] = 800.0
+    assert table.not_given == () == made(failed=range(256)).not_given
+
+
 def test_a_grid_has_no_histogram_for_its_levels_are_nobodys_scatter():
     text = TEXT.format(kind="points", sampler="grid").replace("count = 256", "levels = 5")
     plan = read_plan(StudyText(text, "study", Path()))
@@ -107,7 +119,7 @@ def test_the_json_answer_holds_what_the_page_says():
     (first, _) = data["sensitivities"]
     assert first["dropped"] == 1 and first["sentence"] in sentences(table)
     assert first["quantities"]["installed <i>compression</i>"]["total"] == pytest.approx(0.98, abs=0.03)
-    assert data["outputs"]["peak_spring_force"]["unit"] == "N" and "1 base rows were left out" in data["sentences"][-1]
+    assert data["outputs"]["peak_spring_force"]["unit"] == "N" and "1 base row was left out" in data["sentences"][-1]
 
 
 def test_a_surrogate_of_a_smooth_function_predicts_points_kept_out():

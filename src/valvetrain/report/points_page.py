@@ -84,8 +84,9 @@ def sentences(table: StudyTable) -> tuple[str, ...]:
     failed = int(np.count_nonzero(~table.completed))
     told = (*(one.sentence for one in table.sensitivities), *(one.sentence for one in table.surrogates))
     dropped = max((one.dropped for one in table.sensitivities), default=0)
-    left = f", and {dropped} base rows were left out of the shares of variance" if dropped else ""
-    return (*told, *((f"{failed} of {len(table)} points failed{left}.",) if failed else ()))
+    rows = "1 base row was" if dropped == 1 else f"{dropped} base rows were"
+    left = f", and {rows} left out of the shares of variance" if dropped else ""
+    return (*told, *table.not_given, *((f"{failed} of {len(table)} points failed{left}.",) if failed else ()))
 
 
 def _answers(table: StudyTable) -> tuple[Block, ...]:

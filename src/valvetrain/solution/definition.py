@@ -119,18 +119,34 @@ def no_quantity(name: str) -> str:
     >>> no_quantity("float_speed")
     "'float_speed' is no quantity; did you mean float_engine_speed? All names: docs/quantities.md"
     """
+    near = near_names(name)
+    told = f"did you mean {_either(near)}? All names: docs/quantities.md" if near else "docs/quantities.md lists their names"
+    return f"'{name[:60]}' is no quantity; {told}"
+
+
+def not_given(name: str) -> str:
+    """What is told of a quantity that runs which came to their end did not give, with the names nearest to it.
+
+    >>> not_given("peak_shear_stress")[:62]
+    'no run gave the peak shear stress (peak_shear_stress); near it'
+    """
+    near = near_names(name)
+    return f"no run gave the {label_of(name)} ({name})" + (f"; near it stands {_either(near)}" if near else "")
+
+
+def near_names(name: str) -> tuple[str, ...]:
+    """Up to three names of quantities near to ``name``: those that have all of its words, shortest first, then those of like spelling."""
     exact, templates = _index()
     known = [*exact, *(one.name.replace("{place}", "cam") for one, _ in templates)]
     asked = name[:60].split("_")
     whole = [one for one in known if all(word in one.split("_") or (word.isdecimal() and re.search(r"\{\w\}", one)) for word in asked)]
     whole.sort(key=lambda one: (one.count("_"), len(one), one))
-    near = list(dict.fromkeys([*whole[:3], *get_close_matches(name[:60], known, n=2, cutoff=0.75)]))[:3]
-    told = (
-        f"did you mean {' or '.join([', '.join(near[:-1]), near[-1]] if len(near) > 1 else near)}? All names: docs/quantities.md"
-        if near
-        else "docs/quantities.md lists their names"
-    )
-    return f"'{name[:60]}' is no quantity; {told}"
+    found = dict.fromkeys([*whole[:4], *get_close_matches(name[:60], known, n=2, cutoff=0.75)])
+    return tuple(one for one in found if one != name)[:3]
+
+
+def _either(names: tuple[str, ...]) -> str:
+    return " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def label_of(name: str) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from valvetrain.solution.definition import definition_of, shown
+from valvetrain.solution.definition import definition_of, not_given, shown
 from valvetrain.studies.optimum.limit_speed import BELOW, BEYOND, LimitFound, LimitSearch, find_limit
 from valvetrain.studies.points.plan import Run
 from valvetrain.studies.points.point import Outcome
@@ -122,7 +122,7 @@ def measuring(measures: Sequence[Measure], stop: object = None) -> Answers:
                 return Measured(values, {}, _at(run, outcome.status.sentence()), outcome.status.code)
         lacking = [one for one in here if not np.isfinite(values[one])]
         if lacking:
-            return Measured(values, {}, f"a run gave no {lacking[0].label}", "incomplete")
+            return Measured(values, {}, not_given(lacking[0].quantity), "incomplete")
     if callable(stop) and stop(values):
         return Measured(values, {})
     limits: dict[Measure, tuple[LimitFound, ...]] = {}

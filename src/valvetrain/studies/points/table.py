@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.definition import definition_of, label_of
+from valvetrain.solution.definition import definition_of, label_of, not_given
 from valvetrain.solution.display import frame
 from valvetrain.solution.status import Status
 from valvetrain.studies.points.plan import Run, StudyPlan
@@ -71,6 +71,14 @@ class StudyTable:
     def failures(self) -> tuple[str, ...]:
         """A sentence per row that did not complete: its varied values and its status."""
         return tuple(f"{self.row_words(row)}: {self.statuses[row].sentence()}" for row in np.flatnonzero(~self.completed).tolist())
+
+    @property
+    def not_given(self) -> tuple[str, ...]:
+        """A sentence per output that no completed row has."""
+        if not self.completed.any():
+            return ()
+        gone = [name for name in self.outputs if not np.isfinite(self.column(name)[self.completed]).any()]
+        return tuple(f"{told[0].upper()}{told[1:]}." for told in map(not_given, gone))
 
     def row_words(self, row: int) -> str:
         """The inputs of a row in words."""
