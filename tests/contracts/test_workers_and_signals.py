@@ -102,7 +102,7 @@ def test_a_sweep_that_is_killed_leaves_its_finished_runs_and_the_next_run_mends_
         run.kill()
         run.wait()
         gone(mark)
-    rows = [json.loads(line) for line in (tmp_path / "out" / ROWS).read_text().splitlines()]
+    rows = [json.loads(line) for line in (tmp_path / "out" / ROWS).read_text().split("\n")[:-1]]  # the last may be cut
     assert len(rows) >= 3 and all(row["quantities"]["peak_spring_force"]["value"] > 0 for row in rows)
     (tmp_path / "out" / ".quantities.csv.abcdefgh.valvetrain.part").write_text("half of")
     again = [word if word != SWEEP[3] else "1000:1100:25 rpm" for word in SWEEP]
@@ -199,7 +199,7 @@ def test_map_cases_survives_a_killed_worker(tmp_path):
 def rows_of(folder) -> int:
     """Finished runs that a run has listed so far."""
     try:
-        return len((folder / ROWS).read_text().splitlines())
+        return (folder / ROWS).read_text().count("\n")
     except OSError:
         return 0
 

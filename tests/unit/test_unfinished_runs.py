@@ -13,8 +13,9 @@ from fault_parts import gone, started
 from unit.cli_parts import SMALL, call, sentence, wait_until
 from valvetrain.cli.runs import state
 from valvetrain.errors import InputError
+from valvetrain.solution.atomic import append_whole
 from valvetrain.studies.held_folder import hold_folder
-from valvetrain.studies.run_store import LIST, KeptRun, kept_runs, mark_unfinished
+from valvetrain.studies.run_store import LIST, KeptRun, kept_runs, mark_unfinished, whole_lines
 from valvetrain.studies.unfinished_runs import unfinished_runs
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="living runs are known by the lock of a POSIX system")
@@ -47,7 +48,7 @@ def test_folders_of_killed_and_of_living_runs_are_told_apart(tmp_path):
     found = unfinished_runs(root=tmp_path)
     os.close(handle)
     assert [(one.folder, one.finished, one.files, one.goes_on) for one in found] == [
-        (odd, 2, 0, False), (final, 1, 1, False), (living, 0, 0, True), (killed, 2, 2, False), (none, 0, 0, False),
+        (odd, 1, 0, False), (final, 1, 1, False), (living, 0, 0, True), (killed, 2, 2, False), (none, 0, 0, False),
     ]  # fmt: skip
     assert found[3].command == "valvetrain sweep 'my case.toml'" and found[3].created_at == "2026-01-02T03:04:05+00:00"
     assert found[0].command_line == found[4].command_line == () and {one.case for one in found} == {"job"}
@@ -86,6 +87,33 @@ def test_of_two_begun_at_the_same_moment_the_second_is_refused(command, tmp_path
     if command == "spring-card":
         for _ in range(2):  # given back when the command has ended
             assert call(command, *asked, "--output", str(tmp_path / "deep" / "out"), "--quiet").exit_code == 0
+
+
+@pytest.mark.parametrize("cut", ['{"file": "run-0002.nc", "quantities": {"peak_for', '{"file": "run-0002.nc"}', "{", "[1]\n", "\n"])
+def test_a_line_that_a_kill_cut_costs_no_other(cut, tmp_path):
+    """It counted as a finished run, and what the others listed was left in the folder for good."""
+    folder = begun(
+        tmp_path, "20260102-030405-unfinished", [{**ROW, "file": "run-0001.nc"}, {"file": "run-0003.nc"}], ("run-0001.nc", "run-0003.nc")
+    )
+    with (folder / LIST).open("a") as stream:
+        stream.write(cut)
+    (one,) = unfinished_runs(root=tmp_path)
+    assert one.finished == 2 + cut.endswith("\n") and one.command_line == tuple(ROW["command_line"])
+    os.close(mark_unfinished(folder))
+    assert [path.name for path in folder.iterdir()] == [LIST]
+
+
+def test_a_line_for_which_there_is_no_space_leaves_nothing_of_itself(tmp_path, monkeypatch):
+    """The next line was glued to what had been written of it."""
+    handle, write = mark_unfinished(tmp_path / "a"), os.write
+    append_whole(handle, b"first\n")
+    monkeypatch.setattr(os, "write", lambda number, content: write(number, content[:4]))
+    with pytest.raises(OSError, match="No space left"):
+        append_whole(handle, b"second\n")
+    monkeypatch.undo()
+    append_whole(handle, b"third\n")
+    os.close(handle)
+    assert whole_lines(tmp_path / "a" / LIST) == [b"first", b"third"] and whole_lines(tmp_path / "none") == []
 
 
 def test_a_command_that_is_refused_leaves_no_folder(tmp_path):

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from valvetrain.report.json import engine_speed_object, quantities_object, status_object
+from valvetrain.solution.atomic import append_whole
 from valvetrain.solution.gaps import Gaps
 from valvetrain.solution.netcdf import save_netcdf
 from valvetrain.solution.result import Solution
@@ -71,4 +72,4 @@ class UnfinishedRun:
             name = row["file"] = f"run-{place + 1:04d}.nc"
             save_netcdf(solution, self.folder / name)
             self._files[place] = solution, name
-        os.write(self._handle, (json.dumps(row) + "\n").encode())
+        append_whole(self._handle, (json.dumps(row) + "\n").encode())

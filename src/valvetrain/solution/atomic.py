@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import tempfile
@@ -70,6 +71,14 @@ def write_bytes(path: str | os.PathLike[str], content: bytes | memoryview) -> Pa
     with atomic_path(path) as temporary:
         temporary.write_bytes(content)
     return Path(path)
+
+
+def append_whole(handle: int, content: bytes) -> None:
+    """Add ``content`` to the open file ``handle``, whole or not at all. Raises :class:`OSError` when there is no space."""
+    before = os.fstat(handle).st_size
+    if os.write(handle, content) < len(content):
+        os.ftruncate(handle, before)
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def _refuse_what_is_no_file(target: Path, where: str = "") -> None:

@@ -162,10 +162,18 @@ def remove_unfinished(folder: Path) -> None:
 
 def _listed(folder: Path) -> list[str]:
     """Files that a killed run listed in ``folder``."""
+    found = []
+    for line in whole_lines(folder / LIST):
+        with suppress(ValueError, TypeError, KeyError):
+            found.append(str(json.loads(line)["file"]))
+    return found
+
+
+def whole_lines(path: Path) -> list[bytes]:
+    """Lines of a list of finished runs; one that is not whole, where a process was killed, is none."""
     try:
-        rows = [json.loads(line) for line in (folder / LIST).read_text("utf-8").splitlines()]
-        return [str(row["file"]) for row in rows if "file" in row]
-    except (OSError, ValueError, TypeError):
+        return path.read_bytes().split(b"\n")[:-1]
+    except OSError:
         return []
 
 

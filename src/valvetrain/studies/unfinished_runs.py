@@ -14,7 +14,7 @@ from typing import Any
 
 from valvetrain.solution.atomic import is_living
 from valvetrain.studies.run_answer import ANSWER, MOST_BYTES
-from valvetrain.studies.run_store import LIST, ROOT, UNFINISHED, homes
+from valvetrain.studies.run_store import LIST, ROOT, UNFINISHED, homes, whole_lines
 
 #: How the folder of a run begins: date and time (UTC).
 _BEGUN = re.compile(r"(\d{8}-\d{6})-")
@@ -58,9 +58,7 @@ def _unfinished(folder: Path) -> UnfinishedFolder | None:
         created_at = datetime.strptime(begun[1], "%Y%m%d-%H%M%S").replace(tzinfo=UTC).isoformat()
     except ValueError:
         return None
-    lines: list[bytes] = []
-    with suppress(OSError):
-        lines = rows.read_bytes().splitlines() if rows.is_file() and rows.stat().st_size <= MOST_BYTES else []
+    lines = whole_lines(rows) if rows.is_file() and rows.stat().st_size <= MOST_BYTES else []
     first = _row(lines[0]) if lines else {}
     words = first.get("command_line", ())
     told = tuple(map(str, words)) if isinstance(words, list) else ()

@@ -6,7 +6,6 @@ closing checksum, written whole or not at all. Nothing is ever changed in place.
 
 from __future__ import annotations
 
-import errno
 import io
 import json
 import os
@@ -18,7 +17,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.solution.arrays import ChannelArrays, Variable
-from valvetrain.solution.atomic import check_target, remove_abandoned, write_bytes
+from valvetrain.solution.atomic import append_whole, check_target, remove_abandoned, write_bytes
 from valvetrain.solution.checksum import checked_content, closing_line, digest
 from valvetrain.solution.netcdf_layout import write_arrays
 from valvetrain.solution.status import COMPLETED, STATUS_CODES, Status
@@ -76,9 +75,7 @@ class PointStore:
         self._hold(key, row, outcome.status)
         if self.folder is not None and outcome.status.code not in NOT_KEPT:
             self._journalled.append(key)  # first, so that a chunk has it wherever a signal stops this
-            line = _line(key, row, outcome.status)
-            if os.write(self._handle, line) < len(line):
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.folder / JOURNAL))
+            append_whole(self._handle, _line(key, row, outcome.status))
         if len(self._journalled) >= CHUNK:
             self.flush()
 
