@@ -15,6 +15,7 @@ from valvetrain.report.identification_words import (
     datum_words,
     facts,
     found_rows,
+    is_odd,
     measured_words,
     odd,
     prediction_words,
@@ -75,9 +76,8 @@ def _measured(found: Identified) -> tuple[Block, ...]:
     rows = []
     for one in found.predicted:
         words, role = measured_words(one), "fitted" if one.datum.used else "compared"
-        far = not ODD[0] <= one.percentile <= ODD[1]
         cells = [
-            Cell(word, f"{tone} bad" if far and place == len(tones) - 1 else tone)
+            Cell(word, f"{tone} bad" if is_odd(one) and place == len(tones) - 1 else tone)
             for place, (word, tone) in enumerate(zip(words, tones, strict=True))
         ]
         rows.append(((*cells, Cell(role, "tag")), (role,)))

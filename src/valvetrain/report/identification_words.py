@@ -91,9 +91,14 @@ def facts(found: Identified) -> tuple[tuple[str, str], ...]:
     return tuple(rows)
 
 
+def is_odd(one: Predicted) -> bool:
+    """Whether a measurement lies outside :data:`ODD` of its prediction; one that has no percentile does not."""
+    return one.percentile < ODD[0] or one.percentile > ODD[1]
+
+
 def odd(found: Identified) -> list[Predicted]:
     """Measurements that lie outside :data:`ODD` of their predictions."""
-    return [one for one in found.predicted if not ODD[0] <= one.percentile <= ODD[1] and np.isfinite(one.percentile)]
+    return [one for one in found.predicted if is_odd(one)]
 
 
 def title_of(one: Unknown) -> str:
