@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.report.page import charts, render
+from valvetrain.report.page import Grid, Text, charts, render
 from valvetrain.report.points_files import points_csv, points_json
 from valvetrain.report.points_page import points_page, sentences
 from valvetrain.solution.status import COMPLETED, Status
@@ -150,3 +150,36 @@ def test_a_surrogate_of_few_points_is_not_made():
 def test_a_row_stands_in_words():
     table = made()
     assert table.row_words(0).endswith("6000 rpm, massless") and "mm" in table.row_words(0)
+
+
+def many_runs(count: int, failed=()) -> StudyTable:
+    """A grid of five levels each at ``count`` speeds from 3000 rpm on, 100 rpm apart."""
+    speeds = ", ".join(f'"{3000 + 100 * place} rpm"' for place in range(count))
+    text = TEXT.format(kind="points", sampler="grid").replace("count = 256", "levels = 5").replace('"6000 rpm"', f"[{speeds}]")
+    plan = read_plan(StudyText(text, "study", Path()))
+    inputs = np.repeat(plan.sampler.first(plan.varied, plan.options), count, axis=0)
+    values = np.column_stack([inputs.sum(axis=1), np.full(len(inputs), 9e-3)])
+    statuses = [Status("refused", "the coils overlap") if row in failed else COMPLETED for row in range(len(inputs))]
+    values[list(failed)] = np.nan
+    return StudyTable(plan, inputs, plan.runs * 25, values, tuple(statuses))
+
+
+@pytest.mark.parametrize(("count", "drawn", "notes"), [(12, 12, []), (13, 12, ["Figures of the first 12 runs follow."])])
+def test_the_first_runs_have_figures_and_all_have_answers(count, drawn, notes):
+    sections = {one.key: one for one in points_page(many_runs(count)).sections}
+    assert list(sections) == ["answers", *(f"run-{place}" for place in range(drawn)), "asked"]
+    answers = sections["answers"]
+    (grid,) = (one for one in answers.blocks if isinstance(one, Grid))
+    assert answers.title == "What comes out" and len(grid.rows) == 2 * count
+    assert [row[0][1].words for row in grid.rows[::2]] == [f"{3000 + 100 * place} rpm, massless" for place in range(count)]
+    assert [one.html for one in answers.blocks if isinstance(one, Text)] == notes
+    assert [sections[f"run-{place}"].title for place in range(drawn)] == [row[0][1].words for row in grid.rows[: 2 * drawn : 2]]
+
+
+@pytest.mark.parametrize(("failed", "more"), [(50, []), (53, ["And 3 more; points.csv has them all."])])
+def test_the_first_failures_are_listed_and_all_are_counted(failed, more):
+    table = many_runs(3, failed=range(failed))
+    (section,) = (one for one in points_page(table).sections if one.key == "failed")
+    told = [(one.tone, one.html) for one in section.blocks if isinstance(one, Text)]
+    assert [tone for tone, _ in told[:50]] == ["alert"] * 50 and told[50:] == [("note", one) for one in more]
+    assert all("the coils overlap" in words for _, words in told[:50]) and f"{failed} of 75 points failed." in sentences(table)
