@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -35,6 +37,35 @@ def test_a_heavy_valve_that_sinks_a_long_way_is_found_by_growing_steps(monkeypat
     """By steps of 0.2 mm alone its 12 mm took some 360 sums of forces, of finite elements half a minute."""
     left, asked = searched(monkeypatch, train__valve__mass="125 kg")
     assert left < 1e-6 and asked < 250
+
+
+def asked_places(monkeypatch, force) -> np.ndarray:
+    """Places (mm) of a mass of 1 kg at which the search asks for ``force(place)`` (N), those of its tangent left out."""
+    asked: list[float] = []
+
+    def forces(_system, q, _cam_angle, _spring_force):
+        asked.append(1e3 * float(q[0]))
+        return np.array([force(float(q[0]))])
+
+    monkeypatch.setattr(train_rest, "generalised_forces", forces)
+    train_rest.static_equilibrium(SimpleNamespace(masses=np.ones(1), spring_force=float), 0.0)
+    return np.array(asked[2::2])  # the start, then in turn the tangent and the next place
+
+
+def test_capped_steps_double_from_the_sixth_on(monkeypatch):
+    """A spring of 10 N/mm pulls from 100 mm away: six steps of 0.2 mm, then twice as long each until what is left is nearer."""
+    places = asked_places(monkeypatch, lambda place: 1e4 * (0.1 - place))
+    lengths = np.append(np.full(6, 0.2), 0.2 * 2.0 ** np.arange(1, 8))
+    assert places[:13] == pytest.approx(np.cumsum(lengths), rel=1e-6)
+    assert places[-1] == pytest.approx(100.0, abs=1e-4)
+
+
+def test_a_step_that_comes_no_nearer_is_taken_back_and_steps_begin_anew(monkeypatch):
+    """A wall at 6.5 mm: from 4 mm a step of 3.2 mm would lie in it. From there six steps of 0.2 mm again, then 0.4 and 0.8 mm."""
+    places = asked_places(monkeypatch, lambda place: 1e4 * (0.1 - place) - 1e9 * max(place - 6.5e-3, 0.0))
+    before = [0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.6, 2.4, 4.0, 7.2]
+    assert places[:18] == pytest.approx([*before, 4.2, 4.4, 4.6, 4.8, 5.0, 5.2, 5.6, 6.4], rel=1e-6)
+    assert places[-1] == pytest.approx(6.5 + 935e3 / 1e9, abs=1e-5)
 
 
 def test_contacts_too_hard_for_the_tangent_end_the_search(monkeypatch):
