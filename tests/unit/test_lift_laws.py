@@ -359,3 +359,10 @@ def test_a_closing_flank_of_its_own_shape_meets_nose_and_ramp():
     velocity = np.cumsum(np.diff(fine) * (other.lift(fine, 2)[1:] + other.lift(fine, 2)[:-1]) / 2)
     assert velocity[-1] == pytest.approx(-mirrored.lift(np.array([2.2]), 1)[0], rel=1e-5)
     assert 9e-3 + np.sum(np.diff(fine)[1:] * (velocity[1:] + velocity[:-1]) / 2) == pytest.approx(4e-4, abs=1e-7)
+
+
+@pytest.mark.parametrize("name", ["breaks", "coefficients"])
+def test_numbers_of_a_law_in_pieces_stay_as_they_were_checked(name):
+    pieces = PeriodicPieces([0.0, 2.0, 2 * np.pi], [[1.0, 0.5], [2.0, -0.5]])
+    with pytest.raises(ValueError, match="read-only"):
+        getattr(pieces, name)[0] = 3.0

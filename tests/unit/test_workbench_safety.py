@@ -161,7 +161,9 @@ def test_a_socket_of_its_own_page_talks_within_the_bound(guard):
 def test_pages_that_are_open_at_a_time_are_bounded():
     guard = Guard(inner, ServeSettings(most_sessions=0))
     (closed,) = talk(guard, OWN | {"origin": "http://127.0.0.1:8420"})
-    assert closed["code"] == 1013
+    assert (closed["code"], closed["reason"]) == (1013, "too many pages are open")
+    (closed,) = talk(guard, OWN | {"origin": "http://evil.example"})
+    assert closed["code"] == 1008 and closed["reason"] not in ("", "too many pages are open")
 
 
 def test_requests_at_a_time_are_bounded():
