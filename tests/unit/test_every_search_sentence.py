@@ -1,0 +1,188 @@
+"""Unit: every sentence on what a search found, each of its cases once, from made-up numbers."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from valvetrain.studies.optimum import words as said
+from valvetrain.studies.optimum.limit_speed import BELOW, BEYOND, FOUND, LimitFound, LimitSearch
+from valvetrain.studies.optimum.measure import Measure, Objective
+
+RPM = np.pi / 30
+MASS = Measure("rest", "wire_mass", (), "wire mass")
+SPEED = Measure("limit", "minimum_spring_force", (), "limit speed", limit=LimitSearch("minimum_spring_force", False, 0.0, (), RPM))
+VARIED = tuple(SimpleNamespace(words=words, unit="mm", shown=lambda value: 1e3 * value) for words in ("wire", "coil", "pitch"))
+
+
+def trial(*objectives: float, **changes: object) -> SimpleNamespace:
+    told = {
+        "number": 7, "objectives": objectives, "feasible": True, "failure": "", "missed": (), "seed": 1, "values": (4e-3, 22e-3, 7e-3),
+        "measured": SimpleNamespace(limits={}), "told_missed": (0.02, 0.135), "constraints": (0.4, 0.5), "plan": None,
+    }  # fmt: skip
+    return SimpleNamespace(**told | changes)
+
+
+def bracket(kind: str, low: float, high: float) -> SimpleNamespace:
+    return SimpleNamespace(limits={SPEED: (LimitFound(kind, low * RPM, high * RPM),)})
+
+
+def design(one: SimpleNamespace | None = None, steps: tuple = (), confirmed: tuple = ()) -> SimpleNamespace:
+    return SimpleNamespace(trial=one or trial(0.04), steps=steps, confirmed=confirmed)
+
+
+def step(place: int, improves: bool, objective: float = 0.04) -> SimpleNamespace:
+    return SimpleNamespace(place=place, improves=improves, objectives=(objective,))
+
+
+def search(goals: tuple[Measure, ...] = (MASS,), maximise: bool = False, **changes: object) -> SimpleNamespace:
+    plan = SimpleNamespace(objectives=tuple(Objective(one, maximise) for one in goals), constraints=(), varied=VARIED)
+    told = {
+        "plan": plan, "best": design(), "case": trial(0.05, number=0), "finished": True, "trials": [trial(0.05)] * 41, "feasible": 9,
+        "front": (), "best_by_seed": {1: 0.04}, "missed_by_least": None,
+        "active": lambda _trial: (), "at_ends": lambda _trial: (),
+    }  # fmt: skip
+    told |= changes
+    last = told["best"].trial.objectives[0] if told["best"] else np.nan
+    return SimpleNamespace(**{"history": lambda _seed: np.full(41, last)} | told)
+
+
+@pytest.fixture(autouse=True)
+def bounds(monkeypatch):
+    """A bound in words is its number."""
+    monkeypatch.setattr(said, "bound_words", lambda _plan, place: f"bound {place}")
+
+
+@pytest.mark.parametrize(
+    ("value", "before", "told"),
+    [
+        (0.04, 0.05, "−10 g, −20.0 %"),
+        (0.05, 0.04, "+10 g, +25.0 %"),
+        (0.04, 0.0, "+40 g"),
+        (-0.01, 0.04, "−50 g"),
+        (0.04, np.nan, "+nan g"),
+    ],
+)
+def test_a_difference_has_its_sign_and_a_share_where_that_says_something(value, before, told):
+    assert said.change(MASS, value, before) == told
+    assert said.told(MASS, np.nan) == "no number" and said.told(MASS, -0.0123456) == "−12.346 g"
+    assert said.told(SPEED, 8123.4 * RPM) == "8123.4 rpm"
+
+
+CASE = "The case itself keeps every bound."
+ANSWERS = {
+    "a better one": ({}, "Within all bounds the wire mass falls from 50 g of the case to 40 g (−10 g, −20.0 %)."),
+    "a larger one": ({"case": trial(0.032)}, "Within all bounds the wire mass rises from 32 g of the case to 40 g (+8 g, +25.0 %)."),
+    "the case": ({"best": design(trial(0.05, number=0))}, "No trial beats the case itself, whose wire mass is 50 g."),
+    "a case that misses": ({"case": trial(0.05, feasible=False, missed=(0.0, 0.1, 0.2))},
+                           "The least that keeps every bound: wire mass 40 g. The case itself misses: bound 1; bound 2."),
+    "a case that fails": ({"case": trial(np.nan, feasible=False, failure="coils overlap"), "maximise": True},
+                          "The most that keeps every bound: wire mass 40 g. The case itself cannot be computed: coils overlap."),
+    "beyond what was searched": (
+        {"goals": (SPEED,), "maximise": True, "case": trial(7000 * RPM, measured=bracket(FOUND, 7000, 7010)),
+         "best": design(trial(9000 * RPM, measured=bracket(BEYOND, 9000, 9000)))},
+        "Within all bounds the limit speed rises from 7000 rpm of the case to 9000 rpm or more (at least +2000 rpm, +28.6 %)."),
+    "a case below what was searched": (
+        {"goals": (SPEED,), "maximise": True, "case": trial(3000 * RPM, measured=bracket(BELOW, 3000, 3000)),
+         "best": design(trial(6000 * RPM, measured=bracket(FOUND, 6000, 6010)))},
+        "Within all bounds the limit speed rises from below 3000 rpm of the case to 6000 rpm (+3000 rpm, +100.0 %)."),
+    "a front": ({"goals": (MASS, SPEED), "front": (trial(0.05, 8000 * RPM), trial(0.04, 7000 * RPM))},
+                f"2 designs beat each other in nothing: wire mass 40 g to 50 g; limit speed 7000 rpm to 8000 rpm. {CASE}"),
+    "nothing": ({"best": None, "missed_by_least": (trial(0.04, number=5), "preload")},
+                "No trial keeps every bound. Trial 5 comes nearest; it misses 'preload' by 14 % of the bound: "
+                "loosen that bound, or widen the ranges."),
+    "nothing computed": ({"best": None, "trials": [trial(np.nan, failure="no wire")] * 3}, "None of 3 trials could be computed: no wire"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ANSWERS)
+def test_the_answer_comes_first(name):
+    changes, told = ANSWERS[name]
+    found = search(**changes)
+    assert said.answer(found) == told == said.sentences(found)[0]
+    stopped = said.sentences(search(**changes, finished=False))
+    assert stopped[0] == f"The search was stopped after {len(found.trials) - 1} trials. {told}"
+
+
+STILL = "A small step still improves it ({}): more trials will find more."
+DONE = "No step of a hundredth of a range improves it within the bounds."
+LATE = "The best value came with trial {} of 40: more trials may find more."
+NARROW = "It is narrow: a hundredth of one range away the wire mass is {}, so count on {}."
+
+
+def rise(came: int, last: float = 0.04) -> dict:
+    """The best so far by trial, its last value from trial ``came`` on."""
+    return {"history": lambda seed: np.where(np.arange(41) < came, 0.05, last) if seed == 1 else np.full(41, 0.04)}
+
+
+STEPS = {
+    "none was tried": (design(), {}, []),
+    "none improves": (design(steps=(step(0, False), step(1, False))), {}, [DONE]),
+    "two improve, one of them both ways": (
+        design(steps=(step(2, True), step(2, True), step(0, True), step(1, False))), {}, [STILL.format("pitch, wire")]),
+    "found at nine tenths": (design(), rise(36), []),
+    "found late": (design(), rise(37), [LATE.format(37)]),
+    "found late by a search that was stopped": (design(), {**rise(37), "finished": False}, []),
+    "found late, a step improves": (design(steps=(step(0, True),)), rise(40), [STILL.format("wire")]),
+    "the case is best": (design(trial(0.05, number=0)), rise(40, 0.05), []),
+    "late in another search of its own seed": (design(trial(0.04, seed=2)), rise(40), []),
+    "a front": (design(trial(0.04, 700.0)), {**rise(40), "goals": (MASS, SPEED)}, []),
+    "just not narrow": (design(steps=(step(0, False, 0.0449), step(1, False, 0.041))), {}, [DONE]),
+    "narrow": (design(steps=(step(0, False, 0.0451), step(1, False, 0.041), step(2, False, np.nan))), {},
+               [DONE, NARROW.format("45.1 g to 41 g", "45.1 g")]),
+    "narrow beside a case that misses": (design(steps=(step(0, False, 0.0451),)), {"case": trial(0.05, feasible=False)}, [DONE]),
+    "narrow without a gain": (design(steps=(step(0, False, 0.0451),)), {"case": trial(0.04)}, [DONE]),
+    "narrow at the top": (design(trial(0.06), (step(0, False, 0.054), step(1, False, 0.059))), {"maximise": True},
+                          [DONE, NARROW.format("54 g to 59 g", "54 g")]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_how_far_the_best_can_be_trusted_by_its_steps_and_its_place_in_the_search(name):
+    best, changes, told = STEPS[name]
+    assert said.trust(search(best=best, **changes))[1:] == tuple(told)
+
+
+def test_counts_bounds_ends_and_limits_are_told():
+    assert said.trust(search())[0] == "9 of 41 trials keep every bound."
+    failed = search(trials=[trial(0.05), trial(np.nan, failure="no"), trial(np.nan, failure="no")], best=None)
+    assert said.trust(failed) == ("9 of 3 trials keep every bound, 2 could not be computed.",)
+    found = search(active=lambda _trial: (0, 2), at_ends=lambda _trial: ((0, "low"), (1, "high")))
+    assert said.trust(found)[1:] == (
+        "What limits it: bound 0; bound 2.", "The wire stands at the lower end of its range, 4 mm: widen the range.",
+        "The coil stands at the upper end of its range, 22 mm: widen the range.",
+    )  # fmt: skip
+    for kind, told in (
+        (FOUND, ("The limit speed lies between 8000 and 8010 rpm.",)), (BELOW, ()),
+        (BEYOND, ("The bound is kept up to the highest speed searched, 8000 rpm: search higher.",)),
+    ):  # fmt: skip
+        best = design(trial(8000 * RPM, measured=bracket(kind, 8000, 8010)))
+        assert said.trust(search((SPEED,), best=best))[1:] == told
+
+
+def test_another_model_beside_the_search():
+    def confirmed(one: SimpleNamespace, case: SimpleNamespace, *goals: Measure) -> SimpleNamespace:
+        plan = SimpleNamespace(
+            objectives=tuple(Objective(goal, False) for goal in goals or (MASS,)), constraints=(SimpleNamespace(measure=MASS),)
+        )
+        return SimpleNamespace(label="rod", design=one, case=case, plan=plan)
+
+    best, found = trial(0.04), search()
+    rows = {
+        "By rod: wire mass 41 g against 52 g of the case (−11 g, −21.2 %), where the search has 40 g. All bounds are kept.":
+            confirmed(trial(0.041), trial(0.052)),
+        "By rod: wire mass 41 g against 52 g of the case (−11 g, −21.2 %), where the search has 40 g. "
+        "It misses: bound 0, it has 400 g; bound 1.": confirmed(trial(0.041, missed=(0.1, 0.2)), trial(0.052)),
+        "By rod, the design cannot be computed: no wire": confirmed(trial(np.nan, failure="no wire"), trial(0.052)),
+        "By rod, the case cannot be computed: no rest": confirmed(trial(0.041), trial(np.nan, failure="no rest")),
+    }  # fmt: skip
+    assert [said.confirmed_words(one, found) for one in rows.values()] == list(rows)
+    assert said.trust(search(best=design(best, confirmed=tuple(rows.values()))))[1:] == tuple(rows)
+    beyond = confirmed(
+        trial(9000 * RPM, measured=bracket(BEYOND, 9000, 9000)), trial(7000 * RPM, measured=bracket(FOUND, 7000, 7010)), SPEED
+    )
+    fast = search((SPEED,), best=design(trial(8800 * RPM, measured=bracket(FOUND, 8800, 8810))))
+    told = "limit speed 9000 rpm or more against 7000 rpm of the case, where the search has 8800 rpm"
+    assert said.confirmed_words(beyond, fast) == f"By rod: {told}. All bounds are kept."
