@@ -12,6 +12,7 @@ import valvetrain as vt
 from valvetrain.measurements.film.frames import open_film
 from valvetrain.measurements.film.sight_line import SightLine
 from valvetrain.measurements.film.space_time import read_space_time
+from valvetrain.measurements.film.surge import spectrum
 from valvetrain.measurements.film.tracks import track
 
 LINE = SightLine((4.0, 0.0), (4.0, 239.0))
@@ -111,3 +112,18 @@ def test_the_vaz_spring_filmed_at_2000_frames_a_second():
     assert model.apart.max() < 0.05e-3 and model.shift == 0.0
     assert model.quantities[2] == f"outer_coil_{model.turns[2]:.2f}_displacement".replace(".", "_")
     assert any("mirrored" in note and "above half the frame rate (1000 Hz)" in note for note in model.notes)
+
+
+@pytest.mark.parametrize("seen", [0, 3, 4])
+def test_the_spectrum_shows_amplitudes_of_coils_that_are_seen(seen):
+    """Root mean square of 3 and 4 mm at 125 Hz, a coil seen in fewer than four frames left out; a drift is no line."""
+    number = np.delete(np.arange(400), [17, 18, 201])  # lost frames
+    time = number / 1000
+    moved = np.column_stack([size * np.sin(2 * np.pi * 125 * time + size) + 0.2 * time for size in (3e-3, 4e-3, 0.0)])
+    moved[5, 0] = np.nan
+    moved[seen:, 2] = np.nan
+    frequency, amplitude = spectrum(moved, number, 1000.0)
+    assert frequency == pytest.approx(np.arange(201) * 2.5)
+    assert frequency[np.argmax(amplitude)] == 125.0
+    assert amplitude.max() == pytest.approx(5e-3 / np.sqrt(3 if seen == 4 else 2), rel=0.02)
+    assert np.all(amplitude[np.abs(frequency - 125) > 30] < 1e-4)
