@@ -127,3 +127,16 @@ def test_the_command_refuses_with_a_sentence(words, told, tmp_path, monkeypatch)
     monkeypatch.chdir(tmp_path)
     found = call("animate", "job-t", *words)
     assert found.exit_code == 2 and told in sentence(found)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [(("--duration", "0.9 s"), "--duration"), (("--duration", "21 s"), "--duration"), (("--width", "319"), "--width"),
+     (("--width", "1921"), "--width"), (("--output", "a.avi"), "ends in"), (("--engine-speed", "3000, 4000 rpm"), "2 are given"),
+     (("--spring", "massless,multi-mass"), "one spring model"), (("--duration", "3"), "unit")],
+)  # fmt: skip
+def test_the_command_refuses_before_it_computes(words, told, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("valvetrain.cli.animate._computed", lambda *_: pytest.fail("it computed first"))
+    found = call("animate", "job-t", *(("--output", "a.gif") if "--output" not in words else ()), *words)
+    assert found.exit_code == 2 and told in sentence(found)
