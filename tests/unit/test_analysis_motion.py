@@ -92,6 +92,8 @@ def test_node_2_motion():
     assert found["node_2_late_stage_3_minimum_velocity"] == pytest.approx(-0.9)
     assert found["node_2_peak_acceleration"] == pytest.approx(1e4)
     assert found["node_2_peak_acceleration_cam_angle"] / DEG == pytest.approx(245.5)
+    ends = [f"node_2_stage_{stage}_{word}_velocity" for stage in (1, 2, 3) for word in ("minimum", "maximum")]
+    assert [name for name in found if name in ends] == ends  # told stage by stage, as lists show them
 
 
 @pytest.mark.parametrize("named", ["", "outer_"])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,9 @@ from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 from valvetrain.springs.solid import hexahedra
+from valvetrain.springs.solid.deck import _row, _wrapped
 from valvetrain.springs.solid.layout import MeshOptions, layer_coils
+from valvetrain.springs.solid.plates import seat_plates
 from valvetrain.springs.solid.section import disc_section
 from valvetrain.springs.solid.sweep import sweep_spring
 
@@ -148,3 +152,40 @@ def test_tapered_wire_paths_mesh_too():
     mesh = sweep_spring(spring, MeshOptions(24, 2, 1, ends="bonded"))
     assert mesh.jacobian_quality() > 0.2
     assert mesh.volume == pytest.approx(wire_volume(spring), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("free", "grinding", "ground", "reach"),
+    [
+        ((0.0, 6.0), (0.0, 0.0), False, (0.0, 0.9, 5.1, 6.0)), ((0.5, 5.75), (0.25, 0.75), True, (0.5, 1.4, 4.85, 5.75)),
+        ((0.5, 5.75), (0.25, 0.75), False, (0.5, 1.4, 4.35, 5.25)), ((0.25, 5.75), (1.0, 0.1), False, (1.0, 1.9, 4.85, 5.75)),
+        ((2.9, 3.3), (2.0, 1.0), True, (2.9, 3.3, 2.9, 3.3)),
+    ],
+)  # fmt: skip
+def test_seat_plates_are_blocks_under_and_over_the_wire(free, grinding, ground, reach):
+    """A cone of 4 mm wire, 30 mm over its widest coil: blocks of three quarters of that to each side, one wire thick (mm)."""
+    cone = SimpleNamespace(
+        free_coils=free, total_coils=6.0, wire_diameter=Constant(4e-3), outer_diameter=lambda coil: 30e-3 - 1e-3 * coil,
+        lower_end=SimpleNamespace(ground_coils=grinding[0]), upper_end=SimpleNamespace(ground_coils=grinding[1]),
+        lower_seat_height=-1e-3, upper_seat_height=37e-3,
+    )  # fmt: skip
+    lower, upper = seat_plates(cone, ground)
+    for plate, told, heights in ((lower, ("SEATPLANE", "SEAT", "S2"), (-5, -1)), (upper, ("RETAINERPLANE", "RETAINER", "S1"), (37, 41))):
+        assert (plate.name, plate.node_set, plate.side) == told
+        square = [(-22.5, -22.5), (22.5, -22.5), (22.5, 22.5), (-22.5, 22.5)]
+        assert 1e3 * plate.corners == pytest.approx(np.array([(*corner, height) for height in heights for corner in square]))
+    assert (lower.first, lower.last, upper.first, upper.last) == pytest.approx(reach)
+
+
+@pytest.mark.parametrize(("count", "sizes"), [(0, []), (1, [1]), (12, [12]), (13, [12, 1]), (37, [12, 12, 12, 1])])
+def test_sets_of_a_deck_stand_twelve_to_a_line_each_number_once(count, sizes):
+    lines = [line.split(", ") for line in _wrapped(np.arange(count)).splitlines()]
+    assert [len(line) for line in lines] == sizes and [int(one) for line in lines for one in line] == list(range(count))
+
+
+@pytest.mark.parametrize(("count", "sizes"), [(9, [9]), (15, [15]), (16, [15, 1]), (21, [15, 6])])
+def test_elements_of_a_deck_go_on_after_fifteen_numbers_and_a_comma(count, sizes):
+    lines = _row(range(count)).splitlines()
+    assert all(line.endswith(",") for line in lines[:-1]) and not lines[-1].endswith(",")
+    numbers = [line.rstrip(",").split(", ") for line in lines]
+    assert [len(line) for line in numbers] == sizes and [int(one) for line in numbers for one in line] == list(range(count))
