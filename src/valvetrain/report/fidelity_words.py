@@ -53,8 +53,7 @@ def reason_for(found: FidelityMap, quantity: str) -> str:
 
 
 def _apart(reach: Reach) -> str:
-    doubt = share(reach.largest_doubt) or "?"
-    return share(reach.largest) + (f" ± {doubt}" if reach.largest_doubt > 0 else "")
+    return share(reach.largest) + (f" ± {share(reach.largest_doubt)}" if reach.largest_doubt > 0 else "")
 
 
 def _miss(reach: Reach) -> float:
