@@ -115,7 +115,7 @@ def derivatives_chart(one: LobeResult) -> Chart:
             stations = 1e3 * (one.measured.lifts - lift.base)
             layers.append(Marks(np.degrees(one.measured.cam_angles), stations, "station", theme.INK, size=3.0, filled=True))
         panels.append(Panel("cam angle (cam degrees)", label, tuple(layers), x_range=reach))
-    caption = "Derivatives by the cam angle. Bands are two standard deviations either way."
+    caption = "Derivatives by the cam angle. Bands are 1.96 standard deviations either way, which hold 95 %."
     return Chart(f"derivatives-{one.measured.name}", "Lift, velocity, acceleration and jerk", caption, tuple(panels), 1, 900)
 
 
@@ -127,7 +127,7 @@ def residuals_chart(one: LobeResult) -> Chart:
     reach = (float(angles[0]), float(angles[-1]))
     layers: tuple[Layer, ...] = (
         Marks(angles, 1e6 * lift.residuals, "station minus law", theme.SERIES[0], size=4.0, filled=True),
-        Line(np.array(reach), np.array([limit, limit]), "two standard deviations of the noise", theme.MUTED, 1.0, "dash"),
+        Line(np.array(reach), np.array([limit, limit]), "95 % of the noise", theme.MUTED, 1.0, "dash"),
         Line(np.array(reach), np.array([-limit, -limit]), "", theme.MUTED, 1.0, "dash", in_legend=False),
     )
     panel = Panel("cam angle (cam degrees)", "station minus law (µm)", layers, x_range=reach)
