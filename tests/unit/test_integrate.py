@@ -11,7 +11,7 @@ from train_parts import LAW, direct, system
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, Integrator, Periodic, RunOptions, RunUp
-from valvetrain.integrate.run import integrator_for, run
+from valvetrain.integrate.run import integrator_for, run, run_to_orbit
 from valvetrain.parameters.loading import load_case
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.massless import MasslessSpring
@@ -213,3 +213,20 @@ def test_a_run_up_shorter_than_one_turn_has_its_own_angle_and_may_be_evaluated()
         assert up.status.completed and len(up.time) in (360, 361)
         assert up.cam_angle == pytest.approx(100.0 * up.time + 200.0 * up.time**2, rel=1e-9, abs=1e-9)
         assert evaluate(up).quantities["peak_retainer_force"] > 250.0
+
+
+@pytest.mark.parametrize("made", [prescribed(), prescribed(DAMPED, ModalUniform(UNIFORM, 3))], ids=["one spring", "a pair"])
+def test_a_prescribed_spring_ends_on_no_orbit_and_runs_as_by_itself(made):
+    alone, (found, orbit) = (one(made, CAM_SPEED, Cycles(2), RunOptions(samples=180)) for one in (run, run_to_orbit))
+    assert orbit is None and found.identical(alone) and found.engine_speed == 2 * CAM_SPEED
+
+
+@pytest.mark.parametrize(("method", "cycles", "settles"), [("anderson", 400, True), ("repeat", 400, True), ("repeat", 2, False)])
+def test_a_train_says_how_far_it_settled_and_in_which_steps(method, cycles, settles):
+    """Settled, the last change lies within the tolerance; the turns after a start from rest do not settle it, and its status says so."""
+    found = run(train(), CAM_SPEED, Periodic(cycles, tolerance=1e-7, method=method), RunOptions(samples=360))
+    told = found.statistics
+    assert told["time_step_duration"] * told["steps_per_cycle_count"] == pytest.approx(2 * math.pi / CAM_SPEED, rel=1e-9)
+    assert told["steady_tolerance_ratio"] == 1e-7 and told["steps_per_cycle_count"] % 360 == 0 < told["wall_time_per_cycle_duration"]
+    assert found.status.completed == (told["steady_residual_ratio"] <= 1e-7) == settles
+    assert not settles or (told["motion_period_count"] == 1 and 2 < told["steady_cycles_count"] < 400)

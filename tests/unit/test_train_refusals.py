@@ -25,6 +25,7 @@ from valvetrain.parameters.train import (
 )
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.system.build import build
+from valvetrain.system.train_forces import own_time_step
 
 ROUGH = ContactParameters("linear", STIFF.values, 0.1)
 
@@ -107,6 +108,23 @@ def test_a_step_too_long_for_the_force_that_came_is_reported_as_a_status():
     assert record.status.code == "diverged"
     assert "resolve" in record.status.message or "km/s" in record.status.message
     assert record.status.remedy
+
+
+def test_a_failed_turn_says_when_it_failed_and_which_step_would_do():
+    """Bodies run off after a tenth of the turn, half a turn after the record began; a force comes in any step of a whole turn."""
+    stiff = ContactParameters("impact", {"contact_stiffness": 1e14, "exponent": 2.5, "damping": 0.0, "full_damping_depth": 1e-5})
+    built = system(direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), stiff)), spring=MasslessSpring(150.0, 5.0))
+    ready = runner(built, 200.0, TrainOptions(samples=720))
+    turn, usual = 2 * math.pi / 200.0, ready.rest.reference_force
+    gone = ready._status(ready.steps // 10, math.pi, np.array([usual]))
+    assert gone.code == "diverged" and gone.where == "train" and gone.time == pytest.approx(turn / 10, rel=1e-3)
+    assert "near cam angle 216.0 deg" in gone.message and "lower the step" in gone.remedy
+    pressed = 1e12 * usual
+    hard = ready._status(ready.steps, 0.0, np.array([usual, pressed]))
+    assert hard.code == "diverged" and hard.where == "contact" and hard.time == pytest.approx(turn)
+    assert f"reached {pressed:.0f} N" in hard.message and hard.remedy == f"use a time step below {own_time_step(built, pressed) / 2:.1e} s"
+    for peaks in ((), (0.5 * usual,), (usual, 1.01 * usual)):
+        assert ready._status(ready.steps, 0.0, np.array(peaks)).completed
 
 
 def test_a_spring_that_no_train_would_carry_is_refused():

@@ -14,12 +14,12 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.quantity import Quantity
 from valvetrain.studies import uncertainty_file
-from valvetrain.studies.error_bars import UncertaintyStudy
+from valvetrain.studies.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.studies.grid_convergence import DECLARED_ORDER, grid_convergence, observed_order
 from valvetrain.studies.run import run_study
 from valvetrain.studies.uncertainty import uncertainty_study
 
-RPM = 2 * np.pi / 60
+RPM, DEG = 2 * np.pi / 60, np.pi / 180
 
 
 def series(limit: float, factor: float, order: float, sizes: tuple[float, ...]) -> tuple[float, ...]:
@@ -182,3 +182,57 @@ def test_a_case_that_cannot_be_refined_is_refused(case, message):
 def test_two_meshes_are_no_series():
     with pytest.raises(InputError, match="three meshes"):
         uncertainty_study(load_case("job-t"), refinements=(1.0, 2.0))
+
+
+def bar(quantity, value, numerical, speed=8000 * RPM, label="", **more):
+    told = {"observed_order": 2.0, "extrapolated": value, "step_part": numerical, "contact_stiffness": (0.9 * value, 1.2 * value)}
+    return Uncertainty(quantity, speed, value, numerical, contact_damping=(value, value), label=label, **(told | more))
+
+
+CLASH = {
+    "main_clash_below_10_khz_peak_force": (800.0, 12.0, "height below 10 kHz 800 N ± 12 N"),
+    "main_clash_below_20_khz_peak_force": (900.0, 13.0, "below 20 kHz 900 N ± 13 N"),
+    "main_clash_peak_force": (1200.0, 41.0, "raw 1200 N ± 41 N"),
+    "main_clash_cam_angle": (186.4 * DEG, 0.5 * DEG, "at 186.4 deg ± 0.5 deg"),
+    "main_clash_impulse": (0.0123, 0.0004, "impulse 12.3 mN s ± 0.4 mN s"),
+}  # fmt: skip
+TRAIN = {
+    "peak_spring_force": (700.0, 7.0, "peak spring force 700 N ± 7 N"),
+    "peak_cam_contact_force": (1500.0, 15.0, "peak cam force 1500 N ± 15 N"),
+    "peak_seat_contact_force": (2000.0, 20.0, "peak seat force 2000 N ± 20 N"),
+    "seating_velocity": (0.25, 0.01, "seating velocity 0.25 m/s ± 0.01 m/s"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("left_out", [None, "main_clash_below_20_khz_peak_force", "main_clash_cam_angle", "main_clash_impulse"])
+def test_the_sentence_on_a_clash_tells_every_part_that_is_stored(monkeypatch, left_out):
+    """Nine tenths to twelve tenths of the heights over the contact stiffness, as made up here."""
+    rows = [bar(name, *CLASH[name][:2]) for name in CLASH if name != left_out]
+    monkeypatch.setattr(uncertainty_file, "rows_that_hold", lambda *_: tuple(rows))
+    monkeypatch.setattr(uncertainty_file, "meshes_of", lambda _: (24, 36))
+    parts = "; ".join(words for name, (_, _, words) in CLASH.items() if name != left_out)
+    (sentence,) = uncertainty_file.uncertainty_sentences(None, (4200 * RPM, 8000 * RPM), {})
+    assert sentence == (
+        f"8000 rpm, main clash of coils 1 and 2, numerical uncertainty from 24, 36 elements per coil: {parts}. Contact stiffness from 0.35 "
+        "to 2.5 times the case's moves the height from 720 to 960 N below 10 kHz and from 1080 to 1440 N raw."
+    )
+
+
+@pytest.mark.parametrize("coarse", [(), ("peak_cam_contact_force",), ("peak_spring_force", "seating_velocity")])
+def test_the_sentence_on_a_variant_of_a_train_tells_every_number_and_what_large_bars_come_from(monkeypatch, coarse):
+    """A bar of a tenth of its number, of which the step makes a hundredth, is explained; one that the step makes is not."""
+    rows = [bar(name, value, value / 10 if name in coarse else error, 5600 * RPM, "stock, multi-mass", step_part=value / 1000)
+            for name, (value, error, _) in TRAIN.items()]  # fmt: skip
+    rows += [bar("peak_spring_force", 900.0, 90.0, 5600 * RPM, "race, multi-mass"), bar("preload", 300.0, 1.0, None, "stock, multi-mass")]
+    monkeypatch.setattr(uncertainty_file, "rows_that_hold", lambda *_: tuple(rows))
+    monkeypatch.setattr(uncertainty_file, "meshes_of", lambda _: ())
+    one, other = uncertainty_file.uncertainty_sentences(None, (5600 * RPM,), {})
+    words = {name: told for name, (_, _, told) in TRAIN.items()}
+    large = {"peak_spring_force": "peak spring force 700 N ± 70 N", "peak_cam_contact_force": "peak cam force 1500 N ± 150 N",
+             "seating_velocity": "seating velocity 0.25 m/s ± 0.025 m/s"}  # fmt: skip
+    parts = "; ".join(large[name] if name in coarse else words[name] for name in words)
+    begun, _, reason = one.partition(" More than 5 % of ")
+    assert begun == f"5600 rpm, stock, multi-mass, with numerical uncertainty: {parts}."
+    names = ", ".join(large[name].partition(f" {TRAIN[name][0]:g}")[0] for name in coarse)
+    assert reason.partition(" depends on ")[0] == names
+    assert other == "5600 rpm, race, multi-mass, with numerical uncertainty: peak spring force 900 N ± 90 N."

@@ -175,4 +175,4 @@ def _rpm(engine_speed: float) -> str:
 
 def _with_unit(value: float, name: str, digits: int = 4) -> str:
     number, word = shown(name, value)
-    return f"{number:.{digits}g} {word}"
+    return f"{float(f'{number:.{digits}g}'):g} {word}"
