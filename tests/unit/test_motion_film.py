@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from synthetic_study import own_study, rod_run
 from unit.cli_parts import SMALL, call, sentence
+from valvetrain.cli import animate
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
 from valvetrain.report.motion import film
 from valvetrain.report.motion.film import FilmRequest, film_frames, write_film
 from valvetrain.report.motion.scene import Limits, moving_picture
+from valvetrain.studies import run_store
 
 TINY = FilmRequest(1.0, 320)
 
@@ -110,6 +113,28 @@ def test_the_command_draws_a_case_and_a_kept_run(tmp_path, monkeypatch):
     assert again.exit_code == 0, again.output
     # The same run, read from its file: the same picture but for the installed shape, which the kept run does not hold.
     assert abs((tmp_path / "a.gif").stat().st_size - (tmp_path / "b.gif").stat().st_size) < 20_000
+
+
+@pytest.mark.parametrize(
+    ("place", "more", "way"),
+    [
+        ("job-t", (), "computed"), ("job-t", ("--set", "spring.precompression=6 mm"), "computed"), ("kept", (), "read"),
+        ("kept", ("--spring", "massless"), "read"), ("kept", ("--set", "spring.precompression=6 mm"), "computed"),
+    ],
+)  # fmt: skip
+def test_a_kept_run_is_drawn_from_its_file_unless_a_value_is_changed(place, more, way, tmp_path, monkeypatch):
+    def stopped(word):
+        def stop(first, *more):
+            raise InputError(f"{word} from {first if word == 'read' else first.name}")
+
+        return stop
+
+    kept = SimpleNamespace(folder=tmp_path, case_file="job-t")
+    monkeypatch.setattr(run_store, "run_of_path", lambda path: kept if path.name == "kept" else None)
+    monkeypatch.setattr(animate, "_computed", stopped("computed"))
+    monkeypatch.setattr(animate, "_kept", stopped("read"))
+    found = call("animate", place, "--output", str(tmp_path / "a.gif"), *more)
+    assert found.exit_code == 2 and f"{way} from {tmp_path if way == 'read' else 'job-t'}" in sentence(found)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synthetic_study import at_rest, own_study, published_study, rod_run
-from valvetrain.report.chart import Line
+from valvetrain.report.chart import Line, Marks
 from valvetrain.report.sections import published, stress
 from valvetrain.solution.comparison import Comparison
 from valvetrain.studies.error_bars import Uncertainty
@@ -30,6 +30,20 @@ def test_a_ratio_carries_the_bar_of_its_own_number_and_speed_alone(monkeypatch, 
     chart = published.ratio_chart(replace(published_study(), comparisons=(row,)))
     spans = [layer.x[:2] for layer in chart.panels[0].layers if layer.name == "numerical uncertainty"]
     assert [list(one) for one in spans] == ([[pytest.approx(1.03), pytest.approx(1.07)]] if bar else [])
+
+
+@pytest.mark.parametrize(("told", "left"), [(3, 0), (3, 1), (1, 4), (25, 2)])
+def test_values_without_a_ratio_are_counted_under_the_figure(told, left):
+    """What a run did not compute, what is zero in the source and what came out infinite has no ratio; none at all has no figure."""
+    row = Comparison("preload", None, "finite-element", "test", "N", 300.0, 315.0, 15.0, "check", None, "", "table 1")
+    without = [replace(row, computed=None), replace(row, published=0.0), replace(row, computed=np.inf), replace(row, computed=None)]
+    study = replace(published_study(), comparisons=(*without[:left], *(row,) * told))
+    chart = published.ratio_chart(study)
+    (marks,) = [one for one in chart.panels[0].layers if isinstance(one, Marks)]
+    assert marks.x == pytest.approx(np.full(told, 1.05)) and len(set(marks.y)) == told
+    assert ("without a ratio" in chart.caption) == bool(left)
+    assert not left or f" {left} values without a ratio stand in the table only." in chart.caption
+    assert published.ratio_chart(replace(study, comparisons=tuple(without))) is None
 
 
 @pytest.mark.parametrize(("before", "own", "found"), [
