@@ -145,6 +145,28 @@ def test_every_point_force_reaches_the_wire_once(width):
     assert np.abs(force - single_spread(b, mesh, places)).max() < 1e-9 * np.abs(force).max()
 
 
+@pytest.mark.parametrize("reach", [1e-6, 1e-4, 5e-4])
+def test_watched_is_the_wire_whose_gap_to_the_turn_below_lies_within_reach(reach):
+    """Gaps across the chord of the wire below; stretches hold a vertex more at either end, and join over three."""
+    b, mesh = buffer(2, per_coil=24)
+    vertices, offset = mesh.vertices, mesh.contact.offset
+    row(b, "Z", vertices)[:] += 4e-4 * np.sin(np.arange(vertices) / 9)
+    place = np.stack([row(b, name, vertices) for name in "XYZ"], axis=1)
+    upper = np.arange(offset + 1, vertices - 1)
+    below = place[upper - offset + 1] - place[upper - offset - 1]
+    away, along = place[upper] - place[upper - offset], below / np.linalg.norm(below, axis=1)[:, None]
+    gap = np.linalg.norm(away - np.sum(away * along, axis=1)[:, None] * along, axis=1)
+    thick = 2 * np.maximum(*(row(b, name, vertices)[upper] for name in ("DH", "DHb")))
+    pressed = row(b, "KC", vertices)[upper] + row(b, "KCb", vertices)[upper] > 0
+    due = upper[pressed & (gap < thick + reach)]
+    assert 0 < len(due) < np.count_nonzero(pressed)
+    stretches = np.zeros((stepping.STRETCHES, 2))
+    count = stepping.watch_contacts(b, stepping_numbers(mesh, DYNAMICS, STEP)[0], reach, stretches)
+    watched = {one for first, end in stretches[:count].astype(int) for one in range(first, end)}
+    assert 0 < count < stepping.STRETCHES - 1 and watched >= set(due)
+    assert max(np.min(np.abs(due - one)) for one in watched) <= 2
+
+
 def single_spread(b, mesh, places):
     """Contact force per vertex from the point forces, each spread once."""
     work, offset, vertices = b.copy(), mesh.contact.offset, mesh.vertices
