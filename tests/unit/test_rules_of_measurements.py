@@ -11,7 +11,9 @@ from scipy import stats
 
 from valvetrain.errors import InputError
 from valvetrain.measurements.cycle_cutting import grid_of
-from valvetrain.measurements.rig_formats import tdms
+from valvetrain.measurements.recording import Budget
+from valvetrain.measurements.rig_formats import tdms, text
+from valvetrain.measurements.rig_formats.arrays import channels_of
 from valvetrain.measurements.rig_result import student
 from valvetrain.measurements.shaft_angle import ShaftAngle
 from valvetrain.measurements.spring_scan import ends, sections
@@ -140,3 +142,51 @@ def test_a_ground_face_is_laid_through_all_points_of_its_scatter_and_no_others(s
     face = ends.find_face(SimpleNamespace(section=np.array([2.0]), noise=0.03), points, 0.0, side, (0.0, 6.0))
     assert 1985 <= face.points <= 2000
     assert face.height == pytest.approx(30.0, abs=4 * 0.03 / np.sqrt(2000)) and np.hypot(*face.lean) < 4e-4
+
+
+#: Units of times as files write them, in seconds.
+TIMES = {"s": 1.0, "sec": 1.0, "": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0}
+LONGER = {"seconds": 1.0, "milliseconds": 1e-3, "microseconds since 2026-01-01": 1e-6, "nanoseconds since 1970-01-01 00:00": 1e-9,
+          " ms ": 1e-3, "seconds since midnight": 1.0, "minutes": 60.0}  # fmt: skip
+
+
+@pytest.mark.parametrize("unit", TIMES)
+def test_times_of_a_text_count_in_the_unit_of_their_heading(tmp_path, unit):
+    head = f"time [{unit}]" if unit else "time"
+    path = tmp_path / "own.csv"
+    path.write_text("\n".join([f"{head},force [N]", *(f"{3 * place},{10 + place}" for place in range(20))]) + "\n", encoding="utf-8")
+    (force,) = text.read(path, path.name, ()).channels
+    assert force.times == pytest.approx(3 * TIMES[unit] * np.arange(20)) and force.values == pytest.approx(10.0 + np.arange(20))
+    assert (force.name, force.unit) == ("force", "N")
+
+
+@pytest.mark.parametrize(("unit", "factor"), [*TIMES.items(), *LONGER.items()])
+def test_times_of_arrays_count_in_the_unit_that_stands_beside_them(unit, factor):
+    arrays = {"time": 3.0 * np.arange(20), "force": np.arange(20.0), "short": np.arange(7.0), "rate": np.array([[250.0]])}
+    (force, short), scalars = channels_of(arrays, {"time": unit, "force": "N"}, Budget("own.mat", ()))
+    assert force.times == pytest.approx(3 * factor * np.arange(20)) and short.times is None and scalars == {"rate": 250.0}
+    assert (force.name, force.unit, short.unit) == ("force", "N", "")
+
+
+@pytest.mark.parametrize("unit", ["mm", "days", "cycles", "deg", "days since 1900-01-01"])
+def test_times_in_a_unit_that_is_none_of_time_are_refused(unit):
+    with pytest.raises(InputError, match="none of time; write s, ms or us"):
+        channels_of({"time": np.arange(9.0), "force": np.arange(9.0)}, {"time": unit}, Budget("own.mat", ()))
+
+
+@pytest.mark.parametrize(
+    ("line", "rate"),
+    [
+        ("sampling rate: 5000 Hz", 5e3), ("Sample rate = 20 kHz", 2e4), ("fs: 2.5e3 S/s", 2.5e3), ("rate=400 1/s", 400.0),
+        ("rate: fast", None), ("heart rate: 70 Hz", None),
+    ],
+)  # fmt: skip
+def test_the_sampling_rate_of_a_text_stands_in_its_heading(tmp_path, line, rate):
+    path = tmp_path / "own.csv"
+    path.write_text(
+        "\n".join([f"# {line}", "force [N],lift [mm]", *(f"{place},{2 * place}" for place in range(20))]) + "\n", encoding="utf-8"
+    )
+    found = text.read(path, path.name, ("lift",))
+    assert found.scalars == ({} if rate is None else {"sampling_rate": rate})
+    (lift,) = found.channels
+    assert (lift.name, lift.unit) == ("lift", "mm") and lift.times is None and lift.values == pytest.approx(2.0 * np.arange(20))

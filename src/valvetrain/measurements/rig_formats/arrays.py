@@ -8,11 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from valvetrain.errors import InputError
 from valvetrain.measurements.recording import Budget, RigChannel
 from valvetrain.measurements.rig_formats.contract import plain_word
 
 #: A table of more columns is no table of channels.
 MOST_COLUMNS = 64
+#: Units of times -> seconds; files of arrays may count them since a date, which tells nothing here.
+SECONDS = {
+    "s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "": 1.0, "ms": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
+    "microseconds": 1e-6, "ns": 1e-9, "nanoseconds": 1e-9, "min": 60.0, "minutes": 60.0,
+}  # fmt: skip
 _TIME = re.compile(r"(?:.*[/_. ])?(?:time|times|t|zeit|timestamps?)", re.I)
 
 
@@ -34,7 +40,7 @@ def channels_of(arrays: Mapping[str, Any], units: Mapping[str, str], budget: Bud
             table = values if values.shape[0] > values.shape[1] else values.T
             rows |= {f"{name}_{place + 1}": table[:, place].astype(float) for place in range(table.shape[1])}
     # times are stored in seconds, or in what their unit says
-    times = {len(values): values * _seconds(units.get(name, "")) for name, values in reversed(rows.items()) if is_time(name)}
+    times = {len(values): values * seconds_of(units.get(name, "")) for name, values in reversed(rows.items()) if is_time(name)}
     channels = [
         RigChannel(plain_word(name), plain_word(units.get(name, "")), values, times=times.get(len(values)))
         for name, values in rows.items()
@@ -43,5 +49,9 @@ def channels_of(arrays: Mapping[str, Any], units: Mapping[str, str], budget: Bud
     return tuple(channels), {plain_word(name): value for name, value in scalars.items()}
 
 
-def _seconds(unit: str) -> float:
-    return {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}.get(unit.strip(), 1.0)
+def seconds_of(unit: str) -> float:
+    """Seconds in a unit of times. Raises :class:`InputError` for one that is none of them."""
+    word = unit.partition(" since ")[0].strip()
+    if word not in SECONDS:
+        raise InputError(f"the times have the unit '{word[:20]}', which is none of time; write s, ms or us")
+    return SECONDS[word]

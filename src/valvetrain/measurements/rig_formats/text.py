@@ -11,14 +11,12 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.measurements.content import read_content, text_of
 from valvetrain.measurements.recording import Array, Budget, Recording, RigChannel
-from valvetrain.measurements.rig_formats.arrays import MOST_COLUMNS, is_time
+from valvetrain.measurements.rig_formats.arrays import MOST_COLUMNS, is_time, seconds_of
 from valvetrain.measurements.rig_formats.contract import RigFormat, plain_word, says_synthetic
 from valvetrain.measurements.text_table import COMMENTS, TextTable, parting_mark, read_text_table
 
 #: Larger texts are no recordings; of longer ones the first lines tell the form.
 MOST_BYTES, HEAD_LINES = 500_000_000, 400
-#: Units of a column of times -> seconds.
-SECONDS = {"s": 1.0, "sec": 1.0, "": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}
 _RATE = re.compile(r"\s*(sampling rate|sample rate|fs|rate)\s*[:=]\s*([\d.]+(?:[eE][+-]?\d+)?)\s*(k?)(?:Hz|1/s|S/s)", re.I)
 
 
@@ -45,10 +43,7 @@ def read(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
 
 
 def _in_seconds(table: TextTable, place: int) -> Array:
-    unit = table.units[place]
-    if unit not in SECONDS:
-        raise InputError(f"the times have the unit '{unit[:20]}', which is none of time; write s, ms or us")
-    scaled: Array = table.rows[:, place] * SECONDS[unit]
+    scaled: Array = table.rows[:, place] * seconds_of(table.units[place])
     return scaled
 
 
