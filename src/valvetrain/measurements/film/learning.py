@@ -25,7 +25,7 @@ def learn(picture: Array, frames: NDArray[np.int64], places: Array, heights: Arr
     inside = np.linspace(-reach, reach, int(np.ceil(2 * reach / KNOT)) + 1)
     step = inside[1] - inside[0]
     knots = np.concatenate([inside[0] - step * np.arange(3, 0, -1), inside, inside[-1] + step * np.arange(1, 4)])
-    # The first and last two splines are left out, so value and slope are zero at the ends.
+    # The first and last two splines are left out, so value and slope at the ends are those of a third one's foot.
     count = len(knots) - 4 - 4
     distance = np.arange(stations) - places[pick][:, :, None]
     frame, coil, station = np.nonzero(np.abs(distance) < reach)

@@ -128,7 +128,8 @@ def _some(picture: Array, start: Array, profiles: Profiles, light: Array, least_
         places = _kept_in_order(places + np.clip(change[:, :coils], -LARGEST_STEP, LARGEST_STEP), least_apart)
         heights = np.clip(heights + change[:, coils : 2 * coils], 0.05 * light[:, None], 4 * light[:, None])
         ground = ground + change[:, 2 * coils :]
-        settled = bool(np.abs(change[:, :coils]).max() < SETTLED)
+        # Before the first step heights and ground are not known, so the noise that a prediction is weighed against is not either.
+        settled = bool(np.abs(change[:, :coils]).max() < SETTLED) and (step > 0 or prediction == 0)
     # What blur leaves runs on from station to station, so it tells less than noise would.
     alike = np.clip((left[:, 1:] * left[:, :-1]).sum(axis=1) / np.maximum((left**2).sum(axis=1), 1e-300), 0.0, 0.8)
     told = np.sqrt(np.maximum(np.diagonal(np.linalg.inv(normal), axis1=1, axis2=2)[:, :coils], 0.0))
