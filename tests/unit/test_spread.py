@@ -12,8 +12,11 @@ import pytest
 from valvetrain.identification.file import read_request
 from valvetrain.parameters.loading import LIBRARY, load_case
 from valvetrain.solution.quantity import Quantity, same_speed
+from valvetrain.solution.record import CaseRecord, PublishedValue
 from valvetrain.sources.gu2021_identification import SPEC
-from valvetrain.studies.spread import TOLD, load_spread, spread_sentences
+from valvetrain.studies import spread as spread_module
+from valvetrain.studies.error_bars import Uncertainty
+from valvetrain.studies.spread import TOLD, Spread, load_spread, spread_sentences
 from valvetrain.studies.uncertainty_file import load_uncertainty, rows_that_hold, uncertainty_sentences
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -103,6 +106,35 @@ def test_no_sentence_survives_a_version_that_computes_other_numbers(case):
     assert len(rows_that_hold(record, own_numbers(case))) == len(load_uncertainty(record))
     for sentences in (spread_sentences(record, SPEEDS, moved), uncertainty_sentences(record, SPEEDS, moved)):
         assert [sentence.split(",")[0] for sentence in sentences] == ["4200 rpm", "5600 rpm"]
+
+
+def test_every_told_range_stands_in_its_unit_beside_the_published_value_of_its_own_speed(monkeypatch):
+    """Forces in N, displacements in mm, three digits that count; values of another source, speed or quantity stand beside none."""
+    rows = (
+        Spread("stage_2_peak_force", 5600, 811.6, 820.0, 1234.4), Spread("stage_2_first_peak_force", 5600, 516.96, 804.0, 837.02),
+        Spread("stage_2_second_peak_force", 5600, 833.3, 855.0, 903.2), Spread("stage_3_peak_force", 5600, 12345.0, 12400.0, 15678.0),
+        Spread("node_2_maximum_displacement", 5600, 5.66e-5, 8.5e-5, 1.4946e-4), Spread("stage_1_minimum_force", 5600, 1.0, 2.0, 3.0),
+    )  # fmt: skip
+
+    def given(quantity, value, speed=5600.0, model="solid finite elements"):
+        return PublishedValue(quantity, value, "N", engine_speed=speed * RPM, model=model)
+
+    record = CaseRecord("own", published=(
+        given("stage_2_peak_force", 1000.0), given("stage_2_first_peak_force", 900.0), given("stage_3_peak_force", 13000.0, 8000.0),
+        given("stage_2_second_peak_force", 850.0, model="analytical modal"), given("node_2_maximum_displacement", 1.2346e-4),
+    ))  # fmt: skip
+    monkeypatch.setattr(spread_module, "load_spread", lambda _: rows)
+    held = Uncertainty("preload", 5600 * RPM, 300.0, 1.0, 2.0, 300.0, 0.0, (300.0, 300.0), (300.0, 300.0))
+    monkeypatch.setattr(spread_module, "rows_that_hold", lambda *_: (held,))
+    parts = (
+        "Stage II peak force 812 to 1230 N (published 1000, inside)", "first Stage II peak 517 to 837 N (published 900, outside)",
+        "second Stage II peak 833 to 903 N", "Stage III spike 12300 to 15700 N",
+        "largest displacement of node 2 0.0566 to 0.149 mm (published 0.1235, inside)",
+    )  # fmt: skip
+    assert len(parts) == len(TOLD)
+    (sentence,) = spread_sentences(record, (5600 * RPM, 8000 * RPM), {})
+    assert sentence == f"5600 rpm, what the calibration data leave open (5 to 95 %): {'; '.join(parts)}."
+    assert spread_sentences(record, (8000 * RPM,), {}) == ()
 
 
 def test_shipped_spread_is_that_of_this_identification():

@@ -66,7 +66,8 @@ def spread_sentences(record: CaseRecord, engine_speeds: Sequence[float], quantit
 
 def _part(one: Spread, published: tuple[PublishedValue, ...]) -> str:
     scale, unit = (1e3, "mm") if unit_of(one.quantity) == "m" else (1.0, unit_of(one.quantity))
-    words = f"{TOLD[one.quantity]} {one.low * scale:.3g} to {one.high * scale:.3g} {unit}"
+    low, high = (float(f"{value * scale:.3g}") for value in (one.low, one.high))  # a round number, not 1.23e+03
+    words = f"{TOLD[one.quantity]} {low:g} to {high:g} {unit}"
     for value in published:
         speed = None if value.engine_speed is None else round(value.engine_speed * 30 / np.pi)
         if value.quantity == one.quantity and speed == one.engine_rpm and value.model == "solid finite elements":
