@@ -168,6 +168,21 @@ def test_times_of_arrays_count_in_the_unit_that_stands_beside_them(unit, factor)
     assert (force.name, force.unit, short.unit) == ("force", "N", "")
 
 
+@pytest.mark.parametrize(("name", "unit"), [("t", "degC"), ("T", "K"), ("oil_T", "degC"), ("coolant T", "°C"), ("engine/t", "N m")])
+def test_a_temperature_called_t_is_a_channel_like_any_other(name, unit, tmp_path):
+    """It was left out, or taken for the times of all others."""
+    arrays = {name: 80.0 + np.arange(20), "time": 2.0 * np.arange(20), "force": np.arange(20.0)}
+    (path := tmp_path / "own.csv").write_text(
+        "\n".join([f"{name} [{unit}],time [ms],force [N]", *(f"{80 + place},{2 * place},{place}" for place in range(20))]) + "\n",
+        encoding="utf-8",
+    )
+    of_arrays, _ = channels_of(arrays, {name: unit, "time": "ms", "force": "N"}, Budget("own.mat", ()))
+    for heat, force in (of_arrays, text.read(path, path.name, ()).channels):
+        assert (heat.name, heat.unit, force.name) == (name, unit, "force")
+        assert heat.values == pytest.approx(80.0 + np.arange(20))
+        assert all(one.times == pytest.approx(2e-3 * np.arange(20)) for one in (heat, force))
+
+
 @pytest.mark.parametrize("unit", ["mm", "days", "cycles", "deg", "days since 1900-01-01"])
 def test_times_in_a_unit_that_is_none_of_time_are_refused(unit):
     with pytest.raises(InputError, match="none of time; write s, ms or us"):

@@ -19,12 +19,13 @@ SECONDS = {
     "s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "": 1.0, "ms": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
     "microseconds": 1e-6, "ns": 1e-9, "nanoseconds": 1e-9, "min": 60.0, "minutes": 60.0,
 }  # fmt: skip
-_TIME = re.compile(r"(?:.*[/_. ])?(?:time|times|t|zeit|timestamps?)", re.I)
+_TIME = re.compile(r"(?:.*[/_. ])?(time|times|t|zeit|timestamps?)", re.I)
 
 
-def is_time(name: str) -> bool:
-    """Whether a channel's name says that it holds times."""
-    return _TIME.fullmatch(name.strip()) is not None
+def is_time(name: str, unit: str = "") -> bool:
+    """Whether a channel holds times by its name; ``t`` in a ``unit`` that is none of time is a temperature or whatever else."""
+    found = _TIME.fullmatch(name.strip())
+    return found is not None and (found[1].lower() != "t" or _word(unit) in SECONDS)
 
 
 def channels_of(arrays: Mapping[str, Any], units: Mapping[str, str], budget: Budget) -> tuple[tuple[RigChannel, ...], dict[str, float]]:
@@ -40,18 +41,26 @@ def channels_of(arrays: Mapping[str, Any], units: Mapping[str, str], budget: Bud
             table = values if values.shape[0] > values.shape[1] else values.T
             rows |= {f"{name}_{place + 1}": table[:, place].astype(float) for place in range(table.shape[1])}
     # times are stored in seconds, or in what their unit says
-    times = {len(values): values * seconds_of(units.get(name, "")) for name, values in reversed(rows.items()) if is_time(name)}
+    times = {
+        len(values): values * seconds_of(units.get(name, ""))
+        for name, values in reversed(rows.items())
+        if is_time(name, units.get(name, ""))
+    }
     channels = [
         RigChannel(plain_word(name), plain_word(units.get(name, "")), values, times=times.get(len(values)))
         for name, values in rows.items()
-        if not is_time(name) and budget.wants(plain_word(name))
+        if not is_time(name, units.get(name, "")) and budget.wants(plain_word(name))
     ]
     return tuple(channels), {plain_word(name): value for name, value in scalars.items()}
 
 
 def seconds_of(unit: str) -> float:
     """Seconds in a unit of times. Raises :class:`InputError` for one that is none of them."""
-    word = unit.partition(" since ")[0].strip()
+    word = _word(unit)
     if word not in SECONDS:
         raise InputError(f"the times have the unit '{word[:20]}', which is none of time; write s, ms or us")
     return SECONDS[word]
+
+
+def _word(unit: str) -> str:
+    return unit.partition(" since ")[0].strip()

@@ -32,11 +32,11 @@ def read(path: Path, name: str, wanted: tuple[str, ...]) -> Recording:
     budget = Budget(name, wanted)
     budget.take(table.rows.size)
     names = tuple(plain_word(word) or f"column {place}" for place, word in enumerate(table.names, start=1))
-    times = next((_in_seconds(table, place) for place, word in enumerate(names) if is_time(word)), None)
+    times = next((_in_seconds(table, place) for place, word in enumerate(names) if is_time(word, table.units[place])), None)
     channels = tuple(
         RigChannel(word, plain_word(table.units[place]), np.ascontiguousarray(table.rows[:, place]), times=times)
         for place, word in enumerate(names)
-        if not is_time(word) and budget.wants(word)
+        if not is_time(word, table.units[place]) and budget.wants(word)
     )
     rates = [float(found[2]) * (1e3 if found[3] else 1.0) for line in table.headings if (found := _RATE.match(line))]
     return Recording("text", channels, {"sampling_rate": rates[0]} if rates else {}, says_synthetic(*table.headings))
