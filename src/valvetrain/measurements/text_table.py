@@ -15,6 +15,7 @@ from valvetrain.errors import InputError
 Array = NDArray[np.float64]
 #: A number as tables write it, once its line is parted at every mark that may stand between or within numbers; a comma may be decimal.
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
+_STRONG = re.compile(r"[;\t|,]")
 _MARKS = re.compile(r"[;\t|,\s]+")
 #: Blanks in a row beyond these tell nothing; a heading longer than this names no columns.
 _BLANKS, LONGEST_HEADING = re.compile(r"(\s{8})\s+"), 1000
@@ -121,8 +122,10 @@ def _columns(headings: list[str], width: int) -> tuple[tuple[str, ...], tuple[st
         if parts is None:
             continue
         names, units = zip(*(_name_and_unit(part) for part in parts), strict=True)
-        above = _parts(headings[place - 1], width) if place else None
-        if above is not None and all(_is_unit(part) for part in parts):
+        alike = place > 0 and bool(_STRONG.search(headings[place - 1])) == bool(_STRONG.search(headings[place]))
+        above = _parts(headings[place - 1], width) if alike else None
+        known = sum(map(_is_unit, parts))  # a unit that nobody has heard of makes the others no names
+        if above is not None and 2 * known >= width and known > sum(map(_is_unit, above)):
             return tuple(above), tuple(part.strip("[]() ") for part in parts)
         return tuple(names), tuple(units)
     return ("",) * width, ("",) * width
@@ -156,5 +159,7 @@ UNIT_WORDS = {
 #: Units of recordings besides.
 _OTHER_UNITS = {
     "s", "sec", "ms", "us", "µs", "Hz", "rpm", "1/min", "N", "kN", "lbf", "kgf", "V", "mV", "mV/V", "A", "um/m", "µm/m", "ustrain", "1",
-    "m/s", "mm/s", "m/s2", "m/s^2", "g", "Pa", "kPa", "MPa", "bar", "psi", "-", "°C", "degC",
+    "m/s", "mm/s", "m/s2", "m/s^2", "g", "Pa", "kPa", "MPa", "bar", "psi", "-", "°C", "degC", "ft", "in/s", "ft/s", "mm/s2", "mm/s^2",
+    "lb", "lbs", "kg", "Nm", "N m", "N*m", "N·m", "ft-lb", "lbf ft", "N/mm", "lbf/in", "min", "ns", "kHz", "rad/s", "deg/s", "mA", "mbar",
+    "K", "C", "F", "°F", "degF", "%",
 }  # fmt: skip
