@@ -8,7 +8,7 @@ from valvetrain.measurements.measured_cycles import MeasuredCycles
 from valvetrain.measurements.value_table import ValueTable
 from valvetrain.quantities.adequacy import AdequacyTest, chance_words, p_words
 from valvetrain.quantities.trace_events import EventRow
-from valvetrain.report.words import number, quantity_words, speed_words, unit_words
+from valvetrain.report.words import number, quantity_words, rpm, speed_words, unit_words
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.studies.against_test import RunAgainstTest
 from valvetrain.studies.compare_test import ModelAgainstTest
@@ -34,7 +34,7 @@ def words_of_test(found: ModelAgainstTest) -> str:
     made = "synthetic, not measured: " if test.synthetic else ""
     if isinstance(test, ValueTable):
         return f"{made}{len(test.values)} values of {test.source or 'a table'}, {_repeats(test.repeats)}"
-    speed = f" at {speed_words(2 * test.cam_speed)} of the crank" if test.cam_speed else ""
+    speed = f" at {rpm(2 * test.cam_speed):.6g} rpm of the crank" if test.cam_speed else ""
     return f"{made}{quantity_words(test.quantity).lower()}, {len(test.values)} cycles of {len(test.cam_angle)} angles{speed}" + (
         f", {test.source}" if test.source else ""
     )
