@@ -9,8 +9,8 @@ from typing import Any
 from valvetrain.parameters.words import number
 from valvetrain.solution.definition import label_of, shown
 
-#: The study of all data, and the case that meets what the joint studies aim at.
-ANGLES, BEEHIVE_JOINT = "joint with angles", "[beehive-joint.toml](../examples/beehive-joint.toml)"
+#: The draws about the likeliest point of the joint study, the study of all data, and the case that meets what the joint studies aim at.
+BANDS, ANGLES, BEEHIVE_JOINT = "joint, bands", "joint with angles", "[beehive-joint.toml](../examples/beehive-joint.toml)"
 #: What the joint studies aim at: words, quantities, share of the published value.
 TARGETS = (
     ("Stage II peaks", ("stage_2_peak_force", "stage_2_first_peak_force", "stage_2_second_peak_force"), 0.05),
@@ -38,8 +38,9 @@ def in_unit(name: str, value: float) -> str:
 
 def sentences(kept: Mapping[str, Any]) -> tuple[str, ...]:
     """What the data tell and what not, in five sentences, every number and verdict from what is kept."""
-    blind, joint = kept["blind"], kept["joint"]
+    blind, joint = kept["blind"], kept[likeliest(kept)]
     ahead = [row for row in blind["measurements"] if not row["fitted"]]
+    fitted = [row for row in kept[BANDS]["measurements"] if row["fitted"]]
     told = measured_of(joint)
     without = [
         row for name, one in kept.items() if name.startswith("without ") for row in one["measurements"]
@@ -53,12 +54,19 @@ def sentences(kept: Mapping[str, Any]) -> tuple[str, ...]:
         f"the central 95 % of the draws{_outside(ahead)}.",
         f"Those data determine {_named(known)} (more than half of the variance of the prior is gone) and say next to nothing of "
         f"{_named(open_)} (less than a tenth).",
-        f"Fitted to all three speeds, the likeliest spring and lift have {_near(joint)}{_all_at_once(joint, BEEHIVE_JOINT)}.",
+        f"Fitted to all three speeds, the likeliest spring and lift have {_near(joint)}"
+        f"{_all_at_once([kept['joint'], kept[BANDS]], BEEHIVE_JOINT)}; "
+        f"{_inside(fitted)} of {len(fitted)} fitted values lie within the central 95 % of the draws about the likeliest{_outside(fitted)}.",
         _with_angles(kept),
         f"Each speed from the other two: {_inside(without)} of {len(without)} values lie within the central 95 %"
         + _outside(without)
         + (f". The searches {listed(short)} did not come to their end, so that their misses prove nothing." if short else "."),
     )  # fmt: skip
+
+
+def likeliest(kept: Mapping[str, Any]) -> str:
+    """The joint study, or the walkers about its likeliest point where they came to a lesser misfit."""
+    return min(("joint", BANDS), key=lambda name: float(kept[name]["misfit"]))
 
 
 def _near(study: Mapping[str, Any]) -> str:
@@ -69,13 +77,13 @@ def _near(study: Mapping[str, Any]) -> str:
 
 def _with_angles(kept: Mapping[str, Any]) -> str:
     """What the study that fits angles and velocities too has of its aims, and what it misses that others meet, which see less."""
-    study, heights = kept[ANGLES], kept["joint"]
+    study, heights = kept[ANGLES], kept[BANDS]
     only = {row["key"] for row in heights["measurements"] if not row["fitted"]}
     added = [row for row in study["measurements"] if row["fitted"] and row["key"] in only]
     near = [row for row in added if abs(row["computed"]["value"] - row["measured"]["value"]) <= 2 * row["scatter"]["value"]]
     return (
         f"Fitted to {len(added)} more angles and velocities, the likeliest have {len(near)} of these within two scatters and "
-        f"{_near(study)}{_all_at_once(study)}; {_contradictions(kept, [row for row in study['measurements'] if _apart(row) > 0])}."
+        f"{_near(study)}{_all_at_once([study])}; {_contradictions(kept, [row for row in study['measurements'] if _apart(row) > 0])}."
     )
 
 
@@ -88,7 +96,7 @@ def _contradictions(kept: Mapping[str, Any], never: Sequence[Mapping[str, Any]])
         return "the central 95 % of its draws come within two scatters of every published value: no contradiction is shown"
     missed = f"the central 95 % of its draws miss {listed([_missed(row) for row in never])} by more than two scatters"
     freed: dict[str, list[str]] = {}
-    less = {"without the angles": kept["joint"]} | {
+    less = {"without the angles": kept[BANDS]} | {
         name: one for name, one in kept.items() if name.startswith("without ") and name not in unfinished(kept)
     }  # fmt: skip
     for row in never:
@@ -118,7 +126,7 @@ def conflicts(kept: Mapping[str, Any]) -> str:
         "likeliest of them, above the least | it misses instead |",
         "|---|---|---|---|---|---|",
     ]
-    for name in ("joint", ANGLES):
+    for name in (likeliest(kept), ANGLES):
         for row in kept[name]["conflicts"]:
             instead = [f"{words_of(one['key'])} ({one['scatters']:+.1f})" for one in row["missed_instead"]]
             lines.append(
@@ -129,12 +137,13 @@ def conflicts(kept: Mapping[str, Any]) -> str:
 
 
 def unfinished(kept: Mapping[str, Any]) -> list[str]:
-    """Searches that leave a speed out and end above the joint one, which meets their data and more: they have not come to their end."""
-    quantities, misfit = kept["joint"]["quantities"].keys(), kept["joint"]["misfit"]
-    return [
-        name for name, one in kept.items()
-        if name.startswith("without ") and one["quantities"].keys() == quantities and one["misfit"] > misfit
-    ]  # fmt: skip
+    """Searches that leave a speed out and end above the joint ones, which meet their data and more: they have not come to their end."""
+    return [name for name, one in kept.items() if name.startswith("without ") and _ends_above(one, kept[likeliest(kept)])]
+
+
+def _ends_above(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Whether a search ends above ``other``, of the same quantities."""
+    return bool(one["quantities"].keys() == other["quantities"].keys() and one["misfit"] > other["misfit"])
 
 
 def _said(kept: Mapping[str, Any], name: str) -> str:
@@ -142,9 +151,11 @@ def _said(kept: Mapping[str, Any], name: str) -> str:
     warnings = kept[name]["warnings"]
     hardly, apart = (sum(words in one for one in warnings) for words in ("hardly tell", "cannot tell"))
     own = [one for one in warnings if "hardly tell" not in one and "cannot tell" not in one]
-    own += (
-        [f"not at its end: the joint study meets these data and more at {kept['joint']['misfit']:.1f}"] if name in unfinished(kept) else []
-    )
+    best = likeliest(kept)
+    if name in unfinished(kept):
+        own += [f"not at its end: the joint study meets these data and more at {kept[best]['misfit']:.1f}"]
+    if name == "joint" and _ends_above(kept[name], kept[best]):
+        own += [f"not at its end: the walkers of its bands come to {kept[best]['misfit']:.1f}"]
     own += [f"{hardly} {'quantity is' if hardly == 1 else 'quantities are'} hardly told"] if hardly else []
     own += [f"{apart} {'combination is' if apart == 1 else 'combinations are'} not told apart"] if apart else []
     return "; ".join(own) or "nothing"
@@ -161,7 +172,8 @@ def _outside(rows: Sequence[Mapping[str, Any]]) -> str:
         if not row["low"]["value"] <= row["measured"]["value"] <= row["high"]["value"]:
             speed, _, words = words_of(row["key"]).partition(": ")
             found.setdefault(speed, []).append(words)
-    return "; outside: " + "; ".join(f"at {speed} {listed(words)}" for speed, words in found.items()) if found else ""
+    told = [f"{speed if speed == 'at rest' else f'at {speed}'} {listed(words)}" for speed, words in found.items()]
+    return f"; outside: {'; '.join(told)}" if found else ""
 
 
 def _missed(row: Mapping[str, Any]) -> str:
@@ -192,17 +204,17 @@ def _beside(rows: Sequence[Mapping[str, Any]]) -> str:
     return f"; outside: {listed(told)}" if told else ""
 
 
-def _all_at_once(study: Mapping[str, Any], case: str = "") -> str:
-    """Whether a computed point has all of it at once; ``case``: link to the case that is one."""
-    told = study["targets"]
+def _all_at_once(studies: Sequence[Mapping[str, Any]], case: str = "") -> str:
+    """Whether computed points of the studies have all of it at once; ``case``: link to the case that is the first one's."""
+    told, points, met = studies[0]["targets"], *(sum(one["targets"][name] for one in studies) for name in ("points", "meet_all"))
+    search = "search" if len(studies) == 1 else "searches"
+    if not met:
+        return f"; none of the {points} springs that the {search} computed has all {told['aims']} at once"
+    have = f"; {met} of the {points} springs that the {search} computed {'has' if met == 1 else 'have'} all {told['aims']} at once"
     if not told["meet_all"]:
-        return f"; none of the {told['points']} springs that the search computed has all {told['aims']} at once"
-    above = told["inside"]["misfit"] - study["misfit"]
-    return (
-        f"; {told['meet_all']} of the {told['points']} springs that the search computed {'has' if told['meet_all'] == 1 else 'have'} "
-        f"all {told['aims']} at once, the one farthest "
-        f"inside them{case and f' ({case})'} at a misfit {above:.1f} above the least"
-    )
+        return have
+    above = told["inside"]["misfit"] - min(one["misfit"] for one in studies)
+    return f"{have}, the one farthest inside them{case and f' ({case})'} at a misfit {above:.1f} above the least"
 
 
 def _aimed_at(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[Mapping[str, Any]]:

@@ -1,7 +1,7 @@
 """Puts the identifications of the beehive side by side: docs/pictures/beehive-studies.svg and the table of docs/beehive.md.
 
 valvetrain identify examples/identify-beehive-blind.toml --limit "5 d" --output BLIND        (and so on; 10 to 60 min each on two cores)
-python scripts/write_beehive_studies.py BLIND JOINT ANGLES WITHOUT-4200 WITHOUT-5600 WITHOUT-8000      a dash keeps what is kept of a study
+python scripts/write_beehive_studies.py BLIND JOINT BANDS ANGLES WITHOUT-4200 WITHOUT-5600 WITHOUT-8000   (a dash: what is kept)
 python scripts/write_beehive_studies.py      picture and table anew from docs/data/beehive/studies.json
 """
 
@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from beehive_sentences import ANGLES, TARGETS, conflicts, in_unit, listed, measured_of, searches, sentences, words_of
+from beehive_sentences import ANGLES, BANDS, TARGETS, conflicts, in_unit, listed, measured_of, searches, sentences, words_of
 from numpy.typing import NDArray
 
 from valvetrain.identification.file import Request, read_request
@@ -29,7 +29,7 @@ from valvetrain.solution.definition import shown
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE, PICTURE, KEPT = "beehive.md", "beehive-studies.svg", Path("data") / "beehive" / "studies.json"
-STUDIES = ("blind", "joint", ANGLES, "without 4200 rpm", "without 5600 rpm", "without 8000 rpm")
+STUDIES = ("blind", "joint", BANDS, ANGLES, "without 4200 rpm", "without 5600 rpm", "without 8000 rpm")
 #: Stands for a folder of which what is kept stays.
 KEEP = "-"
 BEGIN, END = "<!-- three studies -->\n", "<!-- end of three studies -->"
@@ -68,7 +68,7 @@ def rows_of(answer: Mapping[str, Any], speed: str = "") -> dict[str, Row]:
 def three_studies(
     blind: Mapping[str, Any], joint: Mapping[str, Any], angles: Mapping[str, Any], without: Mapping[str, Mapping[str, Any]]
 ) -> tuple[Beside, ...]:
-    """The three studies, the joint one without and with ``angles``.
+    """The three studies, the joint one without and with ``angles``; of the former the answer that holds its bands.
 
     ``without``: engine speed that was left out -> its answer, of which the rows of that speed alone are kept.
     """
@@ -173,7 +173,7 @@ def targets_of(points: Sequence[tuple[NDArray[np.float64], Outcome]], request: R
 
 
 def read_folders(folders: Sequence[str], docs: Path) -> dict[str, Any]:
-    """What is kept of six folders, for :data:`KEEP` what was kept before. Raises :class:`SystemExit` where one was cut short."""
+    """What is kept of the folders, for :data:`KEEP` what was kept before. Raises :class:`SystemExit` where one was cut short."""
     kept = json.loads((docs / KEPT).read_text(encoding="utf-8")) if KEEP in folders else dict.fromkeys(STUDIES)
     for name, folder in zip(STUDIES, folders, strict=True):
         if folder != KEEP:
@@ -181,7 +181,7 @@ def read_folders(folders: Sequence[str], docs: Path) -> dict[str, Any]:
             if not answer["whole"]:
                 raise SystemExit(f"the identification in '{folder}' was cut short; start it again, it goes on")
             kept[name] = kept_of(answer)
-    for name in ("joint", ANGLES):
+    for name in ("joint", BANDS, ANGLES):
         folder = folders[STUDIES.index(name)]
         if folder != KEEP:
             request = read_request(Path(folder) / "identification.toml")
@@ -193,7 +193,7 @@ def read_kept(docs: Path = DOCS) -> tuple[tuple[Beside, ...], dict[str, tuple[fl
     """The three studies and the published values from what is kept."""
     kept = json.loads((docs / KEPT).read_text(encoding="utf-8"))
     without = {name.removeprefix("without "): one for name, one in kept.items() if name.startswith("without ")}
-    return three_studies(kept["blind"], kept["joint"], kept[ANGLES], without), measured_of(kept["blind"])
+    return three_studies(kept["blind"], kept[BANDS], kept[ANGLES], without), measured_of(kept["blind"])
 
 
 def main(folders: Sequence[str], docs: Path = DOCS) -> None:

@@ -15,7 +15,7 @@ from valvetrain.identification.journal import Journal
 
 sys.path.insert(0, str(ROOT / "scripts"))
 import write_beehive_studies as script
-from beehive_sentences import ANGLES
+from beehive_sentences import ANGLES, BANDS
 from write_beehive_studies import BEGIN, END, chart, main, measured_of, table, three_studies
 
 REST, SLOW, FAST = "preload", "4200 rpm, finite-element: stage_2_peak_force", "8000 rpm, finite-element: node_2_maximum_displacement"
@@ -116,6 +116,7 @@ def test_the_points_that_have_all_that_is_aimed_at_are_counted_and_the_one_farth
 
 
 BLIND, JOINT, WHOLE = answer(1.0, (REST, SLOW)), answer(1.2, (REST, SLOW, FAST)), answer(1.3, (REST, SLOW, FAST))
+BANDED = answer(1.1, (REST, SLOW, FAST))
 WITHOUT = {"4200 rpm": answer(0.5, (REST, FAST)), "8000 rpm": answer(0.7, (REST, SLOW))}
 
 
@@ -156,11 +157,11 @@ def test_bars_and_marks_stand_at_the_ratio_to_the_published_value():
 
 def test_page_and_picture_are_written_and_what_is_cut_short_is_refused(tmp_path, monkeypatch):
     folders = []
-    for place, one in enumerate((BLIND, JOINT, WHOLE, WITHOUT["4200 rpm"], JOINT | {"measurements": []}, WITHOUT["8000 rpm"])):
+    for place, one in enumerate((BLIND, JOINT, BANDED, WHOLE, WITHOUT["4200 rpm"], JOINT | {"measurements": []}, WITHOUT["8000 rpm"])):
         folders.append(tmp_path / str(place))
         folders[-1].mkdir()
         (folders[-1] / "run.json").write_text(json.dumps(one))
-    for folder, points in ((folders[1], POINTS), (folders[2], POINTS[2:])):
+    for folder, points in ((folders[1], POINTS), (folders[2], POINTS[2:]), (folders[3], POINTS[2:])):
         request_of(folder)
         with Journal(folder, "any") as journal:
             journal.through(lambda _, of=points: [outcome for _, outcome in of])(np.array([values for values, _ in points]))
@@ -172,6 +173,8 @@ def test_page_and_picture_are_written_and_what_is_cut_short_is_refused(tmp_path,
     assert text.startswith(f"before\n{BEGIN}1. From statics") and text.endswith(f"{END}\nafter\n") and "\nold\n" not in text
     assert (tmp_path / "docs" / "pictures" / script.PICTURE).read_text().startswith("<svg")
     assert "| blind | ensemble | 12 | 7.5 | few; 1 quantity is hardly told; 2 combinations are not told apart |" in text.splitlines()
+    assert "| 0.748 (0.68 to 0.816, 97 %, fitted) |" in text, "the joint column holds the bands"
+    assert "4200 rpm: Stage II peak force (983, published 812 N)" in text
     kept = json.loads((tmp_path / "docs" / script.KEPT).read_text())
     assert kept["joint"]["targets"]["meet_all"] == 2 and kept[ANGLES]["targets"]["meet_all"] == 0
     assert list(kept) == list(script.STUDIES) and kept["blind"]["points"] == 12 and kept["blind"]["branches"] == 2
@@ -181,18 +184,18 @@ def test_page_and_picture_are_written_and_what_is_cut_short_is_refused(tmp_path,
     page.write_text(f"before\n{BEGIN}old\n{END}\nafter\n")
     main([], tmp_path / "docs")
     assert page.read_text() == text, "what is kept is enough"
-    main([str(folders[0]), str(folders[1]), "-", "-", "-", "-"], tmp_path / "docs")
+    main([str(folders[0]), str(folders[1]), "-", "-", "-", "-", "-"], tmp_path / "docs")
     assert page.read_text() == text and list(json.loads((tmp_path / "docs" / script.KEPT).read_text())) == list(script.STUDIES)
     (folders[1] / "run.json").write_text(json.dumps(answer(1.0, (), whole=False)))
     with pytest.raises(SystemExit, match="cut short"):
         main([str(one) for one in folders], tmp_path / "docs")
 
 
-def kept(blind: dict, joint: dict, without: dict, whole: dict = WHOLE) -> dict:
-    found = {
-        name: script.kept_of(one) for name, one in {"blind": blind, "joint": joint, ANGLES: whole, "without 8000 rpm": without}.items()
-    }
+def kept(blind: dict, joint: dict, without: dict, whole: dict = WHOLE, bands: dict | None = None) -> dict:
+    every = {"blind": blind, "joint": joint, BANDS: bands or joint, ANGLES: whole, "without 8000 rpm": without}
+    found = {name: script.kept_of(one) for name, one in every.items()}
     found["joint"]["targets"] = {"aims": 10, "points": 50, "meet_all": 3, "inside": {"misfit": 9.75}}
+    found[BANDS]["targets"] = {"aims": 10, "points": 20, "meet_all": 1, "inside": {"misfit": 8.0}}
     found[ANGLES]["targets"] = {"aims": 10, "points": 60, "meet_all": 0}
     return found
 
@@ -210,14 +213,26 @@ def test_sentences_on_what_was_predicted_and_fitted_follow_the_numbers_in_both_d
     assert missed[2].endswith(
         "; outside: 4200 rpm: Stage II peak force (983, published 812 N) "
         "and 8000 rpm: largest displacement of node 2 (0.823, published 0.68 mm)"
-        "; 3 of the 50 springs that the search computed have all 10 at once, the one farthest inside them "
-        "([beehive-joint.toml](../examples/beehive-joint.toml)) at a misfit 2.2 above the least."
+        "; 4 of the 70 springs that the searches computed have all 10 at once, the one farthest inside them "
+        "([beehive-joint.toml](../examples/beehive-joint.toml)) at a misfit 2.2 above the least"
+        "; 0 of 3 fitted values lie within the central 95 % of the draws about the likeliest; outside: at rest preload; "
+        "at 4200 rpm Stage II peak force; at 8000 rpm largest displacement of node 2."
     )
+    banded = script.sentences(kept(BLIND, JOINT, answer(0.5, (REST, SLOW)), bands=answer(1.05, (REST, SLOW))))[2]
+    assert banded.endswith("; 2 of 2 fitted values lie within the central 95 % of the draws about the likeliest.")
+    assert "4200 rpm: Stage II peak force (983, published 812 N)" in banded, "the likeliest point is that of the search"
+    lower = kept(BLIND, JOINT, answer(0.5, (REST, SLOW)), bands=answer(1.0, (REST, SLOW)))
+    lower[BANDS]["misfit"] = 6.5
+    said = script.sentences(lower)[2]
+    assert "1 of 1 Stage II peaks within 5 %" in said and "outside: 4200" not in said, "the walkers came lower than the search"
+    assert "at a misfit 3.2 above the least; 2 of 2 fitted" in said
     assert "0 of 1 Stage II peaks within 5 %" in missed[2] and "0 of 1 displacements" in missed[2]
     assert "0 of 1" in missed[4] and missed[4].endswith("; outside: at 8000 rpm largest displacement of node 2.")
     never = kept(BLIND, JOINT, answer(0.5, (REST, SLOW)))
     never["joint"]["targets"] = {"aims": 10, "points": 50, "meet_all": 0}
-    assert script.sentences(never)[2].endswith("; none of the 50 springs that the search computed has all 10 at once.")
+    assert "; 1 of the 70 springs that the searches computed has all 10 at once; 0 of 3 fitted" in script.sentences(never)[2]
+    never[BANDS]["targets"] = {"aims": 10, "points": 20, "meet_all": 0}
+    assert "; none of the 70 springs that the searches computed has all 10 at once; 0 of 3 fitted" in script.sentences(never)[2]
 
 
 def test_the_sentence_on_angles_says_what_they_cost_and_who_meets_what_is_missed():
@@ -265,7 +280,11 @@ def test_a_search_that_ends_above_one_with_more_data_is_told_as_not_at_its_end()
         ". The searches without 8000 rpm did not come to their end, so that their misses prove nothing."
     )
     rows = script.searches(told).splitlines()[2:]
-    assert ["not at its end: the joint study meets these data and more at 7.5" in row for row in rows] == [False, False, False, True]
+    assert ["not at its end: the joint study meets these data and more at 7.5" in row for row in rows] == [False, False, False, False, True]
+    told[BANDS]["misfit"] = 6.5
+    rows = script.searches(told).splitlines()[2:]
+    assert ["not at its end: the walkers of its bands come to 6.5" in row for row in rows] == [False, True, False, False, False]
+    assert "the joint study meets these data and more at 6.5" in rows[-1] and "| joint, bands | 4200 rpm" in script.conflicts(told)
 
 
 def test_medians_beyond_the_picture_are_named():
