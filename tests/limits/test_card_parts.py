@@ -31,6 +31,16 @@ def test_two_loads_at_heights_make_rate_preload_and_lift():
     assert card.surge_frequency == pytest.approx(0.5 * math.sqrt(card.rate / 0.096))
 
 
+@pytest.mark.parametrize(("apart", "refused"), [(-0.021, True), (-0.019, False), (0.019, False), (0.021, True)])
+def test_a_told_rate_may_lie_two_per_cent_from_that_of_the_loads_and_is_the_one_that_counts(apart, refused):
+    told = 220 * POUND / (0.55 * INCH) / (1 + apart)
+    if refused:
+        with pytest.raises(InputError, match="contradicts the loads"):
+            spring(**LOADS, rate=f"{told!r} N/m")
+    else:
+        assert spring(**LOADS, rate=f"{told!r} N/m").rate == pytest.approx(told, rel=1e-12)
+
+
 def test_a_spring_shimmed_to_another_height_keeps_the_line_of_its_card():
     card = spring(**LOADS | {"installed_height": "1.75 in", "preload_height": "1.80 in"})
     assert card.preload == pytest.approx((130 + 400 * 0.05) * POUND) and card.open_load == pytest.approx(350 * POUND)

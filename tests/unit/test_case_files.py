@@ -97,6 +97,26 @@ def test_curve_forms():
             assert read(parse_case(SPRING.replace(line, text)).spring) == pytest.approx(expected, rel=1e-9), text
 
 
+@pytest.mark.parametrize(
+    ("line", "form", "field", "expected"),
+    [
+        *(("mean_diameter", f'formula = "{word}", lower = "24 mm", upper = "18 mm"', "mean_diameter", {0: 24, 1: 23, 4.5: 19.5, 6: 18})
+          for word in ("linear", "conical")),
+        ("mean_diameter", 'formula = "barrel", ends = "20 mm", middle = "26 mm"', "mean_diameter", {0: 20, 1.5: 24.5, 3: 26, 6: 20}),
+        ("mean_diameter", 'formula = "hourglass", ends = "26 mm", middle = "20 mm"', "mean_diameter", {0: 26, 1.5: 21.5, 3: 20, 6: 26}),
+        ("outer_diameter", 'formula = "beehive", lower = "28 mm", upper = "22 mm", taper_from_coil = 2', "mean_diameter",
+         {0: 24, 2: 24, 3: 22.5, 5: 19.5, 6: 18}),
+        ("pitch", 'formula = "closed-ends", pitch = "7 mm", closed_lower = 1.5, closed_upper = 1, ramp = 0.5', "pitch",
+         {0: 4, 1.5: 4, 1.75: 5.5, 2: 7, 4.5: 7, 4.75: 5.5, 5: 4, 6: 4}),
+    ],
+)  # fmt: skip
+def test_every_formula_runs_from_its_lower_to_its_upper_end(line, form, field, expected):
+    """Straight lines and parabolas by hand, mm at coil numbers; none of the coils is one where both ways round agree."""
+    replaced = {"mean_diameter": 'mean_diameter = "24 mm"', "outer_diameter": 'mean_diameter = "24 mm"', "pitch": 'pitch = "7.5 mm"'}[line]
+    spring = parse_case(SPRING.replace(replaced, f"{line} = {{ {form} }}")).spring
+    assert [1e3 * float(getattr(spring, field).value(coil)) for coil in expected] == pytest.approx(list(expected.values()), rel=1e-9)
+
+
 def test_installed_height_becomes_precompression():
     (spring,) = parse_case(SPRING + 'installed_height = "42 mm"\n').springs
     assert spring.precompression == pytest.approx(spring.wire.free_length - 42e-3)

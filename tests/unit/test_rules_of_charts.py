@@ -13,7 +13,7 @@ from valvetrain.report.lift_page import derivatives_chart, residuals_chart
 from valvetrain.report.motion.parts import Body, Colouring, Shape, SpringDrawing
 from valvetrain.report.motion.project import SLICES, _body, _wire
 from valvetrain.report.plotly_chart import figure
-from valvetrain.report.rig_page import raw_chart, speed_chart
+from valvetrain.report.rig_page import MARKS, raw_chart, speed_chart
 
 #: Least and largest width of a curve (px); a band's edge is thinner than what it is about.
 THINNEST, WIDEST = 0.8, 2.4
@@ -45,6 +45,17 @@ def test_shaded_are_the_cycles_that_were_left_out_and_no_others(kept, outliers, 
         assert [(band.first, band.last) for band in panel.bands] == [pytest.approx((0.1 * one, 0.1 * one + 0.1)) for one in out]
         assert {band.words for band in panel.bands} <= {"left out"}
         assert [rule.value for rule in panel.rules] == pytest.approx(0.1 * np.arange(9))
+
+
+@pytest.mark.parametrize(
+    ("cycles", "every", "said"),
+    [(MARKS - 2, 1, "were cut."), (2 * MARKS - 2, 1, "were cut."), (2 * MARKS, 2, "(one in 2)."), (3 * MARKS, 3, "(one in 3).")],
+)
+def test_of_many_cuts_few_are_drawn_and_the_caption_says_how_many(cycles, every, said):
+    chart = raw_chart(recorded((), (), cycles))
+    assert chart.caption.startswith("Upright lines: where cycles were cut") and chart.caption.endswith(said)
+    for panel in chart.panels:
+        assert [rule.value for rule in panel.rules] == pytest.approx(0.1 * np.arange(0, cycles + 1, every))
 
 
 def lobe():

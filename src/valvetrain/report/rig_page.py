@@ -139,7 +139,7 @@ def raw_chart(result: RigResult) -> Chart:
                 x_range=(float(times[0]), float(times[-1])),
             )
         )  # fmt: skip
-    caption = "Upright lines: where cycles were cut" + (f" (every {every}th)." if every > 1 else ".")
+    caption = "Upright lines: where cycles were cut" + (f" (one in {every})." if every > 1 else ".")
     return Chart("raw", "Channels over time", caption, tuple(panels), 1, 120 + 230 * len(panels))
 
 
