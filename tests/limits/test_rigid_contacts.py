@@ -67,6 +67,20 @@ def test_a_jump_of_acceleration_loses_contact_at_its_own_angle():
     assert found.contact_loss()[1] == pytest.approx(end, abs=1e-6)
 
 
+@pytest.mark.parametrize("start", [0.3, 1.9, 2.1, 5.0])
+def test_loss_is_sought_close_to_both_sides_of_every_joint_of_the_law(start):
+    """Joints anywhere in the turn, beyond its end too, lie between two of the angles, in unlike segments."""
+    joints = start + np.array([0.0, 1.0, 1.5, 3.5])
+    names = ("opening_start", "opening_end", "closing_start", "closing_end")
+    law = Harmonic(maximum_lift=1e-3, **dict(zip(names, joints.tolist(), strict=True)))
+    forces = rigid_motion(system(direct(), law), samples=90).forces
+    points, segment = forces._points(np.linspace(0, 2 * np.pi, 90, endpoint=False))
+    for joint in np.mod(joints, 2 * np.pi):
+        after = int(np.searchsorted(points, joint))
+        assert points[[after - 1, after]] == pytest.approx([joint - 1e-9, joint + 1e-9], abs=1e-10)
+        assert segment[after] == segment[after - 1] + 1
+
+
 def test_contact_is_lost_first_at_the_joint_that_rigid_theory_unloads_first():
     """A holding torque keeps the finger on the cam; the valve leaves its tip, whose force is Newton's law of the valve alone."""
     train = finger()

@@ -8,9 +8,10 @@ from scipy.optimize import brentq
 
 from spring_parts import OPEN_SPRING, UNIFORM, drive, raised_cosine
 from valvetrain.cosserat.static import compress
-from valvetrain.parameters.constructors import conical
+from valvetrain.parameters.constructors import beehive, conical
+from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.spring import OPEN_END
-from valvetrain.springs.chain_layout import chain_from_definition
+from valvetrain.springs.chain_layout import chain_from_definition, coil_contacts
 from valvetrain.springs.chain_statics import static_curve
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.finite_element import FiniteElementRod
@@ -159,6 +160,38 @@ def test_static_chain_gives_the_rate_integral_of_a_cone():
         assert layout.rate == pytest.approx(exact, rel=1e-9)
         assert static_curve(layout, np.array([5e-3]))[0][0] == pytest.approx(5e-3 * exact, rel=1e-9)
         assert layout.seat_mass + layout.masses.sum() + layout.retainer_mass == pytest.approx(cone.mass, rel=1e-6)
+
+
+OPEN_ENDS = {"lower_end": OPEN_END, "upper_end": OPEN_END}
+
+
+@pytest.mark.parametrize(
+    ("spring", "on_seat", "under_retainer"),
+    [
+        (OPEN_SPRING, lambda u: u < 1, lambda u: u >= 5),
+        (conical(2e-3, 50e-3, 18e-3, 7e-3, 6.0, closed_coils=0, **OPEN_ENDS), lambda u: u > 0, lambda u: u > 0),
+        (conical(2e-3, 18e-3, 50e-3, 7e-3, 6.0, closed_coils=0, **OPEN_ENDS), lambda u: u > 0, lambda u: u > 0),
+        (beehive(2e-3, 40e-3, 25e-3, 3.0, Constant(7e-3), 6.0, **OPEN_ENDS),
+         lambda u: (u < 1) | (u > 3.79), lambda u: u > 2.79),
+    ],
+    ids=["cylinder", "narrow above", "narrow below", "beehive"],
+)  # fmt: skip
+def test_the_first_turn_and_coils_that_telescope_can_meet_the_planes(spring, on_seat, under_retainer):
+    """The wire rises 7 mm a turn from either plane; a turn that is a wire's thickness narrower than its neighbour passes it. The end of a
+    cylinder's wire meets the retainer's last node from one turn below, 7 mm less the wire."""
+    coil = np.linspace(0.0, 6.0, 61)
+    found = coil_contacts(spring, coil, 2e9)
+    below = (found.lower == 0) & (found.upper_coil == 0.0)
+    above = (found.upper == 60) & (found.upper_coil == 6.0)
+    lower, upper = coil[found.upper[below]], (found.lower + found.fraction)[above] / 10
+    inner = coil[1:-1]
+    assert np.sort(lower) == pytest.approx(inner[on_seat(inner + 1e-9)])
+    assert np.sort(upper) == pytest.approx(inner[under_retainer(inner + 1e-9)])
+    assert found.gap[below] == pytest.approx(7e-3 * lower, abs=1e-9)
+    rise = 7e-3 * (6.0 - upper)
+    if spring is OPEN_SPRING:
+        rise = np.where(np.isclose(upper, 5.0), 7e-3 - 3.8e-3, rise)
+    assert found.gap[above] == pytest.approx(rise, abs=1e-9)
 
 
 @pytest.mark.parametrize("share", [0.75, 0.9])

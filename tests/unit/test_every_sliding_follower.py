@@ -8,6 +8,7 @@ import pytest
 from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_ROUND
 from valvetrain.mechanism.parts import ElasticLink, Interaction
 from valvetrain.parameters.train import FollowerParameters
+from valvetrain.report.motion import outlines
 from valvetrain.report.motion.cam_followers import Contact, sliding_follower, turning_pad
 
 MM = 1e-3
@@ -100,3 +101,11 @@ def test_a_flat_pad_of_a_lever_reaches_beyond_its_contact_and_a_roller_turns_at_
     assert wheel.depth == pytest.approx((-6.5 * MM, 6.5 * MM)) and bar.depth == pytest.approx((-5 * MM, 5 * MM))
     along = bar.points / MM @ [0.6, 0.8]
     assert [along.min(), along.max()] == pytest.approx([-6.0, 25 + 0.6 * 12], abs=0.03)  # of points on its round ends
+
+
+@pytest.mark.parametrize(("bore", "more"), [(0.0, ()), (2.0, (2.0,))])
+def test_a_disc_is_turned_from_its_radial_section(bore, more):
+    """Radius and height of the corners, from the lower one at the bore round to it."""
+    disc = outlines.disc(9.0, 1.0, 4.0, *more)
+    assert disc.kind == "lathe"
+    assert disc.points.tolist() == [[bore, 1.0], [9.0, 1.0], [9.0, 4.0], [bore, 4.0], [bore, 1.0]]

@@ -7,10 +7,13 @@ from __future__ import annotations
 
 import json
 import os
+from types import SimpleNamespace
 
 import pytest
 
 from unit.cli_parts import SMALL, call
+from valvetrain.cli import keep_rest
+from valvetrain.cli.outcome import Outcome
 from valvetrain.cli.progress import PROGRESS_VARIABLE, progress_bar, tell_progress
 from valvetrain.report.read_page import read_page
 from valvetrain.studies.run_store import find_run
@@ -39,6 +42,36 @@ def test_springs_at_rest_are_kept_as_a_run_is(small, command, more):
     assert "at-rest" in {section.key for section in read_page(small / told["page"])}
     again = json.loads(call(command, str(run.folder), *more, "--json").stdout)
     assert again["springs_at_rest"] == plain["springs_at_rest"], "it is repeated from its folder"
+
+
+@pytest.mark.parametrize(
+    ("failures", "missing", "told"),
+    [((), (), ()), (("a",), (), ("a",)), ((), ("b",), ("b",)), (("a", "b"), ("b", "c"), ("a", "b", "c"))],
+)
+@pytest.mark.parametrize("page", [True, False])
+def test_what_is_kept_is_said_with_the_answer_and_all_that_failed(tmp_path, monkeypatch, failures, missing, told, page):
+    parts = SimpleNamespace(page=tmp_path / "page.html" if page else None, data=(tmp_path / "a.csv",), gaps=missing)
+    written, said = [], []
+
+    def keep_run(request, text, choices, data, write, made_by, gaps):
+        written.extend(write(tmp_path))
+        assert data["completed"] is (not told) and data["failures"] == list(told), "run.json says so too"
+        assert choices == {"steps": 4, "spring_models": ["rod", "chain"]} and (request.command, text, made_by) == ("static", "text", "me")
+        return tmp_path, ["files"]
+
+    monkeypatch.setattr(keep_rest, "keep_run", keep_run)
+    monkeypatch.setattr("valvetrain.report.write.write_parts", lambda study, target: parts)
+    rest = tuple(SimpleNamespace(model=word) for word in ("rod", "chain", "rod"))
+    study = SimpleNamespace(command="static", rest=rest, record=SimpleNamespace(text="text"), provenance="me")
+    outcome = Outcome({"answer": 1}, lambda console: console.print("the answer"), failures)
+    found = keep_rest.kept(outcome, study, None, tmp_path, {"steps": 4})
+    found.show(SimpleNamespace(print=lambda words, **more: said.append(words)))
+    assert said == ["the answer", f"\nkept in {tmp_path}"] and found.failures == told
+    assert written == [*parts.data, *([parts.page] if page else [])]
+    assert found.data == {
+        "answer": 1, "folder": str(tmp_path), "files": ["files"], "page": str(parts.page) if page else None,
+        "completed": not told, "failures": list(told),
+    }  # fmt: skip
 
 
 def test_progress_is_told_to_whoever_asked_for_it(monkeypatch):

@@ -10,7 +10,7 @@ import pytest
 
 from valvetrain.identification import lockstep
 from valvetrain.identification.lockstep import Lockstep
-from valvetrain.studies.stopping import Stopped
+from valvetrain.studies.stopping import PointsStopped, RefinementStopped, Stopped, StudyStopped
 
 Array = np.ndarray
 
@@ -66,3 +66,11 @@ def test_a_signal_while_a_chain_starts_leaves_nothing_that_prints_later(
         pool.map(loud, [1.0, 2.0, 3.0])
     time.sleep(0.5)
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("kind", [PointsStopped, StudyStopped, RefinementStopped])
+def test_whatever_was_stopped_holds_what_was_finished_and_says_no_more_than_that_it_stopped(kind):
+    done = {2: "two"}
+    cut = kind(done)
+    assert str(cut) == "stopped" and isinstance(cut, KeyboardInterrupt)
+    assert (cut.results if kind is PointsStopped else cut.study) == done

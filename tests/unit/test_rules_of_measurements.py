@@ -17,7 +17,7 @@ from valvetrain.measurements.rig_formats.arrays import channels_of
 from valvetrain.measurements.rig_result import student
 from valvetrain.measurements.shaft_angle import ShaftAngle
 from valvetrain.measurements.spring_scan import ends, sections
-from valvetrain.measurements.spring_scan.trace import _rise
+from valvetrain.measurements.spring_scan.trace import _rise, follow
 from valvetrain.studies.seen import finest_trace
 
 TURN = 2 * np.pi
@@ -205,3 +205,20 @@ def test_the_sampling_rate_of_a_text_stands_in_its_heading(tmp_path, line, rate)
     assert found.scalars == ({} if rate is None else {"sampling_rate": rate})
     (lift,) = found.channels
     assert (lift.name, lift.unit) == ("lift", "mm") and lift.times is None and lift.values == pytest.approx(2.0 * np.arange(20))
+
+
+@pytest.mark.parametrize("hand", [1, -1])
+@pytest.mark.parametrize("begin", [1, 18, 35])
+@pytest.mark.parametrize(("count", "whole"), [(50, False), (70, False), (74, True), (110, True)])
+def test_a_wire_is_followed_over_two_turns_at_least_wherever_it_begins(hand, begin, count, whole):
+    """Sections of a helix of pitch 6 mm, 36 to the turn, that begin in any half plane."""
+    step = np.arange(count)
+    turn = np.mod(hand * (begin + step) + 0.5, 36) / 36
+    found = sections.Sections(turn, np.full(count, 12e-3), 6e-3 * step / 36, np.ones(count), 1.5e-3)
+    if not whole:
+        with pytest.raises(InputError, match=f"over {(count - 1) / 36:.2g} turns only"):
+            follow(found, 36)
+        return
+    trace = follow(found, 36)
+    assert trace.hand == hand and np.diff(trace.turn) == pytest.approx(np.full(count - 1, 1 / 36))
+    assert trace.height == pytest.approx(6e-3 * step / 36)

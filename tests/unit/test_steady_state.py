@@ -43,6 +43,15 @@ def test_the_period_of_what_does_not_settle_is_told(method, rate, period):
     assert found.converged is (period == 1)
 
 
+@pytest.mark.parametrize("method", [repeat_cycles, accelerate])
+def test_both_methods_search_alike_unless_told_otherwise(method):
+    """A change below 1e-6; periods up to eight, and none of the sixteen that the logistic map has at 3.566."""
+    slow = method(lambda x: TARGET + 0.5 * (x - TARGET), np.zeros(6), np.ones(6))
+    assert slow.converged and 1e-7 < slow.tolerance <= 1e-6 and slow.residuals[-1] <= 1e-6
+    assert slow.state == pytest.approx(TARGET, abs=2e-6)
+    assert [method(logistic(rate), np.array([0.3]), np.ones(1), 1e-6, 2000).period for rate in (3.55, 3.566)] == [8, 0]
+
+
 def test_a_map_that_leaves_all_bounds_ends_the_search():
     found = repeat_cycles(lambda x: x * np.inf, np.ones(1), np.ones(1))
     assert not found.converged and found.cycles == 1
