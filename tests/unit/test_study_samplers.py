@@ -128,3 +128,14 @@ def test_points_count_as_draws_where_they_follow_their_distribution(word):
     normal = (Varied("a", distribution=Normal(0.0, 1.0, -3.0, 3.0)), Varied("b", distribution=Normal(0.0, 1.0, -3.0, 3.0)))
     points = drawn(word, normal, **({"levels": 5} if word == "grid" else {"count": 512}))
     assert (np.std(points[:, 0]) == pytest.approx(0.987, abs=0.08)) == DRAWN[word]
+
+
+@pytest.mark.parametrize("word", ["monte-carlo", "latin-hypercube", "sobol", "saltelli"])
+@pytest.mark.parametrize("count", [1_000_000, 1_000_001])
+def test_no_sampler_draws_more_than_a_million_points(word, count):
+    spec = sampler(word)
+    if count > 1_000_000:
+        with pytest.raises(InputError, match="count"):
+            spec.read_options({"count": count})
+    else:
+        assert spec.read_options({"count": count}).count == count

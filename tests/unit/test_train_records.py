@@ -7,6 +7,7 @@ import pytest
 
 from valvetrain.integrate import train_run
 from valvetrain.integrate.train_channels import spring_outputs
+from valvetrain.integrate.train_log import note_body
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.loading import load_case
@@ -33,3 +34,13 @@ def test_the_recorded_head_of_a_large_state_is_enough(monkeypatch):
         assert head.axial_displacement == pytest.approx(whole.axial_displacement, abs=1e-12)
         assert head.coil_contact_force == pytest.approx(whole.coil_contact_force, abs=1e-6)
     assert max(np.max(output.coil_contact_force) for output in found[0]) < 1e4  # N, a clash and no artefact
+
+
+def test_peaks_of_a_body_are_kept_with_their_cam_angles():
+    """Kicks of 0.5 s: speed where the sample lies between the kick's ends, acceleration over the kick, by hand; of equals the first."""
+    peaks = np.zeros((2, 5))
+    for place, before, after, now, angle in (
+        (1e-3, 0.0, 2.0, 0.5, 0.1), (3e-3, 2.0, -5.0, 0.25, 0.2), (2e-3, -5.0, -6.0, 0.5, 0.3), (5e-4, -6.0, 1.0, 1.0, 0.4),
+    ):  # fmt: skip
+        note_body.py_func(0, place, before, after, now, 0.5, angle, peaks)
+    assert peaks.tolist() == [[3e-3, 5.5, 0.3, 14.0, 0.2], [0.0] * 5]
