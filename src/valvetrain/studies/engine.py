@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from valvetrain.errors import RunFailedError
 from valvetrain.studies.batch import worker_count
+from valvetrain.studies.blas_threads import one_thread
 from valvetrain.studies.stopping import PointsStopped, look
 from valvetrain.studies.workers import Lost, as_they_come, in_processes
 
@@ -37,16 +38,17 @@ def map_points(
     count = min(count, max(len(points), 1))
     results: dict[int, Result] = {}
     try:
-        for place, result in _results(function, shared, points, count, processes):
-            if isinstance(result, Lost):
-                if lost is None:
-                    raise RunFailedError(f"a run is lost: {LOST}; {LOST_REMEDY}")
-                result = lost(points[place])
-            results[place] = result
-            if finished is not None:
-                finished(place, result)
-            if tell is not None:
-                tell(len(results), len(points))
+        with one_thread():
+            for place, result in _results(function, shared, points, count, processes):
+                if isinstance(result, Lost):
+                    if lost is None:
+                        raise RunFailedError(f"a run is lost: {LOST}; {LOST_REMEDY}")
+                    result = lost(points[place])
+                results[place] = result
+                if finished is not None:
+                    finished(place, result)
+                if tell is not None:
+                    tell(len(results), len(points))
     except KeyboardInterrupt:
         raise PointsStopped(results) from None
     return tuple(results[place] for place in range(len(points)))

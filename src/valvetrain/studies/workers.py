@@ -12,9 +12,10 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from typing import Any
 
+from valvetrain.studies.blas_threads import one_thread, stay_on_one_thread
 from valvetrain.studies.stopping import LOOK, look
 
 #: Pools in which a run is tried together with others; after that each is tried alone, so that one that kills its worker is found.
@@ -39,16 +40,17 @@ def in_processes(function: Callable[[Any, Any], Any], shared: Any, points: Seque
     """(place, ``function(shared, point)``) of every point as it is finished, over ``count`` processes; :class:`Lost` for one that is not
     to be had. What ``function`` raises is raised here."""
     left = dict(enumerate(points))
-    for _ in range(TOGETHER):
-        if left:
-            yield from _finished(function, shared, left, min(count, len(left)))
-    for place in tuple(left):
-        alone = {place: left[place]}
-        for _ in range(ALONE):
+    with one_thread():
+        for _ in range(TOGETHER):
+            if left:
+                yield from _finished(function, shared, left, min(count, len(left)))
+        for place in tuple(left):
+            alone = {place: left[place]}
+            for _ in range(ALONE):
+                if alone:
+                    yield from _finished(function, shared, alone, 1)
             if alone:
-                yield from _finished(function, shared, alone, 1)
-        if alone:
-            yield place, Lost()
+                yield place, Lost()
 
 
 def _finished(function: Any, shared: Any, left: dict[int, Any], count: int) -> Iterator[tuple[int, Any]]:
@@ -111,6 +113,7 @@ def _end(pool: ProcessPoolExecutor) -> None:
 
 def _begin(parent: int, function: Any, shared: Any) -> None:
     quiet_worker(parent)
+    stay_on_one_thread()
     _SHARED[:] = [function, shared]
 
 
@@ -148,17 +151,27 @@ class StandingPool:
     def __init__(self, function: Callable[[Any, Any], Any], shared: Any, count: int) -> None:
         self.function, self.shared, self.count = function, shared, count
         self._pool: ProcessPoolExecutor | None = None
+        self._left = ExitStack()
 
     def __enter__(self) -> StandingPool:
+        self._left.enter_context(one_thread())
+        try:
+            self._start()
+        except BaseException:
+            self._left.close()
+            raise
+        return self
+
+    def _start(self) -> None:
         if self.count > 1:
             context = multiprocessing.get_context(start_method())
             self._pool = ProcessPoolExecutor(self.count, context, initializer=_begin, initargs=(os.getpid(), self.function, self.shared))
             result_of(self._pool.submit(os.getpid))  # begins all of them now, before any thread runs
-        return self
 
     def __exit__(self, *_: object) -> None:
         if self._pool is not None:
             _end(self._pool)
+        self._left.close()
 
     def map(self, points: Sequence[Any]) -> list[Any]:
         """The results of one batch."""
@@ -182,4 +195,4 @@ class StandingPool:
             for number, result in in_processes(self.function, self.shared, [points[place] for place in again], self.count):
                 yield again[number], result
             _end(self._pool)
-            self.__enter__()
+            self._start()

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.studies.blas_threads import one_thread
 from valvetrain.studies.stopping import look
 from valvetrain.studies.workers import Lost, in_processes
 
@@ -46,9 +47,10 @@ class LocalCrew:
         if self.workers > 1 and len(jobs) > 1:
             yield from in_processes(function, shared, jobs, min(self.workers, len(jobs)))
             return
-        for place, job in enumerate(jobs):
-            look()
-            yield place, function(shared, job)
+        with one_thread():
+            for place, job in enumerate(jobs):
+                look()
+                yield place, function(shared, job)
 
     def close(self) -> None:
         """Nothing is held."""
