@@ -39,3 +39,16 @@ def test_no_bar_of_another_number_and_none_that_moves_no_digit(value, numerical,
 def test_bars_give_way_to_a_table_of_eighty_columns(wide, between):
     chosen = fitting(bars("peak_spring_force", 965.0, 2.0), lambda one: wide - {" ": 0, "": 2, None: 4}[one.between])
     assert chosen.between == between
+
+
+@pytest.mark.parametrize(
+    ("value", "numerical", "words"),
+    [
+        (965.0, 0.051, "965 ± 0.051"), (965.0, 0.049, "965"), (9.65, 6e-4, "9.65 ± 0.0006"), (9.65, 4e-4, "9.65"),
+        # Half of the last of four digits of 0.5 is 0.00005; bars below 0.0001 are left out all the same.
+        (0.5, 1.1e-4, "0.5 ± 0.00011"), (0.5, 9e-5, "0.5"), (0.5, 6e-5, "0.5"), (-965.0, 0.051, "-965 ± 0.051"),
+    ],
+)  # fmt: skip
+def test_a_bar_moves_the_fourth_digit_and_is_a_ten_thousandth_at_least(value, numerical, words):
+    (cell,) = bars("peak_spring_force", value, numerical).cells(row("peak_spring_force", value), (STOCK,))
+    assert cell.replace("−", "-") == words

@@ -123,3 +123,20 @@ def test_neighbours_that_would_pass_each_other_are_kept_apart():
     places = np.array([[40.0, 41.0]])
     found = fit(picture(places, HEIGHTS[None]), np.array([[41.5, 40.5]]), known(), np.array([HEIGHTS.mean()]), 2.5)
     assert found.places[0, 1] - found.places[0, 0] == pytest.approx(2.5, abs=0.05)
+
+
+def test_between_its_points_a_profile_is_straight_and_beyond_its_reach_dark():
+    """Each coil by its own table, up to the last point on either side; coils along the second axis from the end."""
+    points = np.arange(-3 * FINE, 3 * FINE + 1) / FINE
+    table = np.random.default_rng(4).uniform(1.0, 2.0, (2, len(points)))
+    made = Profiles(table, 3.0)
+    one = np.linspace(-3.0, 3.0, 977)
+    two = np.concatenate([one[::-1][:975], [-3.0 - 1e-9, 3.0 + 1e-9]])
+    found = made.at(np.array([[one, two]]), table)
+    assert found.shape == (1, 2, 977)
+    assert found[0, 0] == pytest.approx(np.interp(one, points, table[0]), rel=1e-9)
+    assert found[0, 1, :975] == pytest.approx(np.interp(two[:975], points, table[1]), rel=1e-9)
+    assert np.array_equal(found[0, 1, 975:], [0.0, 0.0])
+    slopes = np.diff(table, axis=1) * FINE
+    assert made.slope[:, 1:-1] == pytest.approx((slopes[:, 1:] + slopes[:, :-1]) / 2)
+    assert made.slope[:, [0, -1]] == pytest.approx(slopes[:, [0, -1]])

@@ -121,3 +121,11 @@ def test_the_range_of_a_law_and_no_speed_at_all():
         refuse_implausible_motion(SinePower(maximum_lift=0.9, opening_start=1.0, closing_end=3.0), ())
     with pytest.raises(InputError):
         refuse_implausible_motion(law, (10.0, 1e5))
+
+
+@pytest.mark.parametrize("scale", [1e-25, 1e-12, 1e12, 1e25])
+def test_the_likeliest_noise_does_not_depend_on_the_unit_of_the_jerk(fit, scale):
+    """A ratio of variances goes with the square of that unit."""
+    noise, ratio = smoothing._likeliest(fit.design, fit.penalty, NOISY, None, False)
+    found = smoothing._likeliest(fit.design, scale * fit.penalty, NOISY, None, False)
+    assert found == pytest.approx((noise, scale * ratio), rel=1e-4)
