@@ -7,11 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from train_parts import KINDS, LAW
+from train_parts import KINDS, LAW, system
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.parts import ElasticLink
 from valvetrain.mechanism.planar import support_parts
 from valvetrain.parameters.train import SupportParameters
+from valvetrain.system.rigid_pose import rigid_poses
 
 STIFFNESS, DAMPING, MASS, LEVER = 5e7, 200.0, 0.1, 0.06
 LEVERS = ("finger", "rocker", "pushrod")
@@ -43,3 +44,18 @@ def test_the_link_of_a_pivot_is_the_same_in_both_models(kind, model):
 def test_a_rigid_pivot_adds_nothing(kind):
     assert support_parts(KINDS[kind](), LEVER) == ([], [], (0.0, 0.0), "")
     assert not [one.name for one in build_mechanism(KINDS[kind](), LAW).interactions if one.name == "support"]
+
+
+@pytest.mark.parametrize("kind", LEVERS)
+def test_a_rigid_pose_leaves_the_pivot_where_it_is_and_the_valve_at_its_lift(kind):
+    """The train with the pivot moves as that without it; contacts between valve and pushrod stay as they are at rest."""
+    built = system(KINDS[kind](support=SupportParameters(STIFFNESS, MASS, DAMPING)))
+    found, rigid = rigid_poses(built, 9), rigid_poses(system(KINDS[kind]()), 9)
+    place = built.coordinate_names.index("support")
+    valve = built.mechanism.index(built.mechanism.valve)
+    assert found.q[:, place] == pytest.approx(np.zeros(9), abs=1e-12)
+    assert found.modes[:, place] == pytest.approx(np.zeros(9), abs=1e-12)
+    assert found.q[:, valve] == pytest.approx(found.valve_lifts, abs=1e-12) and found.modes[:, valve] == pytest.approx(np.ones(9))
+    others = np.delete(np.arange(len(built.masses)), place)
+    assert found.q[:, others] == pytest.approx(rigid.q, abs=1e-9)
+    assert found.reduced_masses == pytest.approx(rigid.reduced_masses, rel=1e-6)

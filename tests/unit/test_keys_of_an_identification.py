@@ -35,8 +35,10 @@ REFUSED: list[tuple[str, tuple[Any, ...], Any, str]] = [
     ("plain", (), "3", "write a number"),
     ("amount", ("m",), MISSING, "is missing; give key"), ("amount", ("m",), "4 N", "is a force"), ("amount", ("m",), True, ""),
     ("amounts", ("m",), MISSING, "is missing; give key"), ("amounts", ("m",), "1, 2 N", "is a force"), ("amounts", ("m",), [True], ""),
-    ("parts", (), MISSING, "there is none; write a table [key.NAME]"), ("parts", (), {}, "there is none"), ("parts", (), 3, "write a table"),
-    ("parts", (), {" ": {}}, "is no name"), ("parts", (), {"a" * (LONGEST + 1): {}}, "is no name"), ("parts", (), {"a\x07": {}}, "is no name"),
+    ("parts", (), MISSING, "there is none; write a table [key.NAME]"), ("parts", (), {}, "there is none"),
+    ("parts", (), 3, "write a table"),
+    ("parts", (), {" ": {}}, "is no name"), ("parts", (), {"a" * (LONGEST + 1): {}}, "is no name"),
+    ("parts", (), {"a\x07": {}}, "is no name"),
     ("parts", (), {"a": 3}, "write a table"),
 ]  # fmt: skip
 
@@ -73,7 +75,7 @@ def test_what_nobody_takes_is_refused_with_the_nearest_that_was_taken():
     table = Part({"draws": 3, "speed": 4}, "search")
     table.take("draws")
     table.take("speeds")
-    with pytest.raises(InputError, match="key 'speed' is unknown.*speeds") as refused:
+    with pytest.raises(InputError, match=r"key 'speed' is unknown.*speeds") as refused:
         table.finish()
     assert refused.value.where == "search"
     with pytest.raises(InputError, match="write a table"):

@@ -157,3 +157,12 @@ def test_what_holds_nothing_to_draw_is_refused():
 def test_results_load_no_plotting_until_asked():
     code = "import sys, valvetrain.solution.study; print([m for m in ('plotly', 'pandas', 'valvetrain.report') if m in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(("axial", "words"), [
+    (0, ""), (1, "\n  1 axial: 100 Hz"), (6, "\n  6 axial: 100, 200, 300, 400, 500, 600 Hz"),
+    (7, "\n  7 axial: 100, 200, 300, 400, 500, 600, ... Hz"), (9, "\n  9 axial: 100, 200, 300, 400, 500, 600, ... Hz"),
+])  # fmt: skip
+def test_six_axial_modes_are_told_and_that_there_are_more(axial, words):
+    found = ModalResult(7e-3, 100.0 * np.arange(1, 11), np.ones((10, 4, 3)), np.arange(4.0), np.ones(10), tuple(range(axial)))
+    assert repr(found) == f"ModalResult at 7 mm compression, 10 modes, completed{words}"

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from valvetrain.identification import solve
+from valvetrain.errors import InputError
+from valvetrain.identification import profiles, solve
 from valvetrain.identification.datum import Datum
 from valvetrain.identification.draws import silent
 from valvetrain.identification.least_squares import Peak
@@ -16,7 +17,9 @@ from valvetrain.identification.multistart import _inside
 from valvetrain.identification.posterior import Posterior, Unknown
 from valvetrain.identification.prior import Prior
 from valvetrain.identification.search import Search
-from valvetrain.studies.optimum.measure import REST, RUNS, Measure, measuring
+from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.studies.optimum.limit_speed import BELOW, BEYOND, FOUND, LimitSearch
+from valvetrain.studies.optimum.measure import LIMIT, REST, RUNS, Measure, _limit, measuring
 from valvetrain.studies.points.point import Outcome
 
 BEGIN = np.array([0.25, 3.0])
@@ -103,3 +106,73 @@ def test_a_design_asks_once_for_what_its_measures_need_and_at_rest_first(sources
     assert asked == batches and found.code == "completed" and not found.failure
     due = [10.0 * place + (0.0 if source == REST else 500.0) for place, source in enumerate(sources)]
     assert [found.values[one] for one in measures] == due
+
+
+class Capturing:
+    """Least squares that leave what is free where it began, and fail at values above 2."""
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[tuple[float, ...], int, list[bool]]] = []
+
+    def __call__(self, posterior, begin, *, iterations, free):
+        if begin[0] > 2.0:
+            raise InputError("no possible spring")
+        self.asked.append((tuple(begin), iterations, free.tolist()))
+        return Peak(begin + 0.5 * free, {}, 10.0 * begin[0], np.zeros((2, 2)), np.eye(2), 1)
+
+
+def test_a_profile_goes_from_the_best_to_two_and_a_half_deviations_on_either_side(monkeypatch):
+    """Four values a side within the bounds, each search from the end of the one before; what cannot be is not a number."""
+    tried = Capturing()
+    monkeypatch.setattr(profiles, "least_squares", tried)
+    peak = Peak(np.array([0.0, 3.0]), {}, 7.0, np.zeros((2, 2)), np.diag([1.44, 0.09]), 1)
+    told: list[str] = []
+    found = profiles.profile(line([]), peak, "a", report=told.append)
+    assert found.name == "a" and found.values == pytest.approx(np.arange(-4, 5) * 0.75) and told == ["profile of a"] * 8
+    assert found.misfit == pytest.approx([-30.0, -22.5, -15.0, -7.5, 7.0, 7.5, 15.0, np.nan, np.nan], nan_ok=True)
+    starts = [begin for begin, _, _ in tried.asked]
+    due = [(-0.75 * n, 3.0 + 0.5 * (n - 1)) for n in (1, 2, 3, 4)] + [(0.75, 3.0), (1.5, 3.5)]
+    assert np.array(starts) == pytest.approx(np.array(due))
+    assert all(iterations == 10 and free == [False, True] for _, iterations, free in tried.asked)
+    near = profiles.profile(line([]), Peak(np.array([-3.0, 3.0]), {}, 7.0, np.zeros((2, 2)), np.diag([1.44, 0.09]), 1), "a")
+    assert near.values == pytest.approx([-4.0, -3.75, -3.5, -3.25, -3.0, -2.25, -1.5, -0.75, 0.0])
+    with pytest.raises(InputError, match="no quantity 'c' to profile; choose from a, b"):
+        profiles.profile(line([]), peak, "c")
+
+
+def test_a_profile_of_one_quantity_is_the_misfit_itself():
+    """Data 4 +- 0.1 and -2 +- 0.1 of the quantity and of its opposite: squares of the misses by their scatter; nothing beyond 3."""
+
+    def evaluate(points):
+        return [None if a > 3.0 else {"sum": a, "difference": -a} for (a,) in points]
+
+    posterior = Posterior((Unknown("a", Prior("uniform", -4.0, 4.0)),), (Datum("sum", 4.0, 0.1), Datum("difference", -2.0, 0.1)), evaluate)
+    peak = Peak(np.array([2.0]), {}, 400.0, np.zeros((2, 1)), np.array([[0.64]]), 1)
+    found = profiles.profile(posterior, peak, "a")
+    assert found.values == pytest.approx(2.0 + 0.5 * np.arange(-4, 5))
+    due = [((4 - a) ** 2 + (2 - a) ** 2) / 0.01 if a <= 3 else np.nan for a in found.values]
+    assert found.misfit == pytest.approx(due, nan_ok=True)
+
+
+@pytest.mark.parametrize(
+    ("fails", "due"),
+    [
+        ((), (BEYOND, 300.0, np.inf, None)),
+        ((100.0,), (BELOW, 0.0, 100.0, "did not end")),  # the lowest speed: the design has no number
+        ((200.0, 150.0, 175.0), (FOUND, 125.0, 150.0, None)), ((300.0,), (FOUND, 275.0, 300.0, None)),
+    ],
+)  # fmt: skip
+def test_a_run_that_fails_counts_as_beyond_the_bound_but_at_the_lowest_speed(fails, due):
+    """Speeds 100, 200 and 300 rad/s, then halves to 25 rad/s."""
+    search = LimitSearch("number", True, 5.0, (100.0, 200.0, 300.0), 25.0)
+    going = _limit(Measure(LIMIT, "number", AT_REST, "a number", limit=search), 0)
+    asks = next(going)
+    try:
+        while True:
+            assert {(source, run[1:]) for source, run in asks} == {(LIMIT, AT_REST[0][1:])}
+            ended = [Status("diverged", "did not end") if run[0] in fails else COMPLETED for _, run in asks]
+            asks = going.send([Outcome(one, {"number": 1.0}) for one in ended])
+    except StopIteration as end:
+        found, failed = end.value
+    assert (found.kind, found.low, found.high) == due[:3]
+    assert (failed is None) == (due[3] is None) and (failed is None or failed.status.message == due[3])
