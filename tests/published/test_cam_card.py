@@ -16,7 +16,8 @@ import numpy as np
 import pytest
 
 from valvetrain.cam.build import build_lift_law
-from valvetrain.cam.cam_card import CamCard
+from valvetrain.cam.cam_card import CamCard, angle_before_nose
+from valvetrain.cam.flank_pulse import HalfLobe
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.valve_events import lift_crossings
@@ -157,3 +158,16 @@ def test_lash_and_ratio_are_told_once_or_alike():
         parse_case(text.replace("spring_set =", 'lash = "0.2 mm"\nspring_set ='))
     with pytest.raises(InputError, match=r"lever's arms make 1\.667"):
         parse_case(text.replace('drive_arm = "0.90 in"', 'drive_arm = "0.90 in"\nvalve_arm = "1.5 in"'))
+
+
+@pytest.mark.parametrize("fullness", [-0.6, 0.0, 0.6])
+def test_a_flank_passes_each_of_its_lifts_at_one_angle_and_its_straight_ramp_beyond(fullness):
+    """Line of 0.2 mm and 2 mm a radian before a flank of 1.1 rad: 0.1 mm lie 0.05 rad further out."""
+    half = HalfLobe(9e-3, (0.2e-3, 2e-3), 1.1, 0.3, fullness)
+    for lift, angle in ((0.2e-3, 1.1), (0.1e-3, 1.15), (0.0, 1.2), (-0.1e-3, 1.25)):
+        assert angle_before_nose(half, lift) == pytest.approx(angle, rel=1e-12)
+        assert half.before_nose(angle) == pytest.approx(lift, abs=1e-15)
+    angles = np.linspace(0.02, 1.09, 30)
+    lifts = [half.before_nose(angle) for angle in angles]
+    assert np.all(np.diff(lifts) < 0) and half.before_nose(0.0) == pytest.approx(9e-3)
+    assert [angle_before_nose(half, lift) for lift in lifts] == pytest.approx(angles, abs=1e-9)

@@ -65,7 +65,7 @@ def test_a_recording_is_of_a_known_form_and_size(tmp_path, monkeypatch):
     with pytest.raises(InputError, match="'own' is none of firsts, seconds; export the recording in one of them"):
         reader_process.form_of(path, "own")
     monkeypatch.setattr(reader_process, "MOST_BYTES", 1999)
-    with pytest.raises(InputError, match="'own' is larger than 1.999e-06 GB; cut the recording"):
+    with pytest.raises(InputError, match=r"'own' is larger than 1\.999e-06 GB; cut the recording"):
         reader_process.form_of(path, "own")
 
 
