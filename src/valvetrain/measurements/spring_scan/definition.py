@@ -40,7 +40,7 @@ class Wire:
     turned_over: bool
 
 
-def wire_of(fitted: FittedSpring, turn_over: bool = False) -> Wire:
+def wire_of(fitted: FittedSpring, turn_over: bool) -> Wire:
     """The wire from its lower tip: the wider end is the lower one, else the one with the closer coils, else as it lies."""
     first, last = fitted.tips
     coil = np.linspace(0.0, last - first, int(np.ceil((last - first) * STATIONS)) + 1)
