@@ -98,7 +98,8 @@ LAST = (OUT, "first note", "second note")
         ({"offset": np.radians(12.5)}, ("the mark of the rig lies at 12.500 cam deg, as stated", *LAST)),
         ({"kept": (0, 1, 2, 3), "notes": ()}, (OUT.replace("left out", "kept as asked"),)),
         ({"outliers": ()}, LAST[1:]),
-        ({"shaft": SimpleNamespace(scatter=np.radians(0.034))}, ("the channel of the angle scatters by 0.034 cam deg about its spline", *LAST)),
+        ({"shaft": SimpleNamespace(scatter=np.radians(0.034))},
+         ("the channel of the angle scatters by 0.034 cam deg about its spline", *LAST)),
         ({"alignment": LAID, "offset": np.radians(28.5), "offset_uncertainty": np.radians(0.06)},
          ("the mark of the rig lies at 28.500 ± 0.12 cam deg of the case (95 %), by the lift; the flanks alone give 28.000 and 29.000; "
           "measured lift over that of the case 1.2500", *LAST)),
