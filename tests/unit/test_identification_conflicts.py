@@ -130,5 +130,6 @@ def test_answer_page_and_terminal_tell_them(tmp_path):
     )
     assert (never["points_that_meet_it"], never["cost"], never["missed_instead"]) == (0, None, [])
     (tmp_path / "two.toml").write_text(FILE)
-    again = call("identify", str(tmp_path / "two.toml"), "--workers", "1", "--output", str(tmp_path / "out2"))
+    again = call("identify", str(tmp_path / "two.toml"), "--workers", "1", "--output", str(tmp_path / ("wide" * 20)))
+    assert f"results in {tmp_path / ('wide' * 20)}\n" in again.stdout, "a path is broken nowhere"
     assert "missed instead" in again.stdout and f"{off['at_12']:+.1f}" in again.stdout
