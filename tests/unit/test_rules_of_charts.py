@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from valvetrain.report import compare_test_page
 from valvetrain.report.chart import Band, Chart, Line, Panel, Rule
 from valvetrain.report.identification_charts import _density
 from valvetrain.report.lift_page import derivatives_chart, residuals_chart
@@ -151,3 +152,19 @@ def test_a_turned_body_has_its_lit_end_and_its_rings_and_a_plate_its_slices(kind
     points = np.array([[1.0, 0.0], [2.0, 1.0], [1.0, 3.0]])
     shape = Shape(kind, points, (0.0, 1.0)) if kind == "extrude" else Shape(kind, points)
     assert len(_body(Body("one", "seat", (shape,), np.zeros((1, 3))), 0, (0.3, 0.2))) == count
+
+
+@pytest.mark.parametrize("cycles", [1, 3])
+def test_every_model_with_a_curve_is_drawn_over_the_test(monkeypatch, cycles):
+    """In the unit of the page; a model without a curve has no line, a single cycle no range."""
+    monkeypatch.setattr(compare_test_page, "_axis", lambda found, unit: f"lift ({unit})")
+    monkeypatch.setattr(compare_test_page, "_stretches", lambda found: ())
+    values = 1e-3 * np.arange(1.0, 1 + cycles)[:, None] * np.ones(8)
+    test = SimpleNamespace(cam_angle=np.radians(45.0 * np.arange(8)), values=values, synthetic=False, quantity="valve_lift")
+    curves = {"rod": np.full(8, 4e-3), "chain": None, "modal": np.full(8, 5e-3)}
+    found = SimpleNamespace(runs=[SimpleNamespace(label=name, curve=curve) for name, curve in curves.items()])
+    known = {name: SimpleNamespace(words=f"the {name}", colour="#000000", dash="") for name in curves}
+    (panel,) = compare_test_page.overlay_chart(found, test, "mm", 1e3, known).panels
+    drawn = [(one.name, float(one.y[0])) for one in panel.layers]
+    spread = [(f"least and largest of the {cycles} cycles", 1.0), ("", 3.0)] if cycles > 1 else []
+    assert drawn == [*spread, ("mean of the test", (1 + cycles) / 2), ("the rod", 4.0), ("the modal", 5.0)]
