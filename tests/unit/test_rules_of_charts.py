@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from valvetrain.report import compare_test_page
+from valvetrain.identification.prior import Prior
+from valvetrain.report import compare_test_page, identification_charts
 from valvetrain.report.chart import Band, Chart, Line, Panel, Rule
 from valvetrain.report.identification_charts import _density
 from valvetrain.report.lift_page import derivatives_chart, residuals_chart
@@ -168,3 +169,17 @@ def test_every_model_with_a_curve_is_drawn_over_the_test(monkeypatch, cycles):
     drawn = [(one.name, float(one.y[0])) for one in panel.layers]
     spread = [(f"least and largest of the {cycles} cycles", 1.0), ("", 3.0)] if cycles > 1 else []
     assert drawn == [*spread, ("mean of the test", (1 + cycles) / 2), ("the rod", 4.0), ("the modal", 5.0)]
+
+
+@pytest.mark.parametrize(("ends", "reach"), [((25.0, 40.0), (28.4, 33.6)), ((29.0, 33.0), (29.0, 33.0))])
+def test_a_marginal_reaches_a_little_beyond_its_posterior_within_the_prior(monkeypatch, ends, reach):
+    """31 N/mm with 0.5 N/mm of deviation, 30 to 32 N/mm: eight tenths of the width on either side, densities per N/mm."""
+    monkeypatch.setattr(identification_charts, "title_of", lambda one: "rate (N/mm)")
+    unknown = SimpleNamespace(name="rate", unit="N/mm", prior=Prior("uniform", 1e3 * ends[0], 1e3 * ends[1]))
+    branch = SimpleNamespace(share=1.0, quantities={"rate": SimpleNamespace(low=30e3, high=32e3, best=31e3, deviation=500.0)})
+    found = SimpleNamespace(unknowns=(unknown,), names=("rate",), branches=(branch,), evidence_kind="linearised")
+    (panel,) = identification_charts.marginals_chart(found).panels
+    prior, posterior = panel.layers
+    assert panel.x_range == pytest.approx(reach) and panel.rules == (Rule("x", 31.0),)
+    assert prior.y == pytest.approx(np.full(121, 1 / (ends[1] - ends[0])))
+    assert posterior.y == pytest.approx(np.exp(-0.5 * ((posterior.x - 31) / 0.5) ** 2) / (0.5 * np.sqrt(2 * np.pi)))
