@@ -65,6 +65,8 @@ class Optimum:
     ... ''', workers=1)
     >>> isinstance(found, Optimum), len(found.trials)
     (True, 5)
+    >>> float(found.case_of(found.best).springs[0].precompression) == float(found.best.trial.values[0])
+    True
     """
 
     plan: OptimumPlan

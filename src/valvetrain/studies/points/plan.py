@@ -19,7 +19,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import library_names, load_case
 from valvetrain.parameters.overrides import REMOVED
 from valvetrain.registry import find
-from valvetrain.solution.definition import definition_of, is_defined, no_quantity
+from valvetrain.solution.definition import is_defined, no_quantity
 from valvetrain.studies.points.distributions import SIGMAS, Distribution, LogNormal, Normal, Uniform, Values
 from valvetrain.studies.points.nominal import nominal
 from valvetrain.studies.points.point import Point, Wanted
@@ -190,9 +190,3 @@ def _refuse_impossible(case: Case, varied: Varied) -> None:
 def _unit_of(text: str) -> str:
     words = text.split(",")[-1].strip()
     return words.lstrip("+-0123456789.eE ").strip() if words else ""
-
-
-def output_words(name: str) -> tuple[str, str]:
-    """Plain words and shown unit of an output."""
-    row = definition_of(name)
-    return row.label, row.shown_unit
