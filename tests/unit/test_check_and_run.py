@@ -122,3 +122,13 @@ def test_check_and_run_up_refuse_the_nonsense_that_run_refuses(tmp_path):
         with pytest.raises(InputError, match=r"train\.valve\.friction"):
             ask()
     assert put_together(case, (), implausible=True) is not None
+
+
+@pytest.mark.parametrize("model", ["solid", "nosuch"])
+def test_what_a_spring_model_that_is_asked_for_refuses_is_told(model):
+    """Solids run no cam cycle, and what is no model is none, whatever the case's own models are."""
+    case = load_case("job-t")
+    assert put_together(case, ()) is not None and put_together(case, ("massless",)) is not None
+    with pytest.raises(InputError, match="would take them days" if model == "solid" else "'nosuch' is unknown") as refused:
+        put_together(case, (model,))
+    assert refused.value.where == "--spring"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report.motion.colours import largest_between, slope_stress
 from valvetrain.report.motion.frames import choose_frames
 from valvetrain.report.motion.pack import motion_data, motion_json
-from valvetrain.report.motion.scene import Limits, moving_picture
+from valvetrain.report.motion.scene import Limits, _worth, moving_picture
 from valvetrain.solution.study import Study
 
 WIRE = load_case("gu2021-beehive").springs[0].wire
@@ -169,3 +170,18 @@ def test_a_run_that_cannot_be_drawn_is_named_and_the_others_are(study):
     assert picture.notes[0].startswith("lost at 5600 rpm could not be drawn: ") and "no-such-model" in picture.notes[0]
     with pytest.raises(vt.InputError, match="no-such-model"):
         moving_picture(replace(study, solutions=(strange,)))
+
+
+def test_of_too_many_runs_those_that_know_most_of_their_coils_are_drawn_then_the_fastest():
+    """Stress, gaps and displacements count; how many channels of each there are does not."""
+
+    def made(speed: float, *names: str):
+        return SimpleNamespace(arrays=SimpleNamespace(variables=("valve_lift", *names)), engine_speed=speed)
+
+    three = ("axial_displacement", "coil_gap", "a_shear_stress")
+    runs = [
+        made(900.0), made(100.0, "outer_coil_gap", "outer_axial_displacement"), made(300.0, *three), made(200.0, *three),
+        made(800.0, "inner_coil_gap", "outer_coil_gap"), made(950.0),
+    ]  # fmt: skip
+    ranked = sorted(range(6), key=lambda place: _worth(runs[place]), reverse=True)
+    assert ranked == [2, 3, 1, 4, 5, 0]
