@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.interpolate import interp1d
 
 from synthetic_spring import bump, run
 from valvetrain.errors import InputError
@@ -15,7 +16,7 @@ from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.constructors import conical, cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import OPEN_END
-from valvetrain.studies.film_model import _moved
+from valvetrain.studies.film_model import _at, _moved
 
 TURNS, SHARES = 6.0, np.array([0.0, 0.1, 0.25, 0.5, 0.75, 1.0])
 ENDS = {"closed_coils": 0, "lower_end": OPEN_END, "upper_end": OPEN_END}
@@ -55,3 +56,11 @@ def test_shares_of_a_card_have_no_coil_numbers():
 def test_a_model_without_sections_is_refused():
     with pytest.raises(InputError, match="no displacement of coils"):
         _moved(run({"valve_lift": lambda degrees: 9e-3 * bump(degrees, 180, 106)}), "spring", InstalledSpring(card=SpringCard(30e3, 300.0)))
+
+
+def test_displacements_between_the_points_of_the_wire_and_beyond_them():
+    """By scipy between them; the wire below lies on the seat and moves with the first point, that above with the last."""
+    rng = np.random.default_rng(4)
+    coil = np.array([0.75, 1.0, 1.6, 3.0, 4.25])
+    moved, turns = rng.normal(size=(7, 5)), np.array([0.0, 0.75, 0.9, 1.0, 2.3, 2.999, 4.25, 5.0])
+    assert _at(moved, coil, turns) == pytest.approx(interp1d(coil, moved, axis=1)(np.clip(turns, 0.75, 4.25)), abs=1e-12)
