@@ -32,7 +32,7 @@ def compare_page(desk: Desk, a: str, b: str) -> None:
             tag("p", "There are fewer than two runs yet. Run a case, change a value, run it again.", "said")
             return
         with tag("form", classes="row end compare", action="/compare", method="get"):
-            for name, words, chosen in (("a", "Run A", a or runs[min(1, len(runs) - 1)].run_id), ("b", "Run B", b or runs[0].run_id)):
+            for name, words, chosen in (("a", "Run A", a or runs[1].run_id), ("b", "Run B", b or runs[0].run_id)):
                 _choice(name, words, chosen, runs)
             tag("button", "Compare", "button main", type="submit")
         if a and b:
