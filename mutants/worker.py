@@ -17,20 +17,37 @@ import pytest
 from mutants.copies import compiles, drop_kernels, restore_kernels
 from mutants.faults import Fault, seeded
 
+#: What ``tests/made_watch.py`` says, and how long tests are asked after it has (s): one of them may have an expectation of its own.
+MADE, AFTER = "tests/golden/made", 40.0
+
 
 class Order:
-    """Runs the tests that are asked, in the order of asking, and keeps what the first failing one says."""
+    """Runs the tests that are asked, in the order of asking, up to the first that fails, and keeps what it says.
+
+    A thing made that is not what is kept of it is noted, and tests are asked on for :data:`AFTER`.
+    """
 
     def __init__(self, nodes: list[str], answer: Path) -> None:
         self.rank, self.answer = {node: place for place, node in enumerate(nodes)}, answer
+        self.end = float("inf")
+
+    def pytest_sessionstart(self, session: pytest.Session) -> None:
+        self.session = session
 
     @pytest.hookimpl(trylast=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         items[:] = sorted((item for item in items if item.nodeid in self.rank), key=lambda item: self.rank[item.nodeid])
 
     def pytest_runtest_logreport(self, report: Any) -> None:
-        if report.failed:
+        if report.failed and report.when == "teardown" and MADE in str(report.longrepr):
+            if not self.answer.exists():
+                self.answer.write_text(f"{MADE} | {report.nodeid} | {str(report.longrepr)[:200]}")
+                self.end = time.monotonic() + AFTER
+        elif report.failed:
             self._tell(report.nodeid, report)
+            self.session.shouldstop = "noticed"
+        if time.monotonic() > self.end:
+            self.session.shouldstop = "noticed by what is kept alone"
 
     def pytest_collectreport(self, report: Any) -> None:
         if report.failed:
@@ -54,7 +71,7 @@ def judge(copy: Path, nodes: list[str], limit: float) -> tuple[str, str]:
             os.dup2(log.fileno(), 1)
             os.dup2(log.fileno(), 2)
         files = list(dict.fromkeys(node.split("::")[0] for node in nodes))
-        code = pytest.main(["-x", "-q", "--tb=short", "-p", "no:cacheprovider", *files], plugins=[Order(nodes, answer)])
+        code = pytest.main(["-q", "--tb=short", "-p", "no:cacheprovider", *files], plugins=[Order(nodes, answer)])
         os._exit(int(code))
     while time.monotonic() - begun < limit:
         done, status = os.waitpid(child, os.WNOHANG)
@@ -65,6 +82,8 @@ def judge(copy: Path, nodes: list[str], limit: float) -> tuple[str, str]:
         time.sleep(0.05)
     os.killpg(child, signal.SIGKILL)
     os.waitpid(child, 0)
+    if answer.exists():
+        return "noticed", answer.read_text()
     return "endless", f"no end in {limit:.0f} s"
 
 

@@ -21,7 +21,7 @@ from valvetrain.parameters.overrides import REMOVED
 from valvetrain.registry import find
 from valvetrain.solution.definition import is_defined, no_quantity
 from valvetrain.studies.points.distributions import SIGMAS, Distribution, LogNormal, Normal, Uniform, Values
-from valvetrain.studies.points.nominal import nominal
+from valvetrain.studies.points.nominal import nominal, unit_in_case, unit_of
 from valvetrain.studies.points.point import Point, Wanted
 from valvetrain.studies.points.samplers.contract import MOST_POINTS, SamplerOptions, SamplerSpec, sampler
 from valvetrain.studies.points.study_file import FileText, StudyText, VaryModel
@@ -142,7 +142,9 @@ def _varied(one: VaryModel, case: Case) -> Varied:
 
     texts = [str(raw) for raw in (one.low, one.high, one.mean, one.standard_deviation, one.median, one.tolerance) if raw is not None]
     texts += [one.values] if isinstance(one.values, str) else [str(raw) for raw in one.values or ()]
-    unit = one.unit or next((found for text in texts if (found := _unit_of(text))), "")
+    unit = one.unit or next((found for text in texts if (found := unit_of(text))), "")
+    share = one.way == "tolerance" and unit_of(str(one.tolerance)) == "%"  # of what stands in the case
+    unit = unit_in_case(case, one.key) if share and one.varied == "value" else "" if share else unit
     bare = Varied(one.key, unit, one.varied, label=one.label)
     dimension = dimension_of(unit) if unit else "ratio"
     if one.key == ENGINE_SPEED and (dimension != "angular speed" or one.varied != "value"):
@@ -165,7 +167,10 @@ def _varied(one: VaryModel, case: Case) -> Varied:
         assert one.factor is not None
         distribution = LogNormal(number(one.median), float(one.factor))
     else:
-        reach, middle = number(one.tolerance), nominal(case, bare)
+        middle = nominal(case, bare)
+        reach = abs(middle) * parse_quantity(one.tolerance, "ratio", one.key) if share else number(one.tolerance)
+        if share and not middle:
+            raise InputError("is zero in the case, and so is any share of it; give the tolerance with its unit", one.key)
         if not reach > 0:
             raise InputError("has a tolerance of zero or less; give how far it goes either way", one.key)
         low, high = middle - reach, middle + reach
@@ -185,8 +190,3 @@ def _refuse_impossible(case: Case, varied: Varied) -> None:
             refusals.append(error)
     if len(refusals) == 3:
         raise refusals[1]
-
-
-def _unit_of(text: str) -> str:
-    words = text.split(",")[-1].strip()
-    return words.lstrip("+-0123456789.eE ").strip() if words else ""
