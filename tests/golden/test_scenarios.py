@@ -55,10 +55,14 @@ key = "spring.preload"
 low = "200 N"
 high = "300 N"
 """
+SAMPLERS = ("monte-carlo", "latin-hypercube", "sobol", "saltelli")
 #: Ways in which a quantity varies.
 VARIED = {
-    "normal": 'mean = "32 N/mm"\nstandard_deviation = "1 N/mm"', "cut": 'mean = "32 N/mm"\nstandard_deviation = "1 N/mm"\nhigh = "32.5 N/mm"',
-    "lognormal": 'median = "32 N/mm"\nfactor = 1.1', "tolerance": 'tolerance = "5 %"', "uniform tolerance": 'tolerance = "2 N/mm"\nshape = "uniform"',
+    "normal": 'mean = "32 N/mm"\nstandard_deviation = "1 N/mm"',
+    "cut": 'mean = "32 N/mm"\nstandard_deviation = "1 N/mm"\nhigh = "32.5 N/mm"',
+    "lognormal": 'median = "32 N/mm"\nfactor = 1.1',
+    "tolerance": 'tolerance = "5 %"',
+    "uniform tolerance": 'tolerance = "2 N/mm"\nshape = "uniform"',
 }  # fmt: skip
 
 
@@ -102,12 +106,15 @@ COMMANDS: dict[str, tuple[int, tuple[str, ...]]] = {
     "identified without profile": (0, ("identify", "rate.toml", "--workers", "1", "--method", "ensemble", "--profile", "rate")),
     "rig, wheel with a gap": (0, ("rig", "rig.csv", "--angle-of", "crank", "--pulses", "Crank wheel", "--teeth", "60", "--missing", "2")),
     "rig, once a turn": (0, ("rig", "rig.csv", "--angle-of", "cam", "--once", "Cam pulse", "--dwell", "-60, 60 deg", "--band", "2 kHz")),
-    "rig, span": (0, ("rig", "rig.csv", "--angle-of", "crank", "--encoder", "Crank angle", "--span", "0.05, 0.28 s", "--angle-count", "720")),
+    "rig, span": (0, ("rig", "rig.csv", "--angle-of", "crank", "--encoder", "Crank angle", "--span", "0.05, 0.28 s",
+                     "--angle-count", "720")),
     "rig, case": (0, ("rig", "rig.csv", "--angle-of", "crank", "--encoder", "Crank angle", "--case", "lifted.toml", "--keep-outliers")),
     "rig, offset": (0, ("rig", "rig.csv", "--angle-of", "crank", "--encoder", "Crank angle", "--offset", "12.5 deg", "--json")),
     "gauge of all kinds": (0, ("rig", "--case", "lifted.toml", "--engine-speed", "3000 rpm", "--spring", "massless", "--sensor",
                                "natural_frequency=6 kHz, damping_ratio=0.02, order=2, sampling_rate=9 kHz, bandwidth=3 kHz")),
     "gauge of a train": (0, ("rig", "--case", "vaz-ohc", "--engine-speed", "3000 rpm", "--spring", "massless", "--bandwidth", "2 kHz")),
+    "gauge, own speeds": (0, ("rig", "--case", "pair.toml", "--spring", "massless,multi-mass", "--bandwidth", "1 kHz")),
+    "gauge, two speeds": (0, ("rig", "--case", "lifted.toml", "--engine-speed", "2000, 3000 rpm", "--bandwidth", "1 kHz", "--json")),
     "two springs": (0, ("run", "pair.toml", "--spring", "massless,multi-mass", "--no-report")),
     "two springs in JSON": (0, ("run", "pair.toml", "--spring", "massless", "--json", "--no-report")),
     "two springs at rest": (0, ("static", "pair.toml")),
@@ -127,8 +134,9 @@ COMMANDS: dict[str, tuple[int, tuple[str, ...]]] = {
     "check in JSON": (0, ("check", "told.toml", "--json", "--spring", "finite-element")),
     "check of a train": (0, ("check", "tdi-pushrod", "--set", "train.lash=0.2 mm")),
     "lift of a lobe": (0, ("lift", "lobe.csv", "--at", "1, 5 mm")),
-    "lift in a case": (0, ("lift", "lobe.csv", "--case", "lifted.toml", "--spring", "massless", "--engine-speed", "3000 rpm", "--draws", "5")),
-    **{f"study, {kind}": (0, ("study", f"{kind}.toml", "--workers", "1")) for kind in ("monte-carlo", "latin-hypercube", "sobol", "saltelli")},
+    "lift in a case": (0, ("lift", "lobe.csv", "--case", "lifted.toml", "--spring", "massless", "--engine-speed", "3000 rpm",
+                          "--draws", "5")),
+    **{f"study, {kind}": (0, ("study", f"{kind}.toml", "--workers", "1")) for kind in SAMPLERS},
     **{f"study, {kind}": (0, ("study", f"{kind}.toml", "--workers", "1", "--json")) for kind in VARIED},
 }  # fmt: skip
 
