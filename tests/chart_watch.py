@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import wraps
 from typing import Any
 
 from valvetrain.report.chart import Chart
@@ -11,6 +12,7 @@ ONE_ROW, WORDS, SEVERAL, MOST = 230, 150, 205, 620
 usual = Chart.__init__
 
 
+@wraps(usual)
 def watched(self: Chart, *given: Any, **more: Any) -> None:
     """``Chart(...)``, with its height looked at; a figure of named rows needs 20 pixels for each."""
     usual(self, *given, **more)

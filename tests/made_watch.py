@@ -225,7 +225,8 @@ def invoke(self: CliRunner, app: Any, args: Any = None, **more: Any) -> Any:
     found = usual_invoke(self, app, args, **more)
     if now["file"]:
         name = f"answer {args[0] if isinstance(args, list | tuple) and args else ''}"
-        note(f"{name} end", (found.exit_code, found.stderr if found.exit_code else ""))
+        complaint = "\n".join(one for one in found.stderr.splitlines() if not one.startswith("compiling kernels, once"))
+        note(f"{name} end", (found.exit_code, complaint if found.exit_code else ""))
         _note_text(name, found.stdout, found.stdout.lstrip().startswith("{"))
     return found
 
