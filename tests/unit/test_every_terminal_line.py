@@ -239,3 +239,13 @@ def test_sizes_are_said_as_people_say_them():
     assert [time_words(size) for size in (0.2, 42.0, 89.0, 91.0, 5399.0, 7200.0, 129599.0, 259200.0)] == [
         "1 s", "42 s", "89 s", "1.52 min", "90 min", "2 h", "36 h", "3 d",
     ]  # fmt: skip
+
+
+def test_springs_at_rest_are_told_where_no_run_has_a_number():
+    """A stretch of motion by solid finite elements has no headline number; the answer said nothing at all."""
+    silent = replace(
+        own_study(), solutions=tuple(replace(one, quantities={}) for one in own_study().solutions[:1]), rest=own_study().rest[:1]
+    )
+    heads = [row for row in lines(silent) if row[0] == "at rest"]
+    assert heads and "preload (N)" in heads[0]
+    assert not [row for row in lines(replace(own_study(), rest=own_study().rest[:1])) if row[0] == "at rest"]

@@ -69,7 +69,7 @@ def _tables(study: Study) -> Iterator[Table]:
     if len(study.fidelity):
         yield from _fidelity(study.fidelity)
         return
-    if len(study.rest) > 1 or not study.solutions:
+    if len(study.rest) > 1 or not study.solutions or (study.rest and not rows):  # a stretch of motion alone answers nothing
         yield from _rest_tables(study)
     if study.over_speed:
         for first in range(0, len(columns), BESIDE):
