@@ -18,7 +18,7 @@ from mutants.copies import compiles, drop_kernels, restore_kernels
 from mutants.faults import Fault, seeded
 
 #: What ``tests/made_watch.py`` says, and how long tests are asked after it has (s): one of them may have an expectation of its own.
-MADE, AFTER = "tests/golden/made", 40.0
+MADE, AFTER = "tests/golden/made", 15.0
 
 
 class Order:

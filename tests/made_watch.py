@@ -18,6 +18,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache, wraps
 from importlib import import_module, metadata
+from io import BytesIO
 from pathlib import Path
 from platform import machine, python_version_tuple
 from typing import Any
@@ -68,10 +69,8 @@ FLEETING_KEYS = re.compile(
 )
 #: Fields of objects that are looked at by themselves, or are packed to the last bit.
 OWN_FIELDS = re.compile(r"^(record|modes|curve|points|sections|data|chart)$")
-#: Words that do: times, versions, digests, names of folders.
-FLEETING = re.compile(
-    r"\S*/\S*|\b[0-9a-f]{8,}\b|\d{4}-\d\d-\d\d\S*|\b\d+\.\d+\.\d+\S*|\b[\d.]+ ?(?:s|ms|min|MB|GB|MiB|GiB|kB)\b|\d{8}-\d{6}-?\S*"
-)
+#: Words that do: times, versions, digests; those with a stroke name folders.
+FLEETING = re.compile(r"\b[0-9a-f]{8,}\b|\d{4}-\d\d-\d\d\S*|\b\d+\.\d+\.\d+\S*|\b[\d.]+ ?(?:s|ms|min|MB|GB|MiB|GiB|kB)\b|\d{8}-\d{6}-?\S*")
 NUMBER = re.compile(r"[-+−]?\d+\.?\d*(?:e[-+]?\d+)?", re.IGNORECASE)
 #: Numbers below this are noise; most things kept of one file of tests and one name.
 NOISE, MOST = 1e-9, 400
@@ -98,7 +97,7 @@ def flat(one: Any, words: list[str], numbers: list[Any], depth: int = 0) -> None
         words.append("#")
         numbers.append((float(one.real),))
     elif isinstance(one, str):
-        cleaned = FLEETING.sub("", one[:LONGEST])
+        cleaned = FLEETING.sub("", "".join(part for part in re.split(r"(\s+)", one[:LONGEST]) if "/" not in part))
         numbers.append([float(found.replace("−", "-")) for found in NUMBER.findall(cleaned)])
         words.append("".join(NUMBER.sub("#", cleaned).split()))
     elif isinstance(one, np.ndarray):
@@ -132,8 +131,10 @@ def told(one: Any) -> tuple[str, list[float]]:
     flat(one, words, numbers)
     found = np.concatenate([np.asarray(part, dtype=float) for part in numbers])
     known = np.isfinite(found)
-    sizes = np.arcsinh(np.where(known, found, 0.0) / NOISE)
+    with np.errstate(over="ignore", invalid="ignore"):
+        sizes = np.arcsinh(np.where(known, found, 0.0) / NOISE)
     words.append(str(np.flatnonzero(~known).tolist()))
+    sizes = np.minimum(np.abs(sizes), 1e3) * np.sign(sizes)  # of numbers near the largest there are, infinite
     sums = [float(len(found)), round(float(sizes.sum()), 6), round(float(sizes @ np.cos(1.0 + 0.7 * np.arange(len(found)))), 6)]
     return hashlib.sha256("|".join(words).encode()).hexdigest()[:8], sums
 
@@ -217,7 +218,19 @@ def write_bytes(path: str | os.PathLike[str], content: bytes | memoryview) -> Pa
         with contextlib.suppress(UnicodeDecodeError):
             text = bytes(content).decode()
             _note_text(f"file {name[:40]}", text, name.endswith(".json"))
+    if now["file"] and name.endswith(".gif"):
+        note(f"file {name[:40]}", _seen(bytes(content)))
     return usual_write(path, content)
+
+
+def _seen(film: bytes) -> list[Any]:
+    """Colours of every picture of a film, coarse."""
+    from PIL import Image, ImageSequence
+
+    with Image.open(BytesIO(film)) as pictures:
+        return [
+            np.asarray(one.convert("RGB").resize((48, 27), Image.Resampling.BOX), dtype=float) for one in ImageSequence.Iterator(pictures)
+        ]
 
 
 def invoke(self: CliRunner, app: Any, args: Any = None, **more: Any) -> Any:

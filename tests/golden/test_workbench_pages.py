@@ -81,7 +81,8 @@ class Visit:
         self.text += [f"== {words}", f"{self.client.title or ''} {asked}", *lines(self.client.layout)]
 
     def hears(self, element: Any) -> None:
-        """Keeps what is sent to an element that has a script."""
+        """Keeps what is sent to an element that has a script, and that it was told of other properties."""
+        element.update = lambda: self.text.append(f"-> {element.tag} is told anew")
         element.run_method = lambda *sent: self.text.append(f"-> {element.tag} {brief(sent, 700)}")
 
 
@@ -279,7 +280,7 @@ async def visits(folder: Path) -> list[str]:
         patch.setattr(desk, "chain", lambda case: (desk.chains.setdefault(case, OpenChain(Chain(), text, ())), Chain.case))  # type: ignore[arg-type]
         page = case_page.CasePage(desk, "small", text, desk.workspace.parse("small", text))
         page.build()
-        for one in (page.form, page.slider):
+        for one in (page.form, page.slider, page.order, page.panel, page.results):
             visit.hears(one)
         visit.shows("first")
         for key, value in (("spring.rate", "41 N/mm"), ("spring.rate", "41 furlong"), ("lift_law.kind", "measured"), ("title", "Own")):
