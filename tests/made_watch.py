@@ -85,8 +85,17 @@ unknown: list[str] = []
 
 def versions() -> list[str]:
     """What moves numbers and words beside the package itself."""
-    named = [f"{name} {metadata.version(name)}" for name in ("numpy", "scipy", "numba", "rich", "typer", "plotly", "xarray", "pydantic")]
-    return [f"Python {'.'.join(python_version_tuple()[:2])} {machine()}", *named]
+    found = [f"Python {'.'.join(python_version_tuple()[:2])} {machine()}"]
+    for name in ("numpy", "scipy", "numba", "rich", "typer", "plotly", "xarray", "pydantic", "nicegui"):
+        with contextlib.suppress(metadata.PackageNotFoundError):
+            found.append(f"{name} {metadata.version(name)}")
+    return found
+
+
+@cache
+def are_same() -> bool:
+    """Whether what is installed is what the things were kept with."""
+    return (KEPT / "versions.json").exists() and json.loads((KEPT / "versions.json").read_text()) == versions()
 
 
 def flat(one: Any, words: list[str], numbers: list[Any], depth: int = 0) -> None:
@@ -150,7 +159,7 @@ def kept() -> tuple[dict[str, dict[str, list[list[float]]]], dict[str, dict[str,
     """All things that are kept, by name and digest, and what each file of tests leaves out; nothing where other versions are installed."""
     pool: dict[str, dict[str, list[list[float]]]] = {}
     left: dict[str, dict[str, Any]] = {}
-    if not (KEPT / "versions.json").exists() or json.loads((KEPT / "versions.json").read_text()) != versions():
+    if not are_same():
         return pool, left
     for path in sorted(KEPT.glob("*/*.json")):
         one = json.loads(path.read_text(encoding="utf-8"))

@@ -23,6 +23,7 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import valvetrain
+from made_watch import are_same
 
 SOURCE = Path(valvetrain.__file__).parent
 CONSTANTS = Path(__file__).parent / "constants"
@@ -130,6 +131,7 @@ def told(folder: str) -> str:
 FOLDERS = [".", *sorted(one.name for one in SOURCE.iterdir() if any(one.glob("*.py")))]
 
 
+@pytest.mark.skipif(not are_same(), reason="kept with other versions of Python or of libraries")
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_no_constant_moved(folder):
     assert told(folder) == (CONSTANTS / f"{folder.replace('.', 'package')}.txt").read_text(encoding="utf-8")
