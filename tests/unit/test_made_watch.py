@@ -10,6 +10,7 @@ import pytest
 
 import made_watch
 from made_watch import alike, note, told
+from system_parts import under_ci
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "golden"))
 from keep_made import joined
@@ -96,3 +97,12 @@ def test_runs_are_joined_to_what_they_have_in_common():
     assert kept == {"unsure": ["words"], "words_alone": ["numbers|d"], "made": {"same": {"d": [[1.0, 5.0, 6.0]]}, "numbers": {"d": []}}}
     many = {"f|many": {"d": [[1.0, float(n), 0.0] for n in range(made_watch.MOST)]}}
     assert joined([many, many])["f"]["words_alone"] == ["many|d"], "what goes beyond is not kept, so no run can be held to it"
+
+
+@pytest.mark.skipif(
+    not under_ci() or sys.version_info[:2] != (3, 11), reason="only continuous integration has to compare; it has Python 3.11"
+)
+def test_what_is_kept_is_compared_where_it_counts():
+    assert made_watch.are_same(), "keep all anew with the pinned versions: python tests/golden/keep_made.py"
+    pool, left = made_watch.kept()
+    assert len(left) > 200 and len(pool) > 1000
