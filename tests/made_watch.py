@@ -16,7 +16,7 @@ import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
-from functools import cache, wraps
+from functools import cache, lru_cache, wraps
 from importlib import import_module, metadata
 from io import BytesIO
 from pathlib import Path
@@ -50,7 +50,7 @@ WATCHED = """
     identification.multistart.Ends identification.profiles.Profile quantities.agreement.Agreement quantities.contact_loss.RigidForces
     quantities.difference_band.DifferenceBand quantities.energy.EnergyBalance quantities.kinematics.RigidTable
     quantities.kinematics.RigidMotion quantities.spectrum.OrderSpectrum quantities.stress.WireStress quantities.trace_events.EventRow
-    quantities.train_events.RigidCycle cosserat.modes.RodModes cosserat.transient.RodTransient springs.equivalent.EquivalentSpring
+    quantities.train_events.RigidCycle cosserat.modes.RodModes springs.equivalent.EquivalentSpring
     springs.equivalent.InstalledGaps springs.linear.SpringMatrices springs.chain_layout.ChainLayout springs.chain_layout.CoilContacts
     springs.modal_varied.ModalSolution springs.stress.FibreFactors mechanism.parts.AssembledMechanism mechanism.rigid.RatioCurve
     mechanism.rigid.RigidKinematics cam.flank_pulse.HalfLobe cam.arcs.Lobe cam.pieces.PeriodicPieces measurements.sensor.Seen
@@ -62,10 +62,13 @@ WATCHED = """
     studies.seen.SeenChannel studies.solid.SolidCost studies.critical_search.Look studies.grid_convergence.GridConvergence
 """.split()
 #: Files of tests whose things depend on time, on other processes or on chance.
-LEFT = re.compile(r"tests/property/|browser|workbench|_streams|workers_and_signals|test_half_written|full_disk|test_how_to|dask|memory")
+LEFT = re.compile(
+    r"tests/property/|browser|workbench|_streams|workers_and_signals|test_half_written|full_disk|test_how_to|dask|memory|"
+    r"unfinished|kill|stopp|interrupt|resum|goes_on|lost"
+)
 #: Fields and keys that differ from run to run, or say what stands elsewhere too.
 FLEETING_KEYS = re.compile(
-    r"wall_time|seconds|created|digest|version|provenance|statistics|dependenc|memory|folder|path|^files?$|compiled|workers|uuid|elapsed"
+    r"wall_time|seconds|created|digest|version|provenance|statistics|dependenc|memory|folder|path|^files?$|compiled|workers|uuid|elapsed|command_line"
 )
 #: Fields of objects that are looked at by themselves, or are packed to the last bit.
 OWN_FIELDS = re.compile(r"^(record|modes|curve|points|sections|data|chart)$")
@@ -98,17 +101,40 @@ def are_same() -> bool:
     return (KEPT / "versions.json").exists() and json.loads((KEPT / "versions.json").read_text()) == versions()
 
 
+@lru_cache(50_000)
+def of_text(text: str) -> tuple[str, tuple[float, ...]]:
+    """Words of a text without spaces, ``#`` for each number, and its numbers; what differs from run to run is left out."""
+    cleaned = FLEETING.sub("", "".join(part for part in re.split(r"(\s+)", text) if "/" not in part))
+    found = tuple(float(one.replace("−", "-")) for one in NUMBER.findall(cleaned))
+    return "".join(NUMBER.sub("#", cleaned).split()), found
+
+
+@cache
+def stays(key: str) -> bool:
+    """Whether what stands under a key is the same from run to run."""
+    return not FLEETING_KEYS.search(key)
+
+
+@cache
+def parts_of(kind: type) -> tuple[str, ...]:
+    """Fields of a dataclass that are looked at."""
+    return tuple(one.name for one in fields(kind) if stays(one.name) and not OWN_FIELDS.match(one.name))
+
+
 def flat(one: Any, words: list[str], numbers: list[Any], depth: int = 0) -> None:
     """Adds the words and numbers of ``one`` in their order; each number leaves a ``#`` among the words."""
     if one is None or isinstance(one, bool | np.bool_):
         words.append(str(one))
     elif isinstance(one, int | float | np.number):
         words.append("#")
-        numbers.append((float(one.real),))
+        if not isinstance(numbers[-1], list):
+            numbers.append([])
+        numbers[-1].append(float(one.real))
     elif isinstance(one, str):
-        cleaned = FLEETING.sub("", "".join(part for part in re.split(r"(\s+)", one[:LONGEST]) if "/" not in part))
-        numbers.append([float(found.replace("−", "-")) for found in NUMBER.findall(cleaned)])
-        words.append("".join(NUMBER.sub("#", cleaned).split()))
+        said, found = of_text(one[:LONGEST])
+        words.append(said)
+        if found:
+            numbers.append(found)
     elif isinstance(one, np.ndarray):
         words.append(str(one.shape))
         if one.dtype.kind in "fiub":
@@ -117,18 +143,21 @@ def flat(one: Any, words: list[str], numbers: list[Any], depth: int = 0) -> None
             flat(one.ravel().tolist(), words, numbers, depth + 1)
     elif isinstance(one, Mapping):
         for key, value in one.items():
-            if not FLEETING_KEYS.search(str(key)):
+            if stays(str(key)):
                 words.append(str(key))
                 flat(value, words, numbers, depth + 1)
     elif isinstance(one, list | tuple | set | frozenset):
+        if isinstance(one, list | tuple) and len(one) > 3 and {type(value) for value in one} == {float}:
+            words.extend("#" * len(one))
+            numbers.append(tuple(one))
+            return
         for value in sorted(one, key=str) if isinstance(one, set | frozenset) else one:
             flat(value, words, numbers, depth + 1)
     elif is_dataclass(one) and depth < 12:
-        for field in fields(one):
-            if not FLEETING_KEYS.search(field.name) and not OWN_FIELDS.match(field.name):
-                with contextlib.suppress(AttributeError):
-                    words.append(field.name)
-                    flat(getattr(one, field.name), words, numbers, depth + 1)
+        for name in parts_of(type(one)):
+            with contextlib.suppress(AttributeError):
+                words.append(name)
+                flat(getattr(one, name), words, numbers, depth + 1)
     else:
         words.append(type(one).__name__)
 
@@ -136,7 +165,7 @@ def flat(one: Any, words: list[str], numbers: list[Any], depth: int = 0) -> None
 def told(one: Any) -> tuple[str, list[float]]:
     """Digest of the words of a thing; count and two sums of its numbers, each by its sign and the decades of its size."""
     words: list[str] = []
-    numbers: list[Any] = [()]
+    numbers: list[Any] = [[]]
     flat(one, words, numbers)
     found = np.concatenate([np.asarray(part, dtype=float) for part in numbers])
     known = np.isfinite(found)

@@ -22,7 +22,7 @@ from made_watch import FOLDER, KEPT, MOST, alike, versions
 ROOT = Path(__file__).parents[2]
 #: How each run differs from the others: the length of the names of its folders, and the processor that is worked for.
 RUNS: tuple[dict[str, str], ...] = (
-    {}, {"TMPDIR": "a-folder-with-a-longer-name"},
+    {}, {"TMPDIR": "a-longer-name"},
     {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL AVX512_SPR"},
 )  # fmt: skip
 

@@ -29,8 +29,8 @@ SOURCE = Path(valvetrain.__file__).parent
 CONSTANTS = Path(__file__).parent / "constants"
 #: Longest line; what is longer ends in a digest of the whole.
 MOST = 220
-#: Names of modules whose values are those of the machine, of this process or of other packages.
-LEFT = re.compile(r"\.(_KEPT|_AHEAD|app|_turn|_count|_lock)$")
+#: Names of modules whose values are those of the machine or of this process, or hang together by the order of imports.
+LEFT = re.compile(r"\.(_KEPT|_AHEAD|CASES|app|_turn|_count|_lock)$")
 
 
 def said(value: Any, depth: int = 0) -> str:

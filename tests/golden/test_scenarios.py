@@ -100,10 +100,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 WIRE = ("--wire-diameter", "4.2 mm", "--outer-diameter", "30.2 mm")
 COMMANDS: dict[str, tuple[int, tuple[str, ...]]] = {
     "tester with bound coils": (0, ("spring-card", "tester.csv", *WIRE, "--installed-height", "48 mm")),
-    "tester in JSON": (0, ("spring-card", "tester.csv", *WIRE, "--installed-height", "46 mm", "--name", "inner", "--json")),
     "tester of seven stations": (0, ("spring-card", "few.csv", *WIRE, "--installed-height", "48 mm", "--material", "OTEVA 90 SC")),
     "identified": (0, ("identify", "rate.toml", "--workers", "1", "--seed", "5")),
-    "identified without profile": (0, ("identify", "rate.toml", "--workers", "1", "--method", "ensemble", "--profile", "rate")),
     "rig, wheel with a gap": (0, ("rig", "rig.csv", "--angle-of", "crank", "--pulses", "Crank wheel", "--teeth", "60", "--missing", "2")),
     "rig, once a turn": (0, ("rig", "rig.csv", "--angle-of", "cam", "--once", "Cam pulse", "--dwell", "-60, 60 deg", "--band", "2 kHz")),
     "rig, span": (0, ("rig", "rig.csv", "--angle-of", "crank", "--encoder", "Crank angle", "--span", "0.05, 0.28 s",

@@ -45,7 +45,7 @@ def test_other_words_are_told_apart(change):
     [
         (THING, THING | {"force": THING["force"] * (1 + 1e-12)}),
         (THING, THING | {"created_at": "2026-11-23T10:00:00"}),
-        ("results in /tmp/a/b.csv", "results in /home/someone/else/c.csv"),
+        ("results in runs/a/b.csv", "results in somewhere/else/c.csv"),
         ("done in 3.4 s", "done in 12 s"),
     ],
 )
