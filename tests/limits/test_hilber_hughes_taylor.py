@@ -12,7 +12,7 @@ from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
 from valvetrain.integrate.chain_forces import ChainForces
 from valvetrain.integrate.clash import RECORDED
-from valvetrain.integrate.contract import Cycles, RunOptions
+from valvetrain.integrate.contract import Cycles, Periodic, RunOptions
 from valvetrain.integrate.hht import HilberHughesTaylor
 from valvetrain.integrate.run import run
 from valvetrain.solution.provenance import Provenance
@@ -240,3 +240,24 @@ def test_a_step_without_balance_ends_the_run_with_a_status(monkeypatch):
     assert not found.status.completed and found.status.time == 0.0
     assert "no balance of forces after 0.0 cam degrees of turn 1" in found.status.message and "without bound" not in found.status.message
     assert found.channel("seat_force") == pytest.approx([OSCILLATOR.layout.rate * 10e-3])
+
+
+def test_a_steady_turn_is_sought_until_two_turns_agree():
+    """A damped oscillator forgets its start: the turn found is that of many turns, and the answer says how far two turns differed."""
+    damped = replace(OSCILLATOR, mass_damping=2 * 0.02 * OMEGA)
+    system, speed = PrescribedSpring((damped,), Hump(1e-3, 0.5)), OMEGA / 12.3
+    sought = HilberHughesTaylor(0.0).run(system, speed, Periodic(tolerance=1e-6), RunOptions(360), ORIGIN)
+    many = HilberHughesTaylor(0.0).run(system, speed, Cycles(60), RunOptions(360), ORIGIN)
+    assert sought.status.completed and sought.statistics["steady_tolerance_ratio"] == 1e-6
+    assert 0 < sought.statistics["steady_residual_ratio"] <= 1e-6 and "steady_residual_ratio" not in many.statistics
+    turns = sought.statistics["steady_cycles_count"]
+    fade = np.exp(-0.02 * OMEGA * 2 * np.pi / speed)  # of one turn
+    assert turns == pytest.approx(np.log(1e-6) / np.log(fade), abs=4) and many.statistics["steady_cycles_count"] == 60
+    np.testing.assert_allclose(sought.channel("seat_force"), many.channel("seat_force"), atol=1e-5 * np.ptp(many.channel("seat_force")))
+
+
+def test_a_steady_turn_that_is_not_found_is_told():
+    system = PrescribedSpring((OSCILLATOR,), Hump(1e-3, 0.5))
+    found = HilberHughesTaylor(0.0).run(system, OMEGA / 12.3, Periodic(cycles=5, tolerance=1e-9), RunOptions(360), ORIGIN)
+    assert found.status.code == "not-converged" and found.statistics["steady_cycles_count"] == 5
+    assert found.statistics["steady_residual_ratio"] > 1e-9

@@ -93,6 +93,9 @@ def test_points_of_a_lost_worker_keep_their_status_and_are_tried_by_the_next_sta
     table = run_points(plan, Instant(lose=(2,)), tmp_path / "points")
     codes = [one.code for one in table.statuses]
     assert codes.count("worker-lost") == 8 and codes.count("completed") == 28 and len(table.failures) == 8
+    told = {(one.message, one.remedy) for one in table.statuses if one.code == "worker-lost"}
+    assert told == {("the worker process that ran it was killed, and so was the one that tried it again",
+                     "take fewer workers if the memory was not enough")}  # fmt: skip
     again = Instant()
     assert run_points(plan, again, tmp_path / "points").completed.all() and again.points == 8
 
