@@ -20,6 +20,8 @@ from valvetrain.identification.search import Search
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.studies.optimum.limit_speed import BELOW, BEYOND, FOUND, LimitSearch
 from valvetrain.studies.optimum.measure import LIMIT, REST, RUNS, Measure, _limit, measuring
+from valvetrain.studies.optimum.optimum_file import MeasureModel
+from valvetrain.studies.optimum.plan import _limit as limit_of_file
 from valvetrain.studies.points.point import Outcome
 
 BEGIN = np.array([0.25, 3.0])
@@ -176,3 +178,9 @@ def test_a_run_that_fails_counts_as_beyond_the_bound_but_at_the_lowest_speed(fai
         found, failed = end.value
     assert (found.kind, found.low, found.high) == due[:3]
     assert (failed is None) == (due[3] is None) and (failed is None or failed.status.message == due[3])
+
+
+def test_speeds_of_a_limit_rise_however_they_are_told():
+    told = {"quantity": "clash_energy", "at_most": "5 mJ", "engine_speeds": "9000, 5000, 7000 rpm"}
+    found = limit_of_file(MeasureModel(limit_speed=told))
+    assert np.asarray(found.engine_speeds) == pytest.approx(np.array([5000, 7000, 9000]) * np.pi / 30)
