@@ -72,10 +72,20 @@ def line(name: str, value: Any) -> str:
     return text if len(text) <= MOST else f"{text[: MOST - 12]}... {hashlib.sha256(text.encode()).hexdigest()[:8]}"
 
 
+def begins_empty(value: ast.expr | None) -> bool:
+    """Whether a value is filled while the package is used: an empty list or table."""
+    if isinstance(value, ast.Call):
+        made = value.func.value if isinstance(value.func, ast.Subscript) else value.func
+        return isinstance(made, ast.Name) and made.id in ("list", "dict", "set", "OrderedDict", "deque", "WeakKeyDictionary")
+    return isinstance(value, ast.Dict | ast.List) and not (value.keys if isinstance(value, ast.Dict) else value.elts)
+
+
 def assigned(tree: ast.Module) -> Iterator[str]:
     """Names that a module assigns outside functions and classes, in order, each once."""
     found: dict[str, None] = {}
     for node in tree.body:
+        if isinstance(node, ast.Assign | ast.AnnAssign) and begins_empty(node.value):
+            continue
         targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) and node.value else []
         for target in targets:
             found |= dict.fromkeys(one.id for one in ast.walk(target) if isinstance(one, ast.Name))
